@@ -1,0 +1,1 @@
+"""Physics and statistics of a heated screw: no clock, thread, plot or print in here."""

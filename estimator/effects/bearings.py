@@ -1,0 +1,99 @@
+"""The two support bearings: their friction, and the housings through which heat leaves to the machine base."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+from estimator.effect import Effect, Param
+from estimator.inputs import Inputs
+from estimator.record import Array
+from estimator.rig import Rig
+from estimator.terms import SCREW, Heat, Link, Store, Term
+
+
+def under_bearing(rig: Rig, support: str) -> Array:
+    """Share of a heat put in by a bearing that falls to each cell, (cells,); sums to 1."""
+    assert rig.screw is not None
+    bearing = rig.supports[support]
+    width = rig.screw.overlap(bearing.at_mm - bearing.width_mm / 2, bearing.at_mm + bearing.width_mm / 2)
+    return width / width.sum()
+
+
+def friction(p: SimpleNamespace, u: Inputs, rig: Rig, support: str) -> Iterator[Term]:
+    """Heat of one bearing into the screw, spread over the bearing's width."""
+    assert rig.screw is not None
+    q = p.power * rig.screw.relative_speed(u.omega) ** p.n * under_bearing(rig, support)
+    yield Heat(SCREW, q, noise=p.noise * q)
+
+
+def housing(p: SimpleNamespace, u: Inputs, rig: Rig, support: str) -> Iterator[Term]:
+    """One housing: a body between the screw under the bearing and the base."""
+    assert rig.screw is not None
+    node = f"{support}_housing"
+    yield Store(node, p.capacity, p.noise, start=f"{support}_bracket")
+    yield Heat(node, p.power * rig.screw.relative_speed(u.omega) ** p.n)
+    yield Link(SCREW, node, p.g * under_bearing(rig, support))
+    yield Link(node, "base", p.g_base)
+
+
+class AnchorFriction(Effect):
+    """Friction of the anchor bearing heats the screw at the motor side.
+
+    q = P |omega / omega_ref|^n, spread over the bearing's width
+    """
+
+    power = Param(30.0, "W", lo=0.0, hi=120.0, null=0.0, source="41 W for a pair at 1667 rpm, Palmgren")
+    n = Param(1.3, "1", lo=0.7, hi=1.8, source="2.5 / 6 / 15 / 41 W at 208 / 417 / 833 / 1667 rpm: 1.3 - 1.4")
+    noise = Param(0.3, "sqrt(s)", lo=0.0, hi=10.0, fixed=True, source="tuned")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        yield from friction(p, u, rig, "anchor")
+
+
+class FreeFriction(Effect):
+    """Friction of the free-side bearing heats the screw near channel 2.
+
+    q = P |omega / omega_ref|^n, spread over the bearing's width
+    """
+
+    power = Param(15.0, "W", lo=0.0, hi=120.0, null=0.0, source="up to 41 W for a pair at 1667 rpm, Palmgren")
+    n = Param(1.3, "1", lo=0.7, hi=1.8, source="2.5 / 6 / 15 / 41 W at 208 / 417 / 833 / 1667 rpm: 1.3 - 1.4")
+    noise = Param(0.3, "sqrt(s)", lo=0.0, hi=10.0, fixed=True, source="tuned")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        yield from friction(p, u, rig, "free")
+
+
+class AnchorHousing(Effect):
+    """The anchor bearing's housing stores heat and conducts it to the machine base.
+
+    C dT/dt = P |omega / omega_ref|^n + g (T_screw - T) - g_base (T - T_base)
+    """
+
+    capacity = Param(3000.0, "J/K", lo=800.0, hi=8000.0, source="1800 - 4600 computed from drawings")
+    g = Param(2.0, "W/K", lo=0.0, hi=12.0, null=0.0, source="bearing 1 - 3 W/K")
+    g_base = Param(6.0, "W/K", lo=0.0, hi=60.0, source="bolted joint, by fit")
+    power = Param(10.0, "W", lo=0.0, hi=120.0, source="the outer ring's share of the friction")
+    n = Param(1.3, "1", lo=0.7, hi=1.8, fixed=True, source="as the friction")
+    noise = Param(1.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="tuned")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        yield from housing(p, u, rig, "anchor")
+
+
+class FreeHousing(Effect):
+    """The free-side bearing's housing stores heat and conducts it to the machine base.
+
+    C dT/dt = P |omega / omega_ref|^n + g (T_screw - T) - g_base (T - T_base)
+    """
+
+    capacity = Param(2500.0, "J/K", lo=800.0, hi=8000.0, source="1800 - 4600 computed from drawings")
+    g = Param(2.0, "W/K", lo=0.0, hi=12.0, null=0.0, source="bearing 1 - 3 W/K")
+    g_base = Param(6.0, "W/K", lo=0.0, hi=60.0, source="bolted joint, by fit")
+    power = Param(5.0, "W", lo=0.0, hi=120.0, source="the outer ring's share of the friction")
+    n = Param(1.3, "1", lo=0.7, hi=1.8, fixed=True, source="as the friction")
+    noise = Param(1.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="tuned")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        yield from housing(p, u, rig, "free")

@@ -1,0 +1,59 @@
+"""The nut: friction heat along its travel, and a body that parks where the table stops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+from estimator.effect import Effect, Param
+from estimator.inputs import Inputs
+from estimator.record import Array
+from estimator.rig import Rig
+from estimator.terms import SCREW, Heat, Link, Store, Term
+
+
+def under_nut(u: Inputs, rig: Rig) -> Array:
+    """Share of a heat put in by the nut that falls to each cell, (ticks, cells); sums to 1 inside the screw."""
+    assert rig.nut is not None and rig.screw is not None
+    return u.coverage * (rig.screw.length * 1e3 / rig.nut.length_mm)
+
+
+class NutFriction(Effect):
+    """Friction of the preloaded nut heats the screw along the nut's travel.
+
+    q = P |omega / omega_ref|^n, spread over the cells under the nut
+
+    P      heat into the screw at the reference speed, W
+    n      1: constant torque
+    noise  scatter of q, sqrt(s): share of q, with a memory of one second
+    """
+
+    power = Param(60.0, "W", lo=0.0, hi=300.0, null=0.0, source="109 W at 2 kN preload and 20 m/min, 0.3 - 0.7 of it")
+    n = Param(1.0, "1", lo=0.7, hi=1.7, source="1.0 constant torque ... 1.67 viscous")
+    noise = Param(0.3, "sqrt(s)", lo=0.0, hi=10.0, fixed=True, source="tuned")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        assert rig.screw is not None
+        q = p.power * rig.screw.relative_speed(u.omega) ** p.n * under_nut(u, rig)
+        yield Heat(SCREW, q, noise=p.noise * q)
+
+
+class NutBody(Effect):
+    """The nut is a body of its own: part of the friction heats it, and it gives heat to the screw where it is.
+
+    C dT/dt = P |omega / omega_ref|^n - g (T - T_screw) - g_air (T - T_air)
+    """
+
+    capacity = Param(1500.0, "J/K", lo=700.0, hi=3500.0, source="1000 - 2000 computed from drawings")
+    g = Param(2.0, "W/K", lo=0.0, hi=12.0, null=0.0, source="0.8 - 1.6 unsealed, more with grease and balls under load")
+    g_air = Param(1.0, "W/K", lo=0.0, hi=10.0, source="surface 0.05 m2, and what the table takes")
+    power = Param(40.0, "W", lo=0.0, hi=200.0, source="109 W at 2 kN preload and 20 m/min, 0.3 - 0.7 of it")
+    n = Param(1.0, "1", lo=0.7, hi=1.7, fixed=True, source="as the friction")
+    noise = Param(1.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="tuned")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        assert rig.screw is not None
+        yield Store("nut", p.capacity, p.noise, start="nut")
+        yield Heat("nut", p.power * rig.screw.relative_speed(u.omega) ** p.n)
+        yield Link(SCREW, "nut", p.g * under_nut(u, rig))
+        yield Link("nut", "ambient", p.g_air)

@@ -1,0 +1,56 @@
+"""What the sensors make of the temperatures: thermometers in the bore, and the displacement probes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+from estimator.effect import Effect, Param
+from estimator.inputs import Inputs
+from estimator.rig import Rig
+from estimator.terms import SCREW, Lag, Read, Term
+
+
+class Thermometers(Effect):
+    """Thermometers press on the bore, follow it with a lag, and shift with the temperature of their circuit board.
+
+    y = s + board (T_board - T_board(0)),   tau ds/dt = T(x) - s
+
+    tau holds the bore's delay behind the mean of the section too: about 2 s
+    """
+
+    sd = Param(0.03, "K", lo=0.005, hi=0.5, fixed=True, source="0.02 K scatter, 0.01 K steps, 2 s spread of the lags")
+    tau = Param(8.0, "s", lo=0.0, hi=30.0, null=0.0, source="3 - 15 s")
+    board = Param(0.0, "K/K", lo=-0.02, hi=0.02, null=0.0, sd=0.003, source="0.03 K per 10 K")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        offset = p.board * u.rise("board")
+        for name in rig.thermometers:
+            channel = rig.channels[name]
+            if channel.at_mm is not None:
+                assert rig.screw is not None
+                yield Read(name, {SCREW: rig.screw.at(channel.at_mm)}, p.sd, offset)
+                yield Lag(name, p.tau)
+            elif channel.node is not None:
+                yield Read(name, {channel.node: 1.0}, p.sd, offset)
+
+
+class Displacement(Effect):
+    """The probes read the growth of the measured span, and their own and the bar's expansion.
+
+    y = integral of rho T dx + probe (T_probe - T_probe(0)) - bar (T_bar - T_bar(0)) + zero
+
+    The zero is unknown, since the peak hold of the turning screw has no reading at rest to compare with.
+    """
+
+    sd = Param(0.15, "um", lo=0.01, hi=5.0, fixed=True, source="0.1 um scatter, hold error up to 0.19 um")
+    probe = Param(0.1, "um/K", lo=0.0, hi=2.0, sd=0.1, source="at most 0.6 um in a run")
+    bar = Param(0.5, "um/K", lo=0.0, hi=2.0, sd=0.2, source="super Invar, 0 - 1e-6 1/K over 0.94 m; at most 0.8 um")
+    zero_sd = Param(100.0, "um", lo=0.0, hi=1000.0, fixed=True, source="disc wobble")
+    zero_walk = Param(0.002, "um/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="tuned")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        assert rig.screw is not None
+        offset = p.probe * u.rise("probe") - p.bar * u.rise("bar")
+        growth = rig.screw.growth(*rig.screw.span_mm)
+        yield Read("displacement", {SCREW: growth}, p.sd, offset, zero_sd=p.zero_sd, zero_walk=p.zero_walk)

@@ -1,0 +1,33 @@
+"""The screw itself: it stores heat and conducts it along its axis."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+import numpy as np
+
+from estimator.effect import Effect, Param
+from estimator.inputs import Inputs
+from estimator.rig import Rig
+from estimator.terms import SCREW, Chain, Store, Term
+
+
+class Conduction(Effect):
+    """The screw stores heat and conducts it along its axis.
+
+    rho c A dT/dt = d/dx (scale k A dT/dx)
+
+    scale  conductivity against the table value of the rig file, 1
+    noise  heat that no effect describes, W/sqrt(Hz) per sqrt(m)
+    """
+
+    scale = Param(1.0, "1", lo=0.9, hi=1.1, fixed=True, source="SCM420: 42 - 50 W/(m K)")
+    noise = Param(3.0, "W/sqrt(Hz m)", lo=0.01, hi=100.0, fixed=True, source="tuned")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        screw = rig.screw
+        assert screw is not None
+        capacity = screw.density * screw.heat_capacity * screw.area * screw.length
+        yield Store(SCREW, capacity, p.noise * np.sqrt(screw.length))
+        yield Chain(SCREW, p.scale * screw.conductivity * screw.area / screw.length)

@@ -1,0 +1,188 @@
+"""The online filter: one `step(sample)` a tick. Read this first.
+
+    predict   x <- F x + J w            P <- F P F' + Q
+    compare   e = y - H x - d           S = H P H' + R
+    update    x <- x + K e              K = P H' S^-1
+
+x holds the temperatures of knots and bodies (degC), the unknown zeros of readings (um) and the span's growth at the start
+(um). d holds what the inputs add to a reading, the lag of each thermometer as the open-loop run has it, and what a
+reading taken before the tick's close had not yet seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from filterpy.kalman import KalmanFilter
+
+from estimator.augment import Augmented
+from estimator.discretise import Transition
+from estimator.forcing import Forcing, Ticks
+from estimator.model import Model
+from estimator.openloop import OpenLoop
+from estimator.record import Array, Recording, Sample, collect
+from estimator.rig import Rig
+from estimator.start import Start, prior, read_start
+from estimator.step import Mode, Step, Track
+from estimator.view import View
+
+IMPLAUSIBLE_SD = 10.0  # a jump this large is no temperature: reject the impossible, report the surprising
+STUBBORN_TICKS = 5  # ... unless it stays: then the model is what is wrong
+
+Mute = Callable[[float], Array]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Readings against predictions at one tick, each (m,): innovation, its sd, whether to fuse and why not."""
+
+    predicted: Array
+    innovation: Array
+    sd: Array
+    fuse: Array
+    why: tuple[str, ...]
+
+
+class Filter:
+    """The estimate of one rig by one model, a tick at a time.
+
+    mute  decides by time what is not fused: mute(time_s) -> (m,) bool; such channels are still compared
+    """
+
+    def __init__(self, model: Model, rig: Rig, mute: Mute | None = None) -> None:
+        self.model, self.rig = model, rig
+        self._mute = mute or (lambda _: np.zeros(len(rig.names), dtype=bool))
+        self._rejected = np.zeros(len(rig.names), dtype=int)
+        self._transitions: dict[int, Transition] = {}
+        self.started = False
+
+    def step(self, sample: Sample) -> Step:
+        """Take one tick: start from the first sample with a thermometer in it; then predict, compare, update."""
+        if self.started:
+            return self._advance(sample, self.forcing.ticks(collect("", [sample])), 0)
+        start = read_start(sample, self.rig)
+        return self._begin(sample, start) if start else self._waiting(sample)
+
+    def run(self, recording: Recording, each: Callable[[int], None] = lambda _: None) -> Track:
+        """All ticks of a recording: the same numbers as step by step. `each` hears how many ticks are done."""
+        samples, steps = list(recording), []
+        while not self.started and len(steps) < len(samples):
+            steps.append(self.step(samples[len(steps)]))
+        rest = len(steps)
+        if rest < len(samples):
+            ticks = self.forcing.ticks(recording.rows(slice(rest, None)))
+            for k, sample in enumerate(samples[rest:]):
+                steps.append(self._advance(sample, ticks, k))
+                each(rest + k + 1)
+        x_mm, bodies = (self.view.x_mm, self.view.bodies) if self.started else (np.empty(0), ())
+        return Track(x_mm, bodies, steps)
+
+    def _begin(self, sample: Sample, start: Start) -> Step:
+        self.forcing = Forcing(self.model, self.rig, start)
+        self.forcing.ticks(collect("", [sample]))
+        place, readings = self.forcing.place, self.forcing.readings
+        self.view = View(self.rig, place)
+        self._state = Augmented(readings, self.view.growth)
+        self._kf = KalmanFilter(dim_x=self._state.size, dim_z=len(self.rig.names))
+        inputs = {name: value - start.zero_K[name] for name, value in sample.inputs.items()}
+        self._kf.x, self._kf.P = self._state.prior(*prior(start, self.forcing.terms, place, inputs))
+        self._R = readings.sd**2
+        compared = self._compare(sample, np.zeros(len(self.rig.names)))
+        self._update(sample.channels, compared.fuse)
+        self._state.remember_growth(self._kf.x, self._kf.P)
+        self._start_z = self._kf.x[: place.size].copy()
+        self.open_loop = OpenLoop(self._start_z, readings, self.rig.tick_s)
+        self.started = True
+        return self._report(sample, compared, nis=np.nan)
+
+    def _advance(self, sample: Sample, ticks: Ticks, k: int) -> Step:
+        regime, heat = int(ticks.regime[k]), ticks.heat[k]
+        self.open_loop.step(self.forcing.transition(regime), heat)
+        full = self._transition(regime)
+        self._kf.predict(u=heat, B=full.J, F=full.F, Q=full.Q)
+        offset = ticks.offset[k] + self.open_loop.lag + self.open_loop.late(sample.ages_s)
+        compared = self._compare(sample, offset)
+        nis = self._update(sample.channels - offset, compared.fuse)
+        return self._report(sample, compared, nis)
+
+    def _transition(self, regime: int) -> Transition:
+        if regime not in self._transitions:
+            self._transitions[regime] = self._state.transition(self.forcing.transition(regime), self.rig.tick_s)
+        return self._transitions[regime]
+
+    def _compare(self, sample: Sample, offset: Array) -> Comparison:
+        rows, P = self._state.rows, self._kf.P
+        predicted = rows @ self._kf.x + offset
+        innovation = sample.channels - predicted
+        sd = np.sqrt(np.einsum("ij,jk,ik->i", rows, P, rows) + self._R)
+        wild = np.abs(innovation) > IMPLAUSIBLE_SD * sd
+        self._rejected = np.where(wild, self._rejected + 1, 0)
+        why = np.full(len(sd), "", dtype=object)
+        why[wild & (self._rejected <= STUBBORN_TICKS)] = "implausible jump"
+        why[self._mute(sample.time_s)] = "muted"
+        why[~np.isfinite(self._R)] = "no model"
+        why[~np.isfinite(sample.channels)] = "not measured"
+        return Comparison(predicted, innovation, sd, why == "", tuple(why))
+
+    def _update(self, reading: Array, fuse: Array) -> float:
+        """Fuse the channels marked in `fuse`; returns NIS = e' S^-1 e, NaN without channels."""
+        if not fuse.any():
+            return float("nan")
+        self._kf.update(reading[fuse], R=np.diag(self._R[fuse]), H=self._state.rows[fuse])
+        self._kf.P = (self._kf.P + self._kf.P.T) / 2
+        return float(self._kf.y @ self._kf.SI @ self._kf.y)
+
+    def _report(self, sample: Sample, compared: Comparison, nis: float) -> Step:
+        n, x, P = self._state.n, self._kf.x, self._kf.P
+        c, profile = self._state.elongation, self.view.profile
+        table, table_sd = self._table_error(sample)
+        open_rise = self.open_loop.z - self._start_z if self.started else np.zeros(n)
+        return Step(
+            time_s=sample.time_s,
+            mode=self._mode(compared.fuse),
+            elongation_um=float(c @ x),
+            sigma_um=float(np.sqrt(max(c @ P @ c, 0.0))),
+            open_loop_um=float(self.view.growth @ open_rise),
+            profile_C=profile @ x[:n],
+            profile_sd_K=np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", profile, P[:n, :n], profile), 0.0)),
+            bodies_C=x[n - len(self.view.bodies) : n].copy(),
+            error_at_table_um=table,
+            error_at_table_sd_um=table_sd,
+            names=self.rig.names,
+            measured=sample.channels,
+            predicted=compared.predicted,
+            innovation=compared.innovation,
+            innovation_sd=compared.sd,
+            fused=compared.fuse,
+            why=compared.why,
+            open_loop=self.open_loop.reading if self.started else compared.predicted,
+            nis=nis,
+            nis_channels=int(compared.fuse.sum()),
+        )
+
+    def _table_error(self, sample: Sample) -> tuple[float, float]:
+        weights = self.view.table_error(sample.inputs.get("position", np.nan))
+        if weights is None:
+            return float("nan"), float("nan")
+        n = self._state.n
+        rise = self._kf.x[:n] - (self._start_z if self.started else self._kf.x[:n])
+        return float(weights @ rise), float(np.sqrt(weights @ self._kf.P[:n, :n] @ weights))
+
+    def _mode(self, fuse: Array) -> Mode:
+        if not self.started:
+            return Mode.INIT
+        thermometers = sum(bool(fuse[self.rig.index(name)]) for name in self.rig.thermometers)
+        if fuse.any() and fuse.sum() > thermometers:
+            return Mode.UPDATE
+        return Mode.PREDICT if thermometers else Mode.COASTING
+
+    def _waiting(self, sample: Sample) -> Step:
+        """A tick before any thermometer has been read: nothing to say but what is missing."""
+        m, nan = len(self.rig.names), float("nan")
+        gap, empty = np.full(m, nan), np.empty(0)
+        return Step(
+            sample.time_s, Mode.INIT, nan, nan, nan, empty, empty, empty, nan, nan, self.rig.names, sample.channels,
+            gap, gap, gap, np.zeros(m, dtype=bool), ("waiting for a thermometer",) * m, gap, nan, 0,
+        )  # fmt: skip

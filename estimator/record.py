@@ -1,0 +1,91 @@
+"""What was measured: a Sample is one tick, a Recording all ticks. NaN = not measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One tick of a rig.
+
+    time_s    s since the first frame, when the tick closed
+    channels  (m,) in the order of Rig.names: degC, displacement um
+    ages_s    (m,) s between a channel's reading and the close of the tick; 0 where it closes with it
+    inputs    value of each input of the rig, in the rig file's unit: the last one of the tick
+    omega     rad/s, mean of |speed| over the tick
+    coverage  (cells,) share of the tick in which the nut covers each cell of the screw; while the screw turns, of the
+              angle turned in the tick
+    """
+
+    time_s: float
+    channels: Array
+    ages_s: Array
+    inputs: Mapping[str, float]
+    omega: float
+    coverage: Array
+
+
+@dataclass(frozen=True)
+class Recording:
+    """All ticks of one run, K rows one nominal tick apart; a tick that never came is a row of NaN.
+
+    Fields as in Sample with a leading axis K. `skipped` counts what was not used, by reason; `notes` are sentences about
+    torn ends, clock jumps and the like, with place.
+    """
+
+    name: str
+    time_s: Array
+    channels: Array
+    ages_s: Array
+    inputs: Mapping[str, Array]
+    omega: Array
+    coverage: Array
+    frames: int = 0
+    skipped: Mapping[str, int] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+    def rows(self, which: slice) -> Recording:
+        """Some of the ticks, in order."""
+        return replace(
+            self,
+            time_s=self.time_s[which],
+            channels=self.channels[which],
+            ages_s=self.ages_s[which],
+            inputs={name: column[which] for name, column in self.inputs.items()},
+            omega=self.omega[which],
+            coverage=self.coverage[which],
+        )
+
+    def __iter__(self) -> Iterator[Sample]:
+        for k in range(len(self)):
+            inputs = {name: float(column[k]) for name, column in self.inputs.items()}
+            yield Sample(
+                float(self.time_s[k]), self.channels[k], self.ages_s[k], inputs, float(self.omega[k]), self.coverage[k]
+            )
+
+
+def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
+    """Stack samples into a Recording; `about` fills frames, skipped and notes."""
+    rows = list(samples)
+    if not rows:
+        raise ValueError("a recording needs at least one sample")
+    return Recording(
+        name=name,
+        time_s=np.array([s.time_s for s in rows]),
+        channels=np.array([s.channels for s in rows]),
+        ages_s=np.array([s.ages_s for s in rows]),
+        inputs={key: np.array([s.inputs[key] for s in rows]) for key in rows[0].inputs},
+        omega=np.array([s.omega for s in rows]),
+        coverage=np.array([s.coverage for s in rows]),
+        **about,  # type: ignore[arg-type]
+    )

@@ -1,0 +1,233 @@
+"""The rig: geometry, material, channels and inputs, read from a rig folder's `rig.toml`.
+
+Positions x are in mm from channel 1 (free end) to the motor side; fields carry their unit in their name.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator import fields
+from estimator.errors import SetupError, nearest
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One measured value: where it comes from and what it may physically be.
+
+    value = scale * (sum of the CAN signals, or the CSV column) + offset, in `unit`; outside lo..hi it counts as
+    not measured. `fresh` names a CAN signal that changes with each new reading (else every message is a reading);
+    `valid` is a condition such as "Message.Signal = 0".
+    """
+
+    signal: str | tuple[str, ...] = ()
+    column: str | None = None
+    unit: str = "degC"
+    scale: float = 1.0
+    offset: float = 0.0
+    lo: float = -60.0
+    hi: float = 200.0
+    fresh: str | None = None
+    valid: str | None = None
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """The CAN signals as "Message.Signal"."""
+        return (self.signal,) if isinstance(self.signal, str) else tuple(self.signal)
+
+
+@dataclass(frozen=True)
+class Channel(Signal):
+    """A measured signal that the filter compares with its model: a thermometer on the screw or in a body, or a length."""
+
+    at_mm: float | None = None
+    node: str | None = None
+
+    @property
+    def is_thermometer(self) -> bool:
+        """Whether the channel reads a temperature (else: the displacement, in um)."""
+        return self.at_mm is not None or self.node is not None
+
+
+@dataclass(frozen=True)
+class Screw:
+    """The body along x: a hollow bar of `cells` equal cells between `from_mm` and `to_mm`."""
+
+    from_mm: float
+    to_mm: float
+    outer_mm: float
+    bore_mm: float = 0.0
+    lead_mm: float = 12.0
+    density: float = 7850.0  # kg/m3
+    heat_capacity: float = 470.0  # J/(kg K)
+    conductivity: float = 46.0  # W/(m K)
+    expansion: float = 12e-6  # 1/K
+    span_from_mm: float | None = None
+    span_to_mm: float | None = None
+    reference_rpm: float = 1667.0  # speed at which friction powers are given
+    cells: int = 245
+    knots_mm: tuple[float, ...] = ()
+
+    @cached_property
+    def edges_mm(self) -> Vector:
+        """Cell borders, (cells + 1,) mm."""
+        return np.linspace(self.from_mm, self.to_mm, self.cells + 1)
+
+    @cached_property
+    def x_mm(self) -> Vector:
+        """Cell centres, (cells,) mm."""
+        return (self.edges_mm[1:] + self.edges_mm[:-1]) / 2
+
+    @cached_property
+    def length(self) -> float:
+        """Length of one cell, m."""
+        return (self.to_mm - self.from_mm) * 1e-3 / self.cells
+
+    @property
+    def area(self) -> float:
+        """Cross-section, m2."""
+        return float(np.pi / 4 * (self.outer_mm**2 - self.bore_mm**2) * 1e-6)
+
+    @property
+    def surface(self) -> float:
+        """Outer surface of one cell, m2."""
+        return float(np.pi * self.outer_mm * 1e-3 * self.length)
+
+    @property
+    def span_mm(self) -> tuple[float, float]:
+        """The measured span whose growth is the elongation, mm."""
+        lo = self.from_mm if self.span_from_mm is None else self.span_from_mm
+        return lo, self.to_mm if self.span_to_mm is None else self.span_to_mm
+
+    def relative_speed(self, omega: Vector) -> Vector:
+        """Speed in rad/s over the reference speed."""
+        return omega / (self.reference_rpm * 2 * np.pi / 60)
+
+    def overlap(self, from_mm: float | Vector, to_mm: float | Vector) -> Vector:
+        """Share of each cell inside [from, to] mm: (..., cells), 0 ... 1."""
+        lo = np.maximum(np.asarray(from_mm, dtype=float)[..., None], self.edges_mm[:-1])
+        hi = np.minimum(np.asarray(to_mm, dtype=float)[..., None], self.edges_mm[1:])
+        return np.clip(hi - lo, 0.0, None) / (self.length * 1e3)
+
+    def at(self, x_mm: float) -> Vector:
+        """Weights (cells,) that interpolate linearly at x between cell centres."""
+        place = float(np.clip((x_mm - self.x_mm[0]) / (self.length * 1e3), 0.0, self.cells - 1.0))
+        left = min(int(place), self.cells - 2)
+        weights = np.zeros(self.cells)
+        weights[left : left + 2] = left + 1 - place, place - left
+        return weights
+
+    def growth(self, from_mm: float, to_mm: float) -> Vector:
+        """Weights (cells,) um/K: growth of [from, to] = expansion * integral of the temperature rise."""
+        return self.expansion * self.overlap(from_mm, to_mm) * self.length * 1e6
+
+
+@dataclass(frozen=True)
+class Nut:
+    """The nut: its centre is at `centre_mm + direction * position`."""
+
+    length_mm: float
+    centre_mm: float
+    direction: float = -1.0
+
+    def centre(self, position_mm: Vector) -> Vector:
+        """Centre of the nut in screw coordinates, mm, for table positions in mm."""
+        return self.centre_mm + self.direction * position_mm
+
+
+@dataclass(frozen=True)
+class Support:
+    """A bearing: where it holds the screw."""
+
+    at_mm: float
+    width_mm: float
+
+
+@dataclass(frozen=True)
+class Log:
+    """How the rig's logs are read: the DBC, the message that closes a tick, and the time column of a lab CSV."""
+
+    dbc: str | None = None
+    closes: str | None = None
+    time_column: str = "time_s"
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A whole installation. `channels` keeps the order of the file; the displacement is a channel like the others."""
+
+    name: str
+    tick_s: float
+    channels: Mapping[str, Channel]
+    inputs: Mapping[str, Signal]
+    screw: Screw | None = None
+    nut: Nut | None = None
+    supports: Mapping[str, Support] = field(default_factory=dict)
+    log: Log = Log()
+    subset_7: tuple[str, ...] = ()
+    folder: Path = Path()
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Channel names in order, (m,)."""
+        return tuple(self.channels)
+
+    @cached_property
+    def thermometers(self) -> tuple[str, ...]:
+        """Names of the channels that read a temperature, in order."""
+        return tuple(name for name, channel in self.channels.items() if channel.is_thermometer)
+
+    def index(self, name: str) -> int:
+        """Column of a channel; an unknown name is a SetupError."""
+        if name not in self.channels:
+            raise SetupError(f"{self.folder / 'rig.toml'}: no channel '{name}'; {nearest(name, self.channels)}")
+        return self.names.index(name)
+
+    def fingerprint(self) -> str:
+        """Short hash of geometry and material, kept in fitted models."""
+        return hashlib.sha256(repr((self.screw, self.nut, sorted(self.supports.items()))).encode()).hexdigest()[:12]
+
+
+def load_rig(folder: Path) -> Rig:
+    """Read `folder/rig.toml`."""
+    path = folder / "rig.toml"
+    table = fields.load(path)
+    known = {"name", "tick_s", "screw", "nut", "supports", "channels", "inputs", "log", "subset_7"}
+    for key in table:
+        if key not in known:
+            raise SetupError(f"{path} has no '{key}'; {nearest(key, known)}")
+    for key in ("name", "channels"):
+        if key not in table:
+            raise SetupError(f"{path}: '{key}' is missing")
+    return Rig(
+        name=str(table["name"]),
+        tick_s=float(table.get("tick_s", 1.0)),
+        channels=_records(Channel, table["channels"], f"{path}: channels"),
+        inputs=_records(Signal, table.get("inputs", {}), f"{path}: inputs"),
+        screw=_optional(Screw, table, "screw", path),
+        nut=_optional(Nut, table, "nut", path),
+        supports=_records(Support, table.get("supports", {}), f"{path}: supports"),
+        log=_optional(Log, table, "log", path) or Log(),
+        subset_7=tuple(table.get("subset_7", ())),
+        folder=folder,
+    )
+
+
+def _optional(cls: type, table: Mapping[str, Any], key: str, path: Path) -> Any:
+    return fields.record(cls, table[key], f"{path}: {key}") if key in table else None
+
+
+def _records(cls: type, table: Any, place: str) -> dict[str, Any]:
+    if not isinstance(table, Mapping):
+        raise SetupError(f"{place}: expected one table per name")
+    return {name: fields.record(cls, entry, f"{place}.{name}") for name, entry in table.items()}

@@ -1,0 +1,88 @@
+"""The vocabulary of the physics: all that an effect may say about the rig.
+
+A node is named by a string. `"screw"` is the line of all cells of the screw: its values are vectors (..., cells). Any
+other node is a body with one temperature, or, in a Link, a measured input such as "ambient". Values are scalars or
+arrays that broadcast to (ticks, 1) for a body and (ticks, cells) for the screw.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+SCREW = "screw"
+
+
+@dataclass(frozen=True, eq=False)
+class Store:
+    """The node stores heat, and so is a state.
+
+    capacity  J/K
+    noise     W/sqrt(Hz) of heat that no effect describes, independent from cell to cell; required, above 0
+    start     measured input that tells a body's temperature at the start of a run, where the rig has one
+    """
+
+    node: str
+    capacity: Any
+    noise: Any
+    start: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Neighbouring cells of a line conduct: g (T[i] - T[i+1]) W; g in W/K."""
+
+    node: str
+    g: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """Heat g (T_a - T_b) W flows from a to b; g in W/K, per cell where a node is the screw. b may be a measured input."""
+
+    a: str
+    b: str
+    g: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Heat:
+    """q W put into the node (per cell for the screw).
+
+    noise  W/sqrt(Hz), same shape as q: the part of this heat that scatters, in step over all cells
+    """
+
+    node: str
+    q: Any
+    noise: Any = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Read:
+    """A channel reads sum(w T) + offset: degC, or um for the displacement.
+
+    weights    node -> weight (1, or (cells,) for the screw)
+    sd         scatter of one reading, in the channel's unit
+    offset     what the reading shows beside the temperatures, in the channel's unit
+    zero_sd    above 0: the reading's zero is unknown and becomes a state, with this sd at the start ...
+    zero_walk  ... that wanders, in unit/sqrt(s)
+    """
+
+    channel: str
+    weights: Mapping[str, Any] = field(default_factory=dict)
+    sd: Any = 1.0
+    offset: Any = 0.0
+    zero_sd: Any = 0.0
+    zero_walk: Any = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Lag:
+    """The channel follows its spot with a first-order lag of tau s, starting in equilibrium."""
+
+    channel: str
+    tau: Any
+
+
+Term = Store | Chain | Link | Heat | Read | Lag

@@ -1,0 +1,48 @@
+"""From states to what a person asks for: elongation, profile, thermal error at the table's position."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from estimator import basis
+from estimator.assemble import Layout
+from estimator.record import Array
+from estimator.rig import Rig
+from estimator.terms import SCREW
+
+PLACES = 99
+
+
+class View:
+    """Weights that turn the states z of one layout into lengths and profiles.
+
+    growth   (n,) um/K of the measured span
+    x_mm     (x,) places of the profile; `profile` (x, n) its weights
+    """
+
+    def __init__(self, rig: Rig, place: Layout) -> None:
+        self.rig, self.place = rig, place
+        self.bodies = place.bodies
+        screw = rig.screw if SCREW in place.nodes else None
+        self._screw = screw
+        if screw is None:
+            self.x_mm, self.profile = np.empty(0), np.empty((0, place.size))
+            self.growth = np.zeros(place.size)
+            return
+        self._cells = place.shapes[place.nodes[SCREW]]
+        self.growth = screw.growth(*screw.span_mm) @ self._cells
+        self.x_mm = np.linspace(screw.from_mm, screw.to_mm, PLACES)
+        self.profile = np.zeros((PLACES, place.size))
+        knots = len(place.knots_mm)
+        self.profile[:, :knots] = basis.shapes(place.knots_mm, self.x_mm)
+
+    def table_error(self, position_mm: float) -> Array | None:
+        """Weights (n,) um/K of the growth between the anchor bearing and the nut's centre, positive = longer.
+
+        None where the rig has no such thing or the position is not known.
+        """
+        rig = self.rig
+        if self._screw is None or rig.nut is None or "anchor" not in rig.supports or not np.isfinite(position_mm):
+            return None
+        nut, anchor = float(rig.nut.centre(np.array(position_mm))), rig.supports["anchor"].at_mm
+        return self._screw.growth(min(nut, anchor), max(nut, anchor)) @ self._cells
