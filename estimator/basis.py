@@ -14,12 +14,14 @@ from scipy.interpolate import CubicSpline
 from estimator.record import Array
 from estimator.rig import Rig
 
-WIDEST_GAP_MM = 75.0
+WIDEST_MM = 75.0
 CLOSEST_MM = 8.0
+NEAR_BEARING_MM = 50.0  # within this distance the profile is steep ...
+NEAR_WIDEST_MM = 31.0  # ... and the knots stand this close
 
 
 def knots(rig: Rig) -> Array:
-    """Places of the states along the screw, mm: thermometers, bearings, ends, and what keeps gaps below 75 mm."""
+    """Places of the states along the screw, mm: thermometers, bearings, ends, and what keeps gaps small."""
     screw = rig.screw
     assert screw is not None
     if screw.knots_mm:
@@ -31,7 +33,8 @@ def knots(rig: Rig) -> Array:
             places = sorted([*places, bearing.at_mm])
     filled = [places[0]]
     for lo, hi in zip(places[:-1], places[1:], strict=True):
-        pieces = int(np.ceil((hi - lo) / WIDEST_GAP_MM))
+        near = any(lo - NEAR_BEARING_MM < b.at_mm < hi + NEAR_BEARING_MM for b in rig.supports.values())
+        pieces = int(np.ceil((hi - lo) / (NEAR_WIDEST_MM if near else WIDEST_MM)))
         filled.extend(lo + (hi - lo) * np.arange(1, pieces + 1) / pieces)
     return np.array(filled)
 

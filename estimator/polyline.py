@@ -1,0 +1,46 @@
+"""The elongation without a model: the area under the polyline through the thermometers.
+
+    X = rho * integral over the measured span of the polyline through the temperature rises
+
+With a thermometer at both ends of the span this is the trapezoid sum over the spacings. Beyond the outermost
+thermometer in use the rise is taken as constant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+
+
+def weights(rig: Rig, names: Sequence[str]) -> Array:
+    """um of elongation per K of each named thermometer's rise, (len(names),)."""
+    screw = rig.screw
+    assert screw is not None
+    places = np.array([rig.channels[name].at_mm for name in names], dtype=float)
+    lo, hi = screw.span_mm
+    order = np.argsort(places)
+    grid = np.unique(np.concatenate([[lo, hi], places[(places > lo) & (places < hi)]]))
+    hats = np.array([np.interp(grid, places[order], row[order]) for row in np.eye(len(names))])
+    return np.asarray(screw.expansion * 1e3 * np.trapezoid(hats, grid, axis=1))
+
+
+def elongation(recording: Recording, rig: Rig, names: Sequence[str] | None = None) -> Array:
+    """Elongation since the first sample by the polyline through the named thermometers, (K,) um.
+
+    A thermometer silent in a tick is left out of that tick's polyline; NaN where fewer than two were read.
+    """
+    used = [name for name in (names or rig.thermometers) if rig.channels[name].at_mm is not None]
+    readings = recording.channels[:, [rig.index(name) for name in used]]
+    first = np.array([column[np.isfinite(column)][:1].sum() for column in readings.T])
+    rises = readings - first
+    known = np.isfinite(rises)
+    out = np.full(len(recording), np.nan)
+    for pattern in np.unique(known, axis=0):
+        if pattern.sum() >= 2:
+            ticks = (known == pattern).all(axis=1)
+            out[ticks] = rises[np.ix_(ticks, pattern)] @ weights(rig, [n for n, k in zip(used, pattern, strict=True) if k])
+    return out
