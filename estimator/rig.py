@@ -155,11 +155,30 @@ class Support:
 
 @dataclass(frozen=True)
 class Log:
-    """How the rig's logs are read: the DBC, the message that closes a tick, and the time column of a lab CSV."""
+    """How the rig's logs are read. All but the time column is about CAN; signals are "Message.Signal".
+
+    dbc          DBC file, in the rig folder or one that ships with the package
+    closes       message that closes a tick
+    time_column  time column of a lab CSV: seconds or ISO times
+    scan         messages that make one scan together with the closing message
+    scan_state   condition that a closing message must meet, else its scan does not count
+    scan_crc     CRC-16/CCITT-FALSE over the data bytes of the scan's messages, in their order
+    scan_number  counts scans: tells a jump of the clock from silence
+    fault_mask   bit n set: signal n of the scan, in its order, does not count
+    checksums    CRC-8/SAE-J1850 over a frame's id (low, high byte) and data bytes 1 ..., kept in byte 0
+    counters     count the frames of a message: tell lost frames
+    """
 
     dbc: str | None = None
     closes: str | None = None
     time_column: str = "time_s"
+    scan: tuple[str, ...] = ()
+    scan_state: str | None = None
+    scan_crc: str | None = None
+    scan_number: str | None = None
+    fault_mask: str | None = None
+    checksums: tuple[str, ...] = ()
+    counters: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
