@@ -22,9 +22,10 @@ from estimator.discretise import Transition
 from estimator.forcing import Forcing, Ticks
 from estimator.model import Model
 from estimator.openloop import OpenLoop
+from estimator.prior import prior
 from estimator.record import Array, Recording, Sample, collect
 from estimator.rig import Rig
-from estimator.start import Start, prior, read_start
+from estimator.start import Start, read_start
 from estimator.step import Mode, Step, Track
 from estimator.view import View
 
@@ -61,7 +62,7 @@ class Filter:
     def step(self, sample: Sample) -> Step:
         """Take one tick: start from the first sample with a thermometer in it; then predict, compare, update."""
         if self.started:
-            return self._advance(sample, self.forcing.ticks(collect("", [sample])), 0)
+            return self._advance(sample, self._ticks(collect("", [sample])), 0)
         start = read_start(sample, self.rig)
         return self._begin(sample, start) if start else self._waiting(sample)
 
@@ -72,16 +73,19 @@ class Filter:
             steps.append(self.step(samples[len(steps)]))
         rest = len(steps)
         if rest < len(samples):
-            ticks = self.forcing.ticks(recording.rows(slice(rest, None)))
+            ticks = self._ticks(recording.rows(slice(rest, None)))
             for k, sample in enumerate(samples[rest:]):
                 steps.append(self._advance(sample, ticks, k))
                 each(rest + k + 1)
         x_mm, bodies = (self.view.x_mm, self.view.bodies) if self.started else (np.empty(0), ())
         return Track(x_mm, bodies, steps)
 
+    def _ticks(self, chunk: Recording) -> Ticks:
+        return self.forcing.ticks(self.forcing.read(chunk))
+
     def _begin(self, sample: Sample, start: Start) -> Step:
         self.forcing = Forcing(self.model, self.rig, start)
-        self.forcing.ticks(collect("", [sample]))
+        self._ticks(collect("", [sample]))
         place, readings = self.forcing.place, self.forcing.readings
         self.view = View(self.rig, place)
         self._state = Augmented(readings, self.view.growth)

@@ -12,7 +12,7 @@ import numpy as np
 
 from estimator import assemble
 from estimator.discretise import Transition, transition
-from estimator.inputs import Inputs
+from estimator.inputs import Drive, InputReader, Inputs
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.regime import Regimes
@@ -35,30 +35,41 @@ class Ticks:
 
 
 class Forcing:
-    """Turns inputs into regimes, heat and offsets for one model on one rig, from one start."""
+    """Turns inputs into regimes, heat and offsets for one model on one rig, from one start.
+
+    `reduced=False` keeps every cell as a state: exact, slow, to check the reduced mesh with.
+    """
 
     def __init__(self, model: Model, rig: Rig, start: Start, reduced: bool = True) -> None:
         self.model, self.rig, self.start = model, rig, start
-        self._regimes = Regimes()
+        self._reader = InputReader(rig, start)
+        self._regimes = Regimes(rig.tick_s)
         self._transitions: list[Transition] = []
         self._inflow: list[Array] = []
-        self._last: dict[str, float] = {}
-        self._first: dict[str, float] = {}
-        self._coverage = np.zeros(rig.screw.cells if rig.screw else 0)
-        terms = list(model.terms(self._inputs(None), rig))
-        self.terms = terms
-        self.place = assemble.layout(terms, rig, reduced)
-        self.readings = assemble.readings(terms, rig, self.place)
+        self.terms = list(model.terms(self._reader.nothing(), rig))
+        self.place = assemble.layout(self.terms, rig, reduced)
+        self.readings = assemble.readings(self.terms, rig, self.place)
+
+    def with_model(self, model: Model) -> Forcing:
+        """The same inputs and regimes under another model of the same structure."""
+        other = Forcing(model, self.rig, self.start)
+        other._regimes = self._regimes
+        return other
 
     def transition(self, regime: int) -> Transition:
         """Transition of a regime."""
         return self._transitions[regime]
 
-    def ticks(self, chunk: Recording) -> Ticks:
-        """Make the ticks of a chunk ready; call in order of time."""
-        u = self._inputs(chunk)
-        regime = np.array([self._regimes.index(float(w), c) for w, c in zip(u.omega[:, 0], u.coverage, strict=True)])
+    def read(self, chunk: Recording) -> Drive:
+        """Inputs and regimes of a chunk, whatever the model; call in order of time."""
+        u = self._reader.read(chunk)
+        pairs = zip(u.omega[:, 0], u.coverage, strict=True)
+        return Drive(u, np.array([self._regimes.index(float(omega), coverage) for omega, coverage in pairs]))
+
+    def ticks(self, drive: Drive) -> Ticks:
+        """What the model makes of these inputs."""
         self._discretise()
+        u, regime = drive.inputs, drive.regime
         terms = list(self.model.terms(u, self.rig))
         heat = assemble.heat(terms, self.place, len(u))
         if self.place.boundaries:
@@ -72,37 +83,10 @@ class Forcing:
         new = range(len(self._transitions), len(self._regimes.omega))
         if not new:
             return
-        none = {name: np.zeros((len(new), 1)) for name in self.rig.inputs}
         omega = np.array([[self._regimes.omega[r]] for r in new])
-        u = Inputs(omega, np.array([self._regimes.coverage[r] for r in new]), none, none)
-        network = assemble.network(self.model, self.rig, self.place, u)
+        coverage = np.array([self._regimes.coverage[r] for r in new])
+        none = {name: np.zeros((len(new), 1)) for name in self.rig.inputs}
+        network = assemble.network(self.model, self.rig, self.place, Inputs(omega, coverage, none, none))
         for i in range(len(new)):
             self._transitions.append(transition(network, i, self.rig.tick_s))
             self._inflow.append(network.inflow[i])
-
-    def _inputs(self, chunk: Recording | None) -> Inputs:
-        """Inputs with gaps held at the last known value, and temperatures zeroed at a steady start."""
-        if chunk is None:
-            none = {name: np.zeros((1, 1)) for name in self.rig.inputs}
-            return Inputs(np.zeros((1, 1)), self._coverage[None, :], none, none)
-        values, rises = {}, {}
-        for name in self.rig.inputs:
-            column = _held(chunk.inputs[name] - self.start.zero_K[name], self._last.get(name, np.nan))
-            seen = column[np.isfinite(column)]
-            if name not in self._first and len(seen):
-                self._first[name] = float(seen[0])
-            self._last[name] = float(column[-1])
-            values[name] = np.where(np.isfinite(column), column, self.start.level_C)[:, None]
-            rises[name] = np.nan_to_num(column - self._first.get(name, np.nan))[:, None]
-        coverage = np.where(np.isnan(chunk.omega)[:, None], np.nan, chunk.coverage)
-        for k in np.flatnonzero(np.isnan(coverage).any(axis=1)):
-            coverage[k] = coverage[k - 1] if k else self._coverage
-        self._coverage = coverage[-1].copy()
-        return Inputs(np.nan_to_num(chunk.omega)[:, None], coverage, values, rises)
-
-
-def _held(column: Array, before: float) -> Array:
-    """The column with each gap filled by the value before it."""
-    column = np.concatenate([[before], column])
-    at = np.maximum.accumulate(np.where(np.isfinite(column), np.arange(len(column)), 0))
-    return column[at][1:]

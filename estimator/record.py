@@ -66,12 +66,15 @@ class Recording:
             coverage=self.coverage[which],
         )
 
+    def sample(self, k: int) -> Sample:
+        """Tick k."""
+        inputs = {name: float(column[k]) for name, column in self.inputs.items()}
+        return Sample(
+            float(self.time_s[k]), self.channels[k], self.ages_s[k], inputs, float(self.omega[k]), self.coverage[k]
+        )
+
     def __iter__(self) -> Iterator[Sample]:
-        for k in range(len(self)):
-            inputs = {name: float(column[k]) for name, column in self.inputs.items()}
-            yield Sample(
-                float(self.time_s[k]), self.channels[k], self.ages_s[k], inputs, float(self.omega[k]), self.coverage[k]
-            )
+        return (self.sample(k) for k in range(len(self)))
 
 
 def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:

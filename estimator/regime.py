@@ -16,7 +16,7 @@ import numpy as np
 from estimator.record import Array
 
 AT_REST = 0.5  # rad/s, 5 rpm
-WINDOW = 60  # ticks
+WINDOW_S = 60.0
 SPEED_STEP = 0.05
 COVERAGE_STEP = 0.10
 
@@ -25,10 +25,11 @@ COVERAGE_STEP = 0.10
 class Regimes:
     """The regimes met so far, and which one holds now. Causal: the same live and in review."""
 
+    tick_s: float
     omega: list[float] = field(default_factory=list)
     coverage: list[Array] = field(default_factory=list)
     _current: int = -1
-    _moving: deque[tuple[float, Array]] = field(default_factory=lambda: deque(maxlen=WINDOW))
+    _moving: deque[tuple[float, Array]] = field(default_factory=deque)
     _sum: Array | float = 0.0
 
     def index(self, omega: float, coverage: Array) -> int:
@@ -43,8 +44,8 @@ class Regimes:
             self._moving.clear()
             self._sum = 0.0
             return 0.0, coverage
-        if len(self._moving) == WINDOW:
-            self._sum = self._sum - self._moving[0][1]
+        if len(self._moving) * self.tick_s >= WINDOW_S:
+            self._sum = self._sum - self._moving.popleft()[1]
         self._moving.append((omega, coverage))
         self._sum = self._sum + coverage
         return float(np.mean([speed for speed, _ in self._moving])), self._sum / len(self._moving)

@@ -1,0 +1,1 @@
+"""The application: the `ballscrew` command, one file for each of its commands."""

@@ -1,0 +1,5 @@
+"""`python -m ballscrew`."""
+
+from ballscrew.cli import main
+
+main()

@@ -1,0 +1,65 @@
+"""The `ballscrew` command: finds the subcommands, and turns our own errors into one line and an exit status."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import click
+
+from estimator.errors import BallscrewError
+
+COMMANDS = {
+    "simulate": "Make a recording of the rig that is not there.",
+    "review": "Run the filter over recordings and say how good the estimate is.",
+    "fit": "Fit a model's parameters to recordings.",
+    "show": "Print a model as equations with values, units, bounds and sources.",
+}
+INTERRUPTED = 130
+
+
+class Commands(click.Group):
+    """Subcommands by name, each imported when it is used: `ballscrew --help` answers at once."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command = importlib.import_module(f"ballscrew.{cmd_name}").command
+        assert isinstance(command, click.Command)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="ballscrew")
+def root() -> None:
+    """Thermal elongation of a ball screw from temperatures in its bore and a few displacement readings.
+
+    A rig folder holds rig.toml (geometry, channels, signals), model.toml (the physics and its parameters) and
+    recordings. Start with:  ballscrew simulate FS-20 -o FS-20.log  and  ballscrew review FS-20.log
+    """
+
+
+def main() -> None:
+    """Entry point: exit 0 done, 1 an input could not be used, 2 wrong usage, rig or model, 130 Ctrl-C."""
+    debug = "--debug" in sys.argv
+    try:
+        status = root.main(standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        status = 2
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("stopped by Ctrl-C", err=True)
+        status = INTERRUPTED
+    except BallscrewError as error:
+        if debug:
+            raise
+        click.echo(f"error: {error}", err=True)
+        status = error.exit_code
+    sys.exit(status if isinstance(status, int) else 0)

@@ -1,0 +1,59 @@
+"""A recording at a longer tick: enough for open-loop runs, which see slow heat only."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+
+
+def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
+    """Every `ticks` ticks in one, with the rig that has this tick.
+
+    Speed and inputs are means; coverage is the mean weighted by the angle turned, so that the heat of constant torque
+    stays where and as large as it was; a channel keeps its last reading and that reading's age.
+    """
+    groups = len(recording) // ticks
+    if groups == 0:
+        return recording, rig
+    last = recording.rows(slice(ticks - 1, groups * ticks, ticks))
+    omega = _grouped(recording.omega, groups, ticks)
+    turned = np.nan_to_num(omega) + 1e-9
+    coverage = _grouped(recording.coverage, groups, ticks)
+    channels, ages = _latest(recording, groups, ticks, rig.tick_s)
+    return (
+        replace(
+            last,
+            channels=channels,
+            ages_s=ages,
+            inputs={name: _mean(_grouped(column, groups, ticks)) for name, column in recording.inputs.items()},
+            omega=_mean(omega),
+            coverage=(turned[..., None] * coverage).sum(axis=1) / turned.sum(axis=1)[:, None],
+        ),
+        replace(rig, tick_s=rig.tick_s * ticks),
+    )
+
+
+def _grouped(column: Array, groups: int, ticks: int) -> Array:
+    return column[: groups * ticks].reshape(groups, ticks, *column.shape[1:])
+
+
+def _mean(column: Array) -> Array:
+    """Mean over axis 1 of what is known; NaN where nothing is."""
+    known = np.isfinite(column)
+    count = known.sum(axis=1)
+    return np.where(count, np.nansum(column, axis=1) / np.maximum(count, 1), np.nan)
+
+
+def _latest(recording: Recording, groups: int, ticks: int, tick_s: float) -> tuple[Array, Array]:
+    """Last reading of each channel in each group (groups, m), and its age at the group's end, s."""
+    values = _grouped(recording.channels, groups, ticks)
+    ages = _grouped(recording.ages_s, groups, ticks)
+    at = ticks - 1 - np.argmax(np.isfinite(values)[:, ::-1], axis=1)
+    pick = np.take_along_axis
+    age = pick(ages, at[:, None], axis=1)[:, 0] + (ticks - 1 - at) * tick_s
+    value = pick(values, at[:, None], axis=1)[:, 0]
+    return value, np.where(np.isfinite(value), age, 0.0)

@@ -1,0 +1,123 @@
+"""One recording, every estimate, and how far each is from the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator import displacement, polyline, rivals
+from estimator.accuracy import Accuracy, accuracy
+from estimator.filter import Filter, Mute
+from estimator.model import Model
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.step import Track
+
+COOLDOWN_S = 3600.0
+
+
+@dataclass(frozen=True)
+class Review:
+    """What the filter and its rivals made of one recording; every series is (K,) um, NaN where there is nothing.
+
+    estimates     elongation by name: filter, open_loop, polyline, polyline_7, polyline_joined, last_reading
+    errors        reference minus estimate, by the same names
+    reference     truth where there is one, else the displacement readings as the paper joins them
+    sigma         the filter's own standard deviation of each error
+    cooling       (K,) bool: within 60 min after a stop
+    """
+
+    recording: Recording
+    track: Track
+    estimates: Mapping[str, Array]
+    errors: Mapping[str, Array]
+    reference: Array
+    reference_name: str
+    readings: Array
+    sigma: Array
+    cooling: Array
+    polyline_channels: int
+
+    def accuracy(self, name: str) -> Accuracy:
+        """Accuracy of one estimate on this recording."""
+        return overall([self], name)
+
+    @property
+    def nis_mean(self) -> float:
+        """Mean NIS per fused channel: 1 for a filter whose noise is right."""
+        channels = self.track.nis_channels.sum()
+        return float(np.nansum(self.track.nis) / channels) if channels else float("nan")
+
+
+def review(
+    recording: Recording,
+    rig: Rig,
+    model: Model,
+    truth_um: Array | None = None,
+    mute: Mute | None = None,
+    channels: Sequence[str] | None = None,
+    each: Callable[[int], None] = lambda _: None,
+) -> Review:
+    """Run everything over one recording.
+
+    truth_um  (K,) true elongation at the ticks, where it is known
+    mute      what the filter must not fuse
+    channels  thermometers of the polyline; all by default
+    """
+    track = Filter(model, rig, mute).run(recording, each)
+    used = list(channels or rig.thermometers)
+    line = polyline.elongation(recording, rig, used)
+    estimates = {"filter": track.elongation_um, "open_loop": track.open_loop_um, "polyline": line}
+    if rig.subset_7:
+        estimates["polyline_7"] = polyline.elongation(recording, rig, rig.subset_7)
+    readings = np.full(len(recording), np.nan)
+    if "displacement" in rig.channels:
+        readings = displacement.joined(recording, rig, model)
+        estimates["polyline_joined"] = rivals.joined_polyline(recording, rig, model, line)
+        estimates["last_reading"] = rivals.last_reading(recording, rig, model, line)
+    reference = readings if truth_um is None else truth_um
+    errors = {name: reference - series for name, series in estimates.items()}
+    sigma = track.sigma_um
+    if truth_um is None and "displacement" in rig.channels:
+        errors["filter"], sigma = _before_use(track, rig, errors["filter"])
+    return Review(
+        recording, track, estimates, errors, reference, "readings" if truth_um is None else "truth", readings, sigma,
+        cooling(recording), len(used),
+    )  # fmt: skip
+
+
+def _before_use(track: Track, rig: Rig, error: Array) -> tuple[Array, Array]:
+    """Where a reading was fused the error is its innovation: it is compared with the prediction made before it."""
+    i = rig.index("displacement")
+    fused = track.fused[:, i]
+    return np.where(fused, track.innovation[:, i], error), np.where(fused, track.innovation_sd[:, i], track.sigma_um)
+
+
+def cooling(recording: Recording) -> Array:
+    """Ticks at rest within 60 min after a stop, (K,) bool."""
+    mask = np.zeros(len(recording), dtype=bool)
+    driven = False
+    for driving, ticks in displacement.phases(recording):
+        if driven and not driving:
+            mask[ticks] = recording.time_s[ticks] <= recording.time_s[ticks[0] - 1] + COOLDOWN_S
+        driven = driven or driving
+    return mask
+
+
+def stops(recording: Recording) -> list[float]:
+    """Times at which a drive ended, s."""
+    phases = list(displacement.phases(recording))
+    return [float(recording.time_s[ticks[-1]]) for driving, ticks in phases[:-1] if driving]
+
+
+def overall(reviews: Sequence[Review], name: str) -> Accuracy:
+    """Accuracy of one estimate over several recordings together."""
+    found = [r for r in reviews if name in r.errors]
+    if not found:
+        return accuracy(np.empty(0))
+    error = np.concatenate([r.errors[name] for r in found])
+    late = np.concatenate([r.cooling for r in found])
+    sigma = np.concatenate([r.sigma for r in found]) if name == "filter" else None
+    return accuracy(error, sigma, late)
