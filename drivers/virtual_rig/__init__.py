@@ -1,0 +1,11 @@
+"""The rig in software: finer physics than any estimator's, its sensors with their errors, its frames.
+
+It stands for the real machine, so it shares nothing with the code that is judged on it.
+"""
+
+from drivers.virtual_rig.experiments import EXPERIMENTS
+from drivers.virtual_rig.player import play
+from drivers.virtual_rig.run import Run
+from drivers.virtual_rig.simulation import simulate
+
+__all__ = ["EXPERIMENTS", "Run", "play", "simulate"]

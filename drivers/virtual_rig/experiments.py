@@ -1,0 +1,34 @@
+"""The strokes and speeds of the experiments, by name: pattern, dash, speed in m/min."""
+
+import difflib
+import math
+
+from drivers.virtual_rig.motion import Stroke
+
+PATTERNS = {"FS": (0.0, 400.0), "CS": (130.0, 243.0), "ES": (202.0, 315.0)}
+"""Table positions between which the table moves, mm"""
+SPEEDS = ("20", "10", "5", "2.5")
+EXPERIMENTS = tuple(f"{pattern}-{speed}" for pattern in PATTERNS for speed in SPEEDS)
+
+SLOWEST, FASTEST = 1.0, 25.0
+"""m/min; beyond the fastest, the short strokes hold no constant speed long enough for a peak to be held"""
+
+
+def stroke(name: str) -> Stroke:
+    """The stroke of an experiment; any speed between 1 and 25 m/min may follow the pattern."""
+    pattern, dash, text = name.partition("-")
+    speed = _number(text)
+    if pattern not in PATTERNS or not dash or math.isnan(speed):
+        near = difflib.get_close_matches(name.upper(), EXPERIMENTS, n=1, cutoff=0.0)[0]
+        raise ValueError(f"unknown experiment {name!r}; did you mean {near!r}?")
+    if not SLOWEST <= speed <= FASTEST:
+        raise ValueError(f"experiment {name!r}: the speed must lie between {SLOWEST:g} and {FASTEST:g} m/min")
+    low, high = PATTERNS[pattern]
+    return Stroke(low, high, speed * 1000.0 / 60.0)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

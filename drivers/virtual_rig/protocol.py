@@ -1,0 +1,140 @@
+"""The experiment as the operator runs it: rest, drive until the elongation nears 50 um, stop for an hour, again."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drivers.virtual_rig.dice import dice
+from drivers.virtual_rig.geometry import ANCHOR_BEARING_MM, OMEGA_20, SPAN_MM
+from drivers.virtual_rig.heat import Rig, step_middles
+from drivers.virtual_rig.jig import jig
+from drivers.virtual_rig.motion import Drive, TableMotion, Travel
+from drivers.virtual_rig.probes import OVER_RANGE, Gauge, Probes, Reading
+from drivers.virtual_rig.screw import CELL_MM, EXPANSION, growth_weights
+from drivers.virtual_rig.truth import Profile, Truth
+
+REST_S = 20.0
+TARGET_UM = 49.5
+"""seen by the operator; the table then finishes its stroke"""
+PROFILE_S = 60
+
+Progress = Callable[[float, float], None]
+"""Called each rig minute with the rig time (s) and the elongation (um)."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How long to drive, to stop, how often, and when to break off."""
+
+    max_drive_s: float
+    stop_s: float
+    cycles: int
+    seconds: float | None
+
+
+class Session:
+    """One run under way: the rig, the operator's eye on the held readings, and what has happened so far."""
+
+    def __init__(self, rig: Rig, probes: Probes, travel: Travel, expansion: float, draw: np.random.Generator) -> None:
+        self.rig, self.probes, self.travel, self.draw = rig, probes, travel, draw
+        self.motor_growth = growth_weights(ANCHOR_BEARING_MM, SPAN_MM[1], expansion)
+        self.free_growth = growth_weights(SPAN_MM[0], ANCHOR_BEARING_MM, expansion)
+        self.jig = jig(rig.weather.start)
+        self.rows: list[tuple] = []
+        self.profiles: list[np.ndarray] = []
+        self.held: list[tuple[float, float, float, int]] = []
+        self.start_at, self.cycles_done = REST_S, 0
+
+    def run(self, plan: Plan, progress: Progress | None) -> None:
+        """From the first sample to the end of the last stop."""
+        self._record(0.0)
+        t = 0.0
+        while self.cycles_done < plan.cycles or t < self.start_at:
+            if t >= (plan.seconds if plan.seconds is not None else math.inf):
+                break
+            self._act(t, plan)
+            self._tick(t)
+            t += 1.0
+            self._watch(t, plan)
+            if progress is not None and t % 60 == 0:
+                progress(t, self.rows[-1][2] + self.rows[-1][3])
+
+    @property
+    def _driving(self) -> bool:
+        return len(self.travel.drives) > self.cycles_done
+
+    def _act(self, t: float, plan: Plan) -> None:
+        """The operator starts a drive when it is time."""
+        if not self._driving and t >= self.start_at and self.cycles_done < plan.cycles:
+            from_low = self.travel.drives[-1].ends_low if self.travel.drives else True
+            self.travel = replace(self.travel, drives=(*self.travel.drives, Drive(self.travel.stroke, t, from_low)))
+
+    def _tick(self, t: float) -> None:
+        motion = self.travel.at(step_middles(t, self.travel.moves_between(t, t + 1.0)))
+        self.rig.tick(t, motion)
+        self._warm_jig(t, motion)
+        self._record(t + 1.0)
+
+    def _warm_jig(self, t: float, motion: TableMotion) -> None:
+        seats = (self.rig.anchor_seat + self.rig.free_seat) / 2.0
+        turning = float(motion.omega.mean()) / OMEGA_20
+        self.jig = self.jig.after_tick(self.rig.weather.ambient(t), seats, float(self.rig.mean.mean()), turning)
+
+    def _record(self, t: float) -> None:
+        rig, weather = self.rig, self.rig.weather
+        rise = rig.mean - weather.start
+        motor, free = float(self.motor_growth @ rise), float(self.free_growth @ rise)
+        nut, anchor, housing, _ = rig.now.bodies
+        around = (weather.ambient(t), weather.base(t), anchor, housing, nut)
+        slow = (self.jig.probe, self.jig.bar, self.jig.board, rig.anchor_seat)
+        self.rows.append((t, rig.at_channels, motor, free, *around, *slow, *rig.torque))
+        if t % PROFILE_S == 0:
+            self.profiles.append(rise)
+
+    def _watch(self, t: float, plan: Plan) -> None:
+        """The operator reads what was held and ends the drive with the stroke under way."""
+        if not self._driving:
+            return
+        drive = self.travel.drives[-1]
+        near = self._hold(drive, t)
+        if math.isinf(drive.strokes) and (near or t - drive.start_s >= plan.max_drive_s):
+            drive = replace(drive, strokes=drive.stroke_ends_by(t))
+            self.travel = replace(self.travel, drives=(*self.travel.drives[:-1], drive))
+        if t >= drive.stop_s:
+            self.cycles_done += 1
+            self.start_at = math.ceil(drive.stop_s + plan.stop_s)
+
+    def _hold(self, drive: Drive, t: float) -> bool:
+        """Take the stroke centres of the last second; is the elongation near its target, or out of range?"""
+        near = False
+        for centre in drive.centres(t - 1.0, t):
+            reading = self.probes.held(self._gauge(centre), self.draw)
+            self.held.append((centre, *(column[0] for column in reading)))
+            first = self.held[0]
+            seen = (reading.a1b1[0] + reading.a2b2[0] - first[1] - first[2]) / 2.0
+            near |= bool(seen >= TARGET_UM or reading.state[0] == OVER_RANGE)
+        return near
+
+    def _gauge(self, t: float) -> Gauge:
+        """What the probes follow, between the last two ticks."""
+        gauge = Truth.of([self.rows[0], *self.rows[-2:]]).gauge
+        late = t - self.rows[-2][0]
+        return Gauge(*(column[1:2] + late * (column[2:3] - column[1:2]) for column in gauge))
+
+    @property
+    def profile(self) -> Profile:
+        times = np.arange(len(self.profiles)) * float(PROFILE_S)
+        return Profile(times, CELL_MM, np.array(self.profiles))
+
+    @property
+    def readings(self) -> tuple[np.ndarray, Reading]:
+        """Stroke centres (m,) and what was held there."""
+        columns = np.array(self.held, dtype=float).reshape(-1, 4).T
+        return columns[0], Reading(columns[1], columns[2], columns[3].astype(int))
+
+
+def session(seed: int, run: str, rig: Rig, probes: Probes, travel: Travel, expansion_error: float) -> Session:
+    """A run about to begin."""
+    return Session(rig, probes, travel, EXPANSION * (1.0 + expansion_error), dice(seed, run, "hold"))

@@ -1,0 +1,84 @@
+"""One finished run: what was true, what was measured, and its frames."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import can
+import numpy as np
+
+from drivers.virtual_rig import frames, motor, recording
+from drivers.virtual_rig.dice import dice
+from drivers.virtual_rig.environment import Environment
+from drivers.virtual_rig.motion import Drive, TableMotion, Travel
+from drivers.virtual_rig.probes import Reading
+from drivers.virtual_rig.truth import Profile, Truth
+
+
+class Holds(NamedTuple):
+    """Held displacement, each (m,): stroke centre, instant of the freeze (s), the reading taken at the centre."""
+
+    centre_s: np.ndarray
+    frozen_s: np.ndarray
+    reading: Reading
+
+
+class Measured(NamedTuple):
+    """What the sensors show, one row a second: channels (n, 15) and board degC, direct displacement, environment."""
+
+    time_s: np.ndarray
+    channels: np.ndarray
+    board: np.ndarray
+    direct: Reading
+    environment: Environment
+
+
+class DriveSignals(NamedTuple):
+    """The drive's own signals, each (n,)"""
+
+    time_s: np.ndarray
+    position_mm: np.ndarray
+    speed_rpm: np.ndarray
+    current_a: np.ndarray
+    moving: np.ndarray
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of the rig; `planted` are the strengths that differ from the base rig, `places` where they sit."""
+
+    name: str
+    seed: int
+    planted: dict[str, float]
+    places: dict[str, float]
+    truth: Truth
+    profile: Profile
+    measured: Measured
+    holds: Holds
+    travel: Travel
+
+    @property
+    def drives(self) -> tuple[Drive, ...]:
+        """Every drive with its start and stop, s"""
+        return self.travel.drives
+
+    def motion(self, time_s: np.ndarray) -> TableMotion:
+        """The table's true motion at any instants."""
+        return self.travel.at(np.asarray(time_s, dtype=float))
+
+    def drive(self, time_s: np.ndarray) -> DriveSignals:
+        """The drive's signals at any ascending instants; the current's noise is drawn for these instants."""
+        moves = self.motion(time_s)
+        torque = self.truth.nut_torque + self.truth.bearing_torque
+        friction = np.interp(time_s, self.truth.time_s, torque)
+        amperes = motor.current(moves, friction, dice(self.seed, self.name, "motor"))
+        return DriveSignals(time_s, moves.position_mm, moves.speed_rpm, amperes, moves.moving)
+
+    def frames(self) -> Iterator[can.Message]:
+        """All frames in order of time, stamped with a fixed epoch plus the rig's time."""
+        return frames.messages(frames.table(self))
+
+    def write(self, path: str | Path) -> Path:
+        """Write the frames in the format of the suffix, and the truth beside them as NAME.truth.csv."""
+        return recording.write(self, Path(path))
