@@ -1,0 +1,190 @@
+"""candump text, `(1699999999.123456) can0 210#0011223344556677`, from bytes to arrays in bulk.
+
+Lines of one layout (same length, digits and hex in the same columns) are cut out as a matrix and decoded together; the
+layout is taken from a line that matches the pattern, so nothing is assumed about interface names or digits. A line
+that matches nothing is counted, and a last line without its line end is never a frame: its data may be cut short.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.budget import Budget
+from drivers.frames import FRAME, Frames, Tally
+
+Bytes = NDArray[np.uint8]
+
+_LINE = re.compile(
+    rb"\((\d{1,10})\.(\d{1,9})\) (\S+) ([0-9A-Fa-f]{8}|[0-9A-Fa-f]{3})#((?:[0-9A-Fa-f]{2}){0,8})( [RT])?\r?"
+)
+_REMOTE = re.compile(rb"\(\d+\.\d+\) \S+ [0-9A-Fa-f]{3,8}#R")
+_FD = re.compile(rb"\(\d+\.\d+\) \S+ [0-9A-Fa-f]{3,8}##")
+_ERROR_FLAG = 0x20000000
+_CHUNK = 1 << 23
+_LAYOUTS = 64
+_LONGEST = 256
+
+_HEX = np.full(256, 255, np.uint8)
+for _value, _digits in enumerate([*b"0123456789", *b"abcdef"]):
+    _HEX[_digits] = _HEX[ord(chr(_digits).upper())] = _value
+
+
+def read_candump(
+    path: Path, tally: Tally, budget: Budget, progress: Callable[[float], None] | None = None
+) -> tuple[Frames, str]:
+    """All whole data frames of a candump log, and what was found, in words."""
+    reader = _Reader(tally)
+    stop = time.monotonic() + budget.seconds
+    size = max(path.stat().st_size, 1)
+    with path.open("rb") as file:
+        rest = b""
+        while block := file.read(_CHUNK):
+            rest = reader.feed(rest + block)
+            if progress:
+                progress(min(file.tell() / size, 1.0))
+            if why := budget.spent(reader.count, file.tell(), time.monotonic() > stop):
+                tally.note(f"stopped at line {reader.lines}: {why}")
+                rest = b""
+                break
+    reader.finish(rest)
+    return Frames.of(reader.table(), "line"), f"{reader.lines} lines read"
+
+
+class _Reader:
+    """Carries line numbers, counts and decoded blocks from chunk to chunk."""
+
+    def __init__(self, tally: Tally) -> None:
+        self.tally = tally
+        self.lines = 0
+        self.count = 0
+        self.buses: set[bytes] = set()
+        self.blocks: list[NDArray[np.void]] = []
+
+    def feed(self, text: bytes) -> bytes:
+        """Decode the whole lines of `text`; returns what comes after the last line end."""
+        buffer = np.frombuffer(text, np.uint8)
+        ends = np.flatnonzero(buffer == 10)
+        if not len(ends):
+            return self._endless(text)
+        starts = np.concatenate(([0], ends[:-1] + 1))
+        self._decode(text, buffer, starts, ends - starts)
+        self.lines += len(ends)
+        return self._endless(text[ends[-1] + 1 :])
+
+    def finish(self, rest: bytes) -> None:
+        """Account for a last line without its line end."""
+        if not rest:
+            return
+        self.lines += 1
+        zeros = rest.count(0)
+        self.tally.skip("torn line")
+        inside = f", {zeros} bytes of it zero" if zeros else ""
+        self.tally.note(f"torn at line {self.lines}: it has no line end{inside}; read up to there")
+
+    def table(self) -> NDArray[np.void]:
+        """All frames in the order of the file, dtype FRAME."""
+        if len(self.buses) > 1:
+            names = ", ".join(sorted(name.decode("latin-1") for name in self.buses))
+            self.tally.note(f"frames of {len(self.buses)} interfaces ({names}) taken as one bus")
+        return np.concatenate(self.blocks) if self.blocks else np.empty(0, FRAME)
+
+    def _endless(self, rest: bytes) -> bytes:
+        # A line that never ends (zeros after a power cut, a binary file) must not pile up in memory.
+        return rest if len(rest) <= _CHUNK else rest[-_LONGEST:]
+
+    def _decode(self, text: bytes, buffer: Bytes, starts: NDArray[np.intp], lengths: NDArray[np.intp]) -> None:
+        todo = np.flatnonzero(lengths > 0)
+        found = []
+        for _ in range(_LAYOUTS):
+            layout, todo = self._layout(text, starts, lengths, todo)
+            if layout is None:
+                break
+            same = todo[lengths[todo] == layout.end()]
+            good, table = _cut(buffer, starts[same], layout)
+            table["place"] = self.lines + 1 + same[good]
+            found.append(table)
+            self.buses.add(layout[3])
+            todo = np.setdiff1d(todo, same[good], assume_unique=True)
+        found.extend(self._one_by_one(text, starts, lengths, todo))
+        if found:
+            self._keep(np.concatenate(found))
+
+    def _layout(
+        self, text: bytes, starts: NDArray[np.intp], lengths: NDArray[np.intp], todo: NDArray[np.intp]
+    ) -> tuple[re.Match[bytes] | None, NDArray[np.intp]]:
+        """The match of the first line still to do that is a frame; lines before it are counted and left."""
+        for position, line in enumerate(todo):
+            words = text[starts[line] : starts[line] + lengths[line]]
+            if match := _LINE.fullmatch(words):
+                return match, todo[position:]
+            self._odd(words)
+        return None, todo[:0]
+
+    def _one_by_one(
+        self, text: bytes, starts: NDArray[np.intp], lengths: NDArray[np.intp], todo: NDArray[np.intp]
+    ) -> list[NDArray[np.void]]:
+        rows = []
+        for line in todo:
+            words = text[starts[line] : starts[line] + lengths[line]]
+            if match := _LINE.fullmatch(words):
+                _, table = _cut(np.frombuffer(words, np.uint8), np.zeros(1, np.intp), match)
+                table["place"] = self.lines + 1 + line
+                rows.append(table)
+            else:
+                self._odd(words)
+        return rows
+
+    def _odd(self, line: bytes) -> None:
+        if not line.strip():
+            return
+        reason = (
+            "remote frame" if _REMOTE.match(line) else "CAN FD frame" if _FD.match(line) else "torn or foreign line"
+        )
+        self.tally.skip(reason)
+
+    def _keep(self, table: NDArray[np.void]) -> None:
+        table = table[np.argsort(table["place"], kind="stable")]
+        error = table["extended"] & ((table["id"] & _ERROR_FLAG) != 0)
+        if error.any():
+            self.tally.skip("error frame", np.count_nonzero(error))
+            table = table[~error]
+        self.count += len(table)
+        self.blocks.append(table)
+
+
+def _cut(buffer: Bytes, starts: NDArray[np.intp], layout: re.Match[bytes]) -> tuple[NDArray[np.intp], NDArray[np.void]]:
+    """Decode the lines at `starts` that have this layout: their indices into `starts`, and the frames."""
+    text = np.lib.stride_tricks.sliding_window_view(buffer, layout.end())[starts]
+    values = _HEX[text]
+    free = np.zeros(layout.end(), bool)
+    good = np.ones(len(starts), bool)
+    for group in (1, 2, 4, 5):
+        columns = slice(*layout.span(group))
+        free[columns] = True
+        good &= (values[:, columns] <= (9 if group < 3 else 15)).all(axis=1)
+    good &= (text[:, ~free] == np.frombuffer(layout[0], np.uint8)[~free]).all(axis=1)
+    index = np.flatnonzero(good)
+    values = values[index]
+    table = np.zeros(len(index), FRAME)
+    whole, part = (_number(values[:, slice(*layout.span(g))], 10) for g in (1, 2))
+    digits = 10 ** len(layout[2])
+    table["time"] = whole + part / digits if len(layout[2]) > 6 else (whole * digits + part) / digits
+    table["id"] = _number(values[:, slice(*layout.span(4))], 16)
+    table["extended"] = len(layout[4]) == 8
+    table["dlc"] = size = len(layout[5]) // 2
+    data = values[:, slice(*layout.span(5))]
+    table["data"][:, :size] = data[:, ::2] << 4 | data[:, 1::2]
+    return index, table
+
+
+def _number(digits: Bytes, base: int) -> NDArray[np.int64]:
+    number = np.zeros(len(digits), np.int64)
+    for column in digits.T:
+        number = number * base + column
+    return number

@@ -1,0 +1,202 @@
+"""The rig's clock from the log's time stamps, by the same rules live and in review.
+
+Time stamps of a bus are wall clock: they jump, stand still and are sometimes rubbish. The rig's clock never runs back.
+  - A stamp up to half a tick early counts as simultaneous with the frame before it.
+  - A stamp that only one frame has is stray: that frame is dropped.
+  - A jump back, or a jump ahead in which the scan number did not move, is a jump of the clock: the rig's clock goes on
+    as if it had not been.
+  - Any other jump ahead is silence and takes its time; one of over an hour ends the recording.
+  - Where the stamps stand still over whole scans, each scan counts as one tick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.budget import Budget
+from drivers.frames import Tally
+
+_GAP = 1.5  # ticks: a longer silence needs a decision
+_TRUSTED_SCANS = 60
+
+
+class RigClock:
+    """Turns stamps into the rig's clock: s since the first frame, never running back."""
+
+    def __init__(self, tick_s: float, tally: Tally, where: Callable[[int], str], budget: Budget) -> None:
+        self.tick_s = tick_s
+        self.tally = tally
+        self.where = where
+        self.budget = budget
+        self.ended = False
+        self.now = 0.0
+        self._stamp = np.nan  # latest stamp of this stretch
+        self._offset = 0.0
+        self._still = 0  # scans since the stamps stand still
+        self._since_scan = 0  # frames since the last closing message
+        self._scan: tuple[float, float, int] | None = None  # stamp, rig clock and number of the last closing message
+        self._waiting: list[tuple[int, float, bool, int]] = []
+
+    def step(self, frame: int, stamp: float, closes: bool, scan: int) -> list[tuple[int, float]]:
+        """Take one frame; returns those now placed as (frame, rig clock in s), in order. `scan` is -1 if unknown."""
+        if self.ended:
+            self.tally.skip("after the end of the recording")
+            return []
+        item = (frame, stamp, closes, scan)
+        if self._waiting:
+            return self._follow(item)
+        if np.isnan(self._stamp):
+            self._offset = self._stamp = stamp
+        if -self.tick_s / 2 <= stamp - self._stamp <= _GAP * self.tick_s:
+            return [self._place(item)]
+        self._waiting = [item]
+        return []
+
+    @property
+    def waiting(self) -> bool:
+        """Whether frames after a jump wait for the decision about it."""
+        return bool(self._waiting)
+
+    def flush(self) -> list[tuple[int, float]]:
+        """Decide on what still waits: no more frames come."""
+        return self._decide() if self._waiting else []
+
+    def advance(self, stamp: float) -> list[tuple[int, float]]:
+        """No frame came until `stamp`: the rig's clock goes on."""
+        placed = self._decide() if self._waiting and stamp - self._waiting[0][1] > _GAP * self.tick_s else []
+        if not self._waiting and stamp > self._stamp:
+            self._stamp = stamp
+            self.now = max(self.now, stamp - self._offset)
+        return placed
+
+    def run(
+        self, stamps: NDArray[np.float64], closes: NDArray[np.bool_], scan: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        """The same for a whole log, (n,): NaN for a dropped frame. Regular stretches are taken at once."""
+        clock = np.full(len(stamps), np.nan)
+        closing = np.flatnonzero(closes)
+        odd = _irregular(stamps, closing, self.tick_s)
+        at = 0
+        while at < len(stamps):
+            if self._regular(stamps[at - 1] if at else np.nan):
+                upto = int(np.append(odd, len(stamps))[np.searchsorted(odd, at)])
+                self._stretch(clock, stamps, closing, scan, at, upto)
+                at = upto
+            if at < len(stamps):
+                for frame, now in self.step(at, float(stamps[at]), bool(closes[at]), int(scan[at])):
+                    clock[frame] = now
+                at += 1
+        for frame, now in self.flush():
+            clock[frame] = now
+        return clock
+
+    def _regular(self, before: float) -> bool:
+        return not (self._waiting or self._still or self.ended) and self._stamp == before
+
+    def _stretch(
+        self,
+        clock: NDArray[np.float64],
+        stamps: NDArray[np.float64],
+        closing: NDArray[np.intp],
+        scan: NDArray[np.int64],
+        start: int,
+        stop: int,
+    ) -> None:
+        """Place frames start ... stop, between which nothing is irregular."""
+        if stop == start:
+            return
+        clock[start:stop] = stamps[start:stop] - self._offset
+        self._stamp, self.now = float(stamps[stop - 1]), float(clock[stop - 1])
+        last = int(np.searchsorted(closing, stop)) - 1
+        if last >= 0 and closing[last] >= start:
+            index = closing[last]
+            self._scan = (float(stamps[index]), float(clock[index]), int(scan[index]))
+            self._since_scan = stop - 1 - int(index)
+        else:
+            self._since_scan += stop - start
+
+    def _place(self, item: tuple[int, float, bool, int]) -> tuple[int, float]:
+        frame, stamp, closes, scan = item
+        if closes and self._scan and stamp == self._scan[0] and self._since_scan > 1:
+            self._stand_still(frame)
+        elif self._still and stamp != self._stamp:
+            self._offset, self._still = stamp - self.now, 0
+        if stamp < self._stamp:
+            self.tally.skip("time stamp before the last one (used)")
+        self._stamp = max(self._stamp, stamp)
+        self.now = max(self.now, stamp - self._offset)
+        self._since_scan += 1
+        if closes:
+            self._scan, self._since_scan = (stamp, self.now, scan), 0
+        return frame, self.now
+
+    def _stand_still(self, frame: int) -> None:
+        if not self._still:
+            self.tally.note(
+                f"time stands still at {self.now:.3f} s ({self.where(frame)}): each scan counts as one tick"
+            )
+        self._still += 1
+        self._offset -= self.tick_s
+
+    def _follow(self, item: tuple[int, float, bool, int]) -> list[tuple[int, float]]:
+        """A frame after a jump: it shows whether the one before was stray, or the clock jumped, or it was silent."""
+        stamp, first = item[1], self._waiting[0]
+        from_old, from_new = stamp - self._stamp, stamp - self._waiting[-1][1]
+        near_new = -self.tick_s / 2 <= from_new <= _GAP * self.tick_s
+        if len(self._waiting) == 1 and -self.tick_s / 2 <= from_old <= _GAP * self.tick_s and not near_new:
+            self.tally.skip("stray time stamp")
+            self.tally.note(f"stray time stamp at {self.now:.3f} s ({self.where(first[0])}): frame dropped")
+            self._waiting = []
+            return self.step(*item)
+        if not near_new:
+            return [*self._decide(), *self.step(*item)]
+        self._waiting.append(item)
+        known = item[2] or self._scan is None or self._scan[2] < 0 or stamp - first[1] > _GAP * self.tick_s
+        return self._decide() if known else []
+
+    def _decide(self) -> list[tuple[int, float]]:
+        frame, stamp = self._waiting[0][:2]
+        waiting, self._waiting = self._waiting, []
+        jump = stamp - self._stamp
+        place = f"at {self.now:.3f} s ({self.where(frame)})"
+        to = self._rig_time(waiting, jump)
+        if self._still:
+            self._offset, self._still = stamp - self.now, 0
+        elif to is not None:
+            self.tally.note(f"clock jumps {'ahead' if jump > 0 else 'back'} {abs(jump):.3f} s {place}: ticks go on")
+            self._offset = stamp - to
+        elif jump > self.budget.gap_s:
+            self.tally.note(f"silent for {jump / 3600:.1f} h {place}: the recording ends there")
+            self.tally.skip("after the end of the recording", len(waiting))
+            self.ended = True
+            return []
+        else:
+            self.tally.note(f"silent for {jump:.1f} s {place}")
+        self._stamp = stamp
+        return [self._place(item) for item in waiting]
+
+    def _rig_time(self, waiting: list[tuple[int, float, bool, int]], jump: float) -> float | None:
+        """Where the rig's clock goes on after a jump of the stamps; None: the time really passed."""
+        closing = next((item for item in waiting if item[2] and item[3] >= 0), None)
+        if closing and self._scan and self._scan[2] >= 0:
+            scans = max((closing[3] - self._scan[2]) % 65536, 1)
+            passed = closing[1] - self._scan[0]
+            if scans <= _TRUSTED_SCANS and (jump < 0 or scans * self.tick_s < passed - _GAP * self.tick_s):
+                expected = self._scan[1] + scans * self.tick_s - (closing[1] - waiting[0][1])
+                return max(self.now, expected)
+        # A first frame that is years off is a stamp that was not set.
+        started = self.now > 2 * self.tick_s
+        return self.now if jump < 0 or (jump > self.budget.gap_s and not started) else None
+
+
+def _irregular(stamps: NDArray[np.float64], closing: NDArray[np.intp], tick_s: float) -> NDArray[np.intp]:
+    """Frames that a stretch may not contain: the first, one out of order, one after a silence, one at a standstill."""
+    if not len(stamps):
+        return np.empty(0, np.intp)
+    step = np.diff(stamps)
+    odd = np.flatnonzero((step < 0) | (step > _GAP * tick_s)) + 1
+    still = closing[1:][np.diff(stamps[closing]) == 0]
+    return np.unique(np.concatenate(([0], odd, still)))

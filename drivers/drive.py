@@ -1,0 +1,86 @@
+"""The drive condensed to ticks: mean speed, and where the nut was.
+
+A stretch between two frames counts in the tick of the later one, so that a tick needs no frame from its future. On a
+stretch the speed runs evenly from one value to the next, through zero where it turns, and the nut evenly from place to
+place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.coverage import covered
+from drivers.frames import Tally
+from estimator.rig import Rig
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_HELD_TICKS = 2
+
+
+class Drive:
+    """Carries the last place and speed from call to call."""
+
+    def __init__(self, rig: Rig, tally: Tally, held_ticks: int = _HELD_TICKS) -> None:
+        self.rig = rig
+        self.tally = tally
+        self.held_ticks = held_ticks
+        self.turns = "speed" in rig.inputs
+        self._last = (-np.inf, np.nan, np.nan)  # s, mm, rad/s
+        self._row = -(1 << 40)
+
+    def rows(self, now: Array, place: Array, speed: Array, row: Index, rows: int) -> tuple[Array, Array]:
+        """Mean |speed|, (rows,) rad/s, and cover of the cells, (rows, cells), from frames in order.
+
+        now    (n,) s       place  (n,) mm, NaN where unknown
+        speed  (n,) rad/s   row    (n,) tick of each frame, rising
+        """
+        if not self.turns:
+            return np.zeros(rows), np.zeros((rows, self.rig.screw.cells if self.rig.screw else 0))
+        now, place, speed = (np.concatenate(([was], a)) for was, a in zip(self._last, (now, place, speed), strict=True))
+        row = np.concatenate(([self._row], row))
+        latest = np.searchsorted(row, np.arange(rows), side="right") - 1
+        silent = np.arange(rows) - row[latest] > self.held_ticks
+        self.tally.skip("tick without drive", np.count_nonzero(silent))
+        passed = np.diff(now)
+        joined = np.flatnonzero(passed <= (self.held_ticks + 0.5) * self.rig.tick_s)
+        turned = _mean_speed(speed[joined], speed[joined + 1]) * passed[joined]
+        angle = np.bincount(row[joined + 1], turned, rows)
+        time = np.bincount(row[joined + 1], passed[joined], rows)
+        omega = np.divide(angle, time, out=np.abs(speed[latest]), where=time > 0)
+        omega[silent] = np.nan
+        weight = np.where(angle[row[joined + 1]] > 0, turned, passed[joined])
+        cover = self._cover(place, joined, weight, row, rows)
+        still = np.flatnonzero(np.bincount(row[joined + 1], weight, rows) == 0)
+        cover[still] = self._box(place[latest[still]])
+        cover[silent] = np.nan
+        self._last, self._row = (float(now[-1]), float(place[-1]), float(speed[-1])), int(row[-1]) - rows
+        return omega, cover
+
+    def _cover(self, place: Array, joined: Index, weight: Array, row: Index, rows: int) -> Array:
+        screw, nut = self.rig.screw, self.rig.nut
+        if screw is None or nut is None or "position" not in self.rig.inputs:
+            return np.zeros((rows, screw.cells if screw else 0))
+        centre = nut.centre(place)
+        known = np.isfinite(centre[joined]) & np.isfinite(centre[joined + 1])
+        joined, weight = joined[known], weight[known]
+        way = centre[joined], centre[joined + 1]
+        cover = covered(screw, nut.length_mm, way, weight, row[joined + 1], rows)
+        cover[np.bincount(row[joined + 1], minlength=rows) == 0] = np.nan
+        return cover
+
+    def _box(self, place: Array) -> Array:
+        screw, nut = self.rig.screw, self.rig.nut
+        if screw is None or nut is None or "position" not in self.rig.inputs:
+            return np.zeros((len(place), screw.cells if screw else 0))
+        centre = nut.centre(place)
+        return screw.overlap(centre - nut.length_mm / 2, centre + nut.length_mm / 2)
+
+
+def _mean_speed(begin: Array, end: Array) -> Array:
+    """Mean of |speed| while it runs evenly from begin to end: (n,)."""
+    size = np.abs(begin) + np.abs(end)
+    turns = begin * end < 0
+    return np.divide(begin**2 + end**2, 2 * size, out=size / 2, where=turns)

@@ -1,0 +1,103 @@
+"""Frames of a log as arrays, and the account of everything that was not used."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+# One frame as 26 bytes: what a reader in another process sends, and what arrays are cut from.
+FRAME = np.dtype(
+    [("time", "<f8"), ("id", "<u4"), ("extended", "?"), ("dlc", "u1"), ("data", "u1", (8,)), ("place", "<u4")]
+)
+
+
+@dataclass
+class Tally:
+    """What was skipped, by reason, and sentences with a place: filled by every stage from the file to the ticks."""
+
+    skipped: Counter[str] = field(default_factory=Counter)
+    notes: list[str] = field(default_factory=list)
+
+    def skip(self, reason: str, count: int = 1) -> None:
+        """Count `count` things that were not used. A hostile log invents reasons: past 300 they are lumped."""
+        if count:
+            self.skipped[reason if reason in self.skipped or len(self.skipped) < 300 else "other reasons"] += int(count)
+
+    def note(self, sentence: str) -> None:
+        """Keep a sentence once; past 50 of them only their number grows."""
+        if sentence in self.notes:
+            return
+        if len(self.notes) < 50:
+            self.notes.append(sentence)
+        else:
+            self.skip("further notes")
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Classic CAN data frames in the order of the log.
+
+    time      (n,) s, the log's own clock
+    id        (n,) uint32 without flag bits
+    extended  (n,) bool: 29-bit id
+    dlc       (n,) uint8, 0 ... 8
+    data      (n, 8) uint8, zero beyond dlc
+    place     (n,) line number of a text log, else frame number, from 1
+    unit      "line" or "frame": what `place` counts
+    """
+
+    time: NDArray[np.float64]
+    id: NDArray[np.uint32]
+    extended: NDArray[np.bool_]
+    dlc: NDArray[np.uint8]
+    data: NDArray[np.uint8]
+    place: NDArray[np.uint32]
+    unit: str = "frame"
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def take(self, which: NDArray[np.bool_] | NDArray[np.intp] | slice) -> Frames:
+        """The frames at these indices, or where a mask is true."""
+        return Frames(
+            self.time[which],
+            self.id[which],
+            self.extended[which],
+            self.dlc[which],
+            self.data[which],
+            self.place[which],
+            self.unit,
+        )
+
+    def where(self, index: int) -> str:
+        """Place of one frame as text: "line 1204"."""
+        return f"{self.unit} {int(self.place[index])}"
+
+    def words(self) -> tuple[NDArray[np.uint64], NDArray[np.uint64]]:
+        """The eight data bytes as one number, (n,) little-endian and (n,) big-endian."""
+        data = np.ascontiguousarray(self.data)
+        return data.view("<u8")[:, 0], data.view(">u8")[:, 0].astype(np.uint64)
+
+    @classmethod
+    def of(cls, table: NDArray[np.void], unit: str) -> Frames:
+        """From a table of dtype FRAME."""
+        return cls(*(np.ascontiguousarray(table[name]) for name in FRAME.names or ()), unit)
+
+
+def plausible(frames: Frames, tally: Tally) -> Frames:
+    """Only frames that can have been on a bus: a finite time from 1970 to 2100, an id that fits, at most 8 bytes."""
+    finite = np.isfinite(frames.time)
+    span = finite & (frames.time >= 0) & (frames.time < 4.2e9)
+    fits = frames.id <= np.where(frames.extended, 0x1FFFFFFF, 0x7FF)
+    short = frames.dlc <= 8
+    good = span & fits & short
+    if good.all():
+        return frames
+    tally.skip("time stamp is no number", np.count_nonzero(~finite))
+    tally.skip("time stamp absurd", np.count_nonzero(finite & ~span))
+    tally.skip("impossible id", np.count_nonzero(span & ~fits))
+    tally.skip("more than 8 bytes", np.count_nonzero(span & fits & ~short))
+    return frames.take(good)

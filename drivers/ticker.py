@@ -1,0 +1,81 @@
+"""The live road: frames one by one into samples, by the same clock, ticks and decoder as a whole log."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivers.budget import Budget
+from drivers.clock import RigClock, Ticks
+from drivers.decode import Decoder
+from drivers.frames import FRAME, Frames, Tally, plausible
+from estimator.record import Sample
+from estimator.rig import Rig
+
+
+class Ticker:
+    """Feed frames as they come; a sample comes out when its tick closes.
+
+    `tally` holds what was skipped, by reason, and sentences about jumps of the clock and the like.
+    """
+
+    def __init__(self, rig: Rig, tally: Tally | None = None, budget: Budget | None = None) -> None:
+        self.tally = tally or Tally()
+        self.decoder = Decoder(rig, self.tally)
+        self.clock = RigClock(rig.tick_s, self.tally, lambda frame: f"frame {frame + 1}", budget or Budget())
+        self.ticks = Ticks(rig.tick_s, rig.log.closes is not None)
+        self.frames = 0
+        self._waiting: dict[int, tuple[np.void, bool]] = {}
+        self._open: list[tuple[int, np.void, float]] = []
+
+    def feed(self, time_s: float, can_id: int, extended: bool, data: bytes) -> list[Sample]:
+        """Take one data frame, stamped on the bus's clock in s; returns the samples of the ticks that it closed."""
+        table = np.zeros(1, FRAME)
+        size = len(data)
+        padded = np.frombuffer(bytes(data[:8]).ljust(8, b"\0"), np.uint8)
+        table[0] = (time_s, can_id, extended, min(size, 255), padded, 0)
+        frames = plausible(Frames.of(table, "frame"), self.tally)
+        if not len(frames):
+            return []
+        closes, scan = self.decoder.closings(frames)
+        number, self.frames = self.frames, self.frames + 1
+        self._waiting[number] = (table[0], bool(closes[0]))
+        return self._placed(self.clock.step(number, time_s, bool(closes[0]), int(scan[0])))
+
+    def advance(self, time_s: float) -> list[Sample]:
+        """No frame came until `time_s` on the bus's clock: close the ticks whose timer ran out."""
+        out = self._placed(self.clock.advance(time_s))
+        return out + self._timed(self.ticks.due(self.clock.now))
+
+    def flush(self) -> list[Sample]:
+        """The frames end here: the open tick too, if it lasted."""
+        out = self._placed(self.clock.flush())
+        out += self._timed(self.ticks.rest(self.clock.now))
+        self.tally.skip("after the last whole tick", len(self._open))
+        self._open = []
+        return out
+
+    def _placed(self, placed: list[tuple[int, float]]) -> list[Sample]:
+        out: list[Sample] = []
+        for number, now in placed:
+            row, closes = self._waiting.pop(number)
+            out += self._timed(self.ticks.due(now))
+            self._open.append((number, row, now))
+            if closes and self.ticks.close(now):
+                out += self._close(now)
+            elif closes:
+                self.tally.skip("closing message too soon (used)")
+        if not self.clock.waiting:
+            self._waiting.clear()
+        return out
+
+    def _timed(self, ticks: list[tuple[float, float]]) -> list[Sample]:
+        return [sample for _, date in ticks for sample in self._close(date)]
+
+    def _close(self, date: float) -> list[Sample]:
+        """The open frames make one tick."""
+        table = np.array([row for _, row, _ in self._open], FRAME)
+        now = np.array([now for _, _, now in self._open])
+        first = self._open[0][0] if self._open else 0
+        self._open = []
+        rows = self.decoder.rows(Frames.of(table, "frame"), first, now, np.zeros(len(now), np.intp), np.array([date]))
+        return list(rows)

@@ -1,0 +1,85 @@
+"""Where ticks close on the rig's clock: the same rule live and in review."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.frames import Tally
+
+Array = NDArray[np.float64]
+
+_PATIENCE = 1.5  # ticks without a closing message, after which the timer closes one
+
+
+class Ticks:
+    """Where ticks close: with the closing message, or one and a half ticks after the last close with the timer.
+
+    A timer's tick is dated one tick after the last, so that a lost message does not shift the following ticks. A
+    closing message less than half a tick after the last close belongs to the next tick: bursts add no rows. Without a
+    closing message the timer alone runs, half a tick out of phase with the first frame.
+    """
+
+    def __init__(self, tick_s: float, by_message: bool) -> None:
+        self.tick_s = tick_s
+        self.patience = _PATIENCE if by_message else 1.0
+        self.last = 0.0 if by_message else -tick_s / 2
+        self.closed = 0
+
+    def due(self, now: float) -> list[tuple[float, float]]:
+        """Ticks that the timer closes before a frame at `now`: (last instant inside, date), s."""
+        ticks = []
+        while now > (until := self.last + self.patience * self.tick_s):
+            self.last += self.tick_s
+            ticks.append((until, self.last))
+        self.closed += len(ticks)
+        return ticks
+
+    def close(self, now: float) -> bool:
+        """Whether a closing message at `now` closes a tick."""
+        if self.closed and now - self.last < self.tick_s / 2:
+            return False
+        self.last = now
+        self.closed += 1
+        return True
+
+    def rest(self, now: float) -> list[tuple[float, float]]:
+        """At the end of a log: the open tick, if it lasted."""
+        if now - self.last < self.tick_s:
+            return []
+        self.last += self.tick_s
+        self.closed += 1
+        return [(now, self.last)]
+
+
+def split(
+    now: Array, closes: NDArray[np.bool_], ticks: Ticks, most: int, tally: Tally
+) -> tuple[NDArray[np.intp], Array]:
+    """Cut a whole log into ticks: the index behind the last frame of each, (K,), and when each closed, (K,) s.
+
+    now     (n,) s on the rig's clock, rising     most  no more ticks than this
+    closes  (n,) closing messages
+    """
+    ends: list[int] = []
+    dates: list[float] = []
+
+    def timed(due: list[tuple[float, float]]) -> None:
+        for until, date in due:
+            ends.append(int(np.searchsorted(now, until, side="right")))
+            dates.append(date)
+
+    for index in np.flatnonzero(closes).tolist():
+        timed(ticks.due(float(now[index])))
+        if len(ends) >= most:
+            break
+        if ticks.close(float(now[index])):
+            ends.append(index + 1)
+            dates.append(float(now[index]))
+        else:
+            tally.skip("closing message too soon (used)")
+    else:
+        timed(ticks.due(float(now[-1])))
+        timed(ticks.rest(float(now[-1])))
+    if len(ends) > most:
+        tally.note(f"longer than {most} ticks: the recording ends at {dates[most - 1]:.1f} s")
+    return np.array(ends[:most], np.intp), np.array(dates[:most])
