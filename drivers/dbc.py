@@ -165,8 +165,8 @@ def _load(path: Path, changed: int) -> Dbc:
     import cantools  # late: takes longer than reading a short log
 
     try:
-        database = cantools.database.load_file(path, strict=True)
-    except (cantools.database.Error, OSError, ValueError) as error:
+        database: Any = cantools.database.load_file(path, strict=True)
+    except (cantools.Error, OSError, ValueError) as error:
         raise SetupError(f"{path}: cannot be read as a DBC: {' '.join(str(error).split())}") from None
     return Dbc(path, {message.name: _layout(message) for message in database.messages})
 

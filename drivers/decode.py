@@ -105,7 +105,7 @@ class Decoder:
             missing = lost(numbers, self._counted.get(message.name), bits.modulus)
             self.tally.skip(f"lost {message.name} (by its counter)", missing)
             self._counted[message.name] = int(numbers[-1])
-        return index
+        return np.asarray(index)
 
     def _account(self, frames: Frames) -> None:
         """Count frames that the rig file does not use."""
@@ -119,4 +119,4 @@ class Decoder:
 
 
 def _is(frames: Frames, message: Layout) -> NDArray[np.bool_]:
-    return (frames.id == message.id) & (frames.extended == message.extended)
+    return np.asarray((frames.id == message.id) & (frames.extended == message.extended))

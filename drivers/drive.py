@@ -83,4 +83,4 @@ def _mean_speed(begin: Array, end: Array) -> Array:
     """Mean of |speed| while it runs evenly from begin to end: (n,)."""
     size = np.abs(begin) + np.abs(end)
     turns = begin * end < 0
-    return np.divide(begin**2 + end**2, 2 * size, out=size / 2, where=turns)
+    return np.asarray(np.divide(begin**2 + end**2, 2 * size, out=size / 2, where=turns))

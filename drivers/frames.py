@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ class Tally:
     skipped: Counter[str] = field(default_factory=Counter)
     notes: list[str] = field(default_factory=list)
 
-    def skip(self, reason: str, count: int = 1) -> None:
+    def skip(self, reason: str, count: int | np.integer[Any] = 1) -> None:
         """Count `count` things that were not used. A hostile log invents reasons: past 300 they are lumped."""
         if count:
             self.skipped[reason if reason in self.skipped or len(self.skipped) < 300 else "other reasons"] += int(count)
@@ -84,7 +85,8 @@ class Frames:
     @classmethod
     def of(cls, table: NDArray[np.void], unit: str) -> Frames:
         """From a table of dtype FRAME."""
-        return cls(*(np.ascontiguousarray(table[name]) for name in FRAME.names or ()), unit)
+        time, number, extended, dlc, data, place = (np.ascontiguousarray(table[name]) for name in FRAME.names or ())
+        return cls(time, number, extended, dlc, data, place, unit)
 
 
 def plausible(frames: Frames, tally: Tally) -> Frames:

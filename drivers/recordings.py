@@ -11,9 +11,11 @@ import numpy as np
 from drivers.budget import Budget
 from drivers.clock import RigClock
 from drivers.decode import Decoder
-from drivers.frames import Frames, Tally
-from drivers.logs import SUFFIXES, read_log
+from drivers.frames import Tally
+from drivers.lab_ticks import read_lab
+from drivers.logs import SUFFIXES, is_lab_csv, read_log
 from drivers.ticks import Ticks, split
+from drivers.truth import is_truth
 from estimator.errors import InputError
 from estimator.record import Recording
 from estimator.rig import Rig
@@ -24,17 +26,18 @@ Progress = Callable[[float], None]
 def find_recordings(paths: Iterable[Path]) -> list[Path]:
     """The recordings among these files and folders, in order; a folder means all logs in it, sorted by name.
 
-    A path that is neither is kept: reading it says what is wrong with it. A truth file is never a recording.
+    Truth files are left out; any other file is kept, reading it says what is wrong with it. A folder without a log is
+    an InputError.
     """
     found: list[Path] = []
-    for path in paths:
-        inside = sorted(p for p in path.iterdir() if _is_log(p)) if path.is_dir() else [path]
-        found += [p for p in inside if p not in found]
+    for path in map(Path, paths):
+        inside = [path]
+        if path.is_dir():
+            inside = sorted(p for p in path.iterdir() if p.is_file() and p.suffix.lower() in SUFFIXES)
+            if not any(not is_truth(p) for p in inside):
+                raise InputError(f"{path}: no recording in this folder; expected files *{', *'.join(sorted(SUFFIXES))}")
+        found += [p for p in inside if p not in found and not is_truth(p)]
     return found
-
-
-def _is_log(path: Path) -> bool:
-    return path.is_file() and path.suffix.lower() in SUFFIXES and not path.name.lower().endswith(".truth.csv")
 
 
 def read_recording(path: Path, rig: Rig, progress: Progress | None = None, budget: Budget | None = None) -> Recording:
@@ -47,13 +50,18 @@ def read_recording(path: Path, rig: Rig, progress: Progress | None = None, budge
     path = Path(path)
     tally = Tally()
     budget = budget or Budget()
+    if is_truth(path):
+        raise InputError(f"{path}: the truth of a simulated recording, not a recording")
+    if is_lab_csv(path):
+        rows = read_lab(path, rig, tally, budget)
+    else:
+        rows = _ticks(path, rig, tally, budget, progress)
+    return replace(rows, name=path.name, skipped=dict(tally.skipped), notes=tuple(tally.notes))
+
+
+def _ticks(path: Path, rig: Rig, tally: Tally, budget: Budget, progress: Progress | None) -> Recording:
     decoder = Decoder(rig, tally)
     frames = read_log(path, tally, budget, progress)
-    return replace(_ticks(frames, decoder, budget, path), name=path.name)
-
-
-def _ticks(frames: Frames, decoder: Decoder, budget: Budget, path: Path) -> Recording:
-    rig, tally = decoder.rig, decoder.tally
     clock = RigClock(rig.tick_s, tally, frames.where, budget)
     closes, scan = decoder.closings(frames)
     now = clock.run(frames.time, closes, scan)
@@ -67,4 +75,4 @@ def _ticks(frames: Frames, decoder: Decoder, budget: Budget, path: Path) -> Reco
     inside = slice(0, int(ends[-1]))
     row = np.repeat(np.arange(len(ends)), np.diff(ends, prepend=0))
     rows = decoder.rows(frames.take(inside), 0, now[inside], row, date)
-    return replace(rows, frames=len(frames), skipped=dict(tally.skipped), notes=tuple(tally.notes))
+    return replace(rows, frames=len(frames))

@@ -58,7 +58,8 @@ class Source:
         if not len(number):
             return np.zeros(0, bool)
         first = self.held is None
-        before = np.concatenate(([number[0] if first else self.held], number[:-1]))
+        before = np.roll(number, 1)
+        before[0] = number[0] if self.held is None else self.held
         new: Mask = number != before
         if first:
             new[0] = now[0] > quiet_s

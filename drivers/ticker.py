@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from drivers.budget import Budget
-from drivers.clock import RigClock, Ticks
+from drivers.clock import RigClock
 from drivers.decode import Decoder
 from drivers.frames import FRAME, Frames, Tally, plausible
+from drivers.ticks import Ticks
 from estimator.record import Sample
 from estimator.rig import Rig
 

@@ -1,0 +1,65 @@
+"""The truth of a simulated recording: for printing errors, never for estimating."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What really was, at K instants.
+
+    time_s         (K,) s on the log's clock, from its first frame
+    elongation_um  (K,) um, growth of the measured span since then
+    channels       (K,) K per thermometer, true rise of its temperature since then
+    """
+
+    time_s: Array
+    elongation_um: Array
+    channels: dict[str, Array]
+
+    def at(self, time_s: Array) -> Array:
+        """Elongation at other instants, (n,) um: NaN outside."""
+        return np.interp(time_s, self.time_s, self.elongation_um, left=np.nan, right=np.nan)
+
+
+def truth_path(path: Path) -> Path:
+    """Where the truth of a recording would be: NAME.truth.csv beside NAME.log."""
+    return path.with_name(f"{path.stem}.truth.csv")
+
+
+def is_truth(path: Path) -> bool:
+    """Whether a file is by its name a truth file: never a recording."""
+    return path.name.lower().endswith(".truth.csv")
+
+
+def read_truth(path: Path) -> Truth | None:
+    """The truth beside the recording at `path`; None if there is none; a malformed one is an InputError."""
+    file = truth_path(Path(path))
+    if not file.is_file():
+        return None
+    try:
+        with file.open(encoding="utf-8-sig", newline="") as text:
+            header, *rows = csv.reader(text)
+        table = np.array([row for row in rows if row], dtype=float)
+    except (OSError, ValueError, csv.Error) as error:
+        raise InputError(f"{file}: cannot be read as a truth file: {' '.join(str(error).split())[:120]}") from None
+    for column in ("time_s", "elongation_um"):
+        if column not in header:
+            raise InputError(f"{file}: no column '{column}'; expected time_s, elongation_um, T01, ...")
+    if len(table) < 2 or not np.isfinite(table).all():
+        raise InputError(f"{file}: expected at least two rows, all of them numbers")
+    columns = dict(zip(header, table.T, strict=True))
+    time_s = columns.pop("time_s")
+    if (np.diff(time_s) <= 0).any():
+        raise InputError(f"{file}: time_s must rise (row {int(np.argmax(np.diff(time_s) <= 0)) + 3})")
+    return Truth(time_s, columns.pop("elongation_um"), columns)
