@@ -1,0 +1,1 @@
+"""What a person sees: a recording and its estimate as rerun views, saved, opened and rendered."""

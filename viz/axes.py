@@ -1,0 +1,95 @@
+"""Axes drawn by hand: a 2D view has none of its own.
+
+A point (x, y) in the data's units stands at (x * x_unit, -y * y_unit) of the view, whose y runs downwards. A label hangs
+below its anchor, so those of y are lifted by half a line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+from numpy.typing import ArrayLike
+
+from estimator.record import Array
+from viz import paths
+from viz.scale import Range, ticks_of
+
+
+@dataclass(frozen=True)
+class Axes:
+    """A frame `width` by `height` (view units) over the ranges `x` and `y` (data units)."""
+
+    x: Range
+    y: Range
+    width: float
+    height: float
+
+    @property
+    def x_unit(self) -> float:
+        """View units per unit of x."""
+        return self.width / (self.x[1] - self.x[0])
+
+    @property
+    def y_unit(self) -> float:
+        """View units per unit of y."""
+        return self.height / (self.y[1] - self.y[0])
+
+    def place(self, x: ArrayLike, y: ArrayLike) -> Array:
+        """Where points stand in the view, (..., 2)."""
+        x, y = np.broadcast_arrays(x, y)
+        return np.stack([np.asarray(x, dtype=float) * self.x_unit, -np.asarray(y, dtype=float) * self.y_unit], axis=-1)
+
+    @property
+    def bounds(self) -> tuple[Range, Range]:
+        """What the view must show: the frame and its labels."""
+        (left, bottom), (right, top) = self.place(self.x[0], self.y[0]), self.place(self.x[1], self.y[1])
+        return (left - 0.12 * self.width, right + 0.05 * self.width), (
+            top - 0.16 * self.height, bottom + 0.2 * self.height,
+        )  # fmt: skip
+
+    def draw(self, rec: rr.RecordingStream, at: str, x_title: str, y_title: str, x_ticks: Array | None = None) -> None:
+        """Log grid, tick labels and titles under `at`, once."""
+        xs, ys = ticks_of(self.x, 8) if x_ticks is None else x_ticks, ticks_of(self.y, 5)
+        lines = [self.place([x, x], self.y) for x in {*xs, *self.x}] + [
+            self.place(self.x, [y, y]) for y in {*ys, *self.y}
+        ]
+        grid = rr.LineStrips2D(lines, radii=rr.Radius.ui_points(0.5), colors=paths.GRID, draw_order=-10.0)
+        rec.log(f"{at}/grid", grid, static=True)
+        below, lift = 0.01 * self.height, np.array([-0.035 * self.width, -0.027 * self.height])
+        words(rec, f"{at}/x", self.place(xs, self.y[0]) + [0, below], [f"{x:g}" for x in xs])
+        words(rec, f"{at}/y", self.place(self.x[0], ys) + lift, [f"{y:g}" for y in ys])
+        middle = self.place(sum(self.x) / 2, self.y[0]) + [0, 0.085 * self.height]
+        corner = self.place(self.x[0], self.y[1]) + [0.03 * self.width, -0.125 * self.height]
+        words(rec, f"{at}/titles", np.array([middle, corner]), [x_title, y_title])
+
+    def key(self, rec: rr.RecordingStream, at: str, entries: Sequence[tuple[str, paths.Colour]]) -> None:
+        """Log coloured words in a row above the frame."""
+        y = self.place(self.x[0], self.y[1])[1] - 0.125 * self.height
+        left = self.place(self.x[0], self.y[1])[0]
+        xs = left + self.width * (0.28 + 0.2 * np.arange(len(entries)))
+        rows = np.stack([xs, np.full(len(xs), y)], axis=-1)
+        words(rec, at, rows, [name for name, _ in entries], [colour for _, colour in entries])
+
+
+def words(
+    rec: rr.RecordingStream,
+    at: str,
+    places: ArrayLike,
+    texts: Sequence[str],
+    colours: Sequence[paths.Colour] | None = None,
+) -> None:
+    """Log labels at places (n, 2) in view units."""
+    points = rr.Points2D(places, labels=list(texts), show_labels=True, radii=0.0, colors=colours or paths.TEXT)
+    rec.log(at, points, static=True)
+
+
+def colour_bar(rec: rr.RecordingStream, at: str, colours: Array, labels: Sequence[str]) -> None:
+    """Log an upright bar of colours (n, 4), lowest first, with labels spread evenly beside it, lowest first."""
+    n, width = len(colours), 6.0
+    image = np.repeat(np.asarray(colours)[::-1, None, :3], int(width), axis=1)
+    rec.log(f"{at}/bar", rr.Image(np.ascontiguousarray(image), magnification_filter="Nearest"), static=True)
+    ys = np.linspace(n, 0, len(labels)) - 0.03 * n
+    words(rec, f"{at}/labels", np.stack([np.full(len(ys), 2.6 * width), ys], axis=-1), labels)

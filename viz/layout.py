@@ -1,0 +1,146 @@
+"""Which view stands where: one tab for the summary, one for accuracy, and for each run what it looked like.
+
+The limits of the time axes come from the data: left to itself a time series shows 30 s around the cursor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from estimator.rig import Rig
+from viz import accuracy, paths, profile, screw
+from viz.axes import Axes
+from viz.run import Run
+from viz.scale import Range, Scale
+
+LEGEND_ROOM = 1.45  # of the height: curves keep below the legend
+
+
+def whole(extent: Range, room: float = 0.0) -> rrb.TimeAxis:
+    """A time axis over a run; `room` is left at its end for a legend, as a share of the run."""
+    absolute = rrb.TimeRangeBoundary.absolute
+    end = extent[1] + room * (extent[1] - extent[0])
+    return rrb.TimeAxis(view_range=rr.TimeRange(start=absolute(seconds=extent[0]), end=absolute(seconds=end)))
+
+
+def blueprint(runs: Sequence[Run], scales: Sequence[Scale], tab: int | str = 0) -> rrb.Blueprint:
+    """The layout of a saved file."""
+    pages = [pages_of(paths.root(run.name), run.rig, scale) for run, scale in zip(runs, scales, strict=True)]
+    common = [_summary(), _accuracy(accuracy.axes_of(runs))]
+    if len(runs) == 1:
+        tabs = [*pages[0], *reversed(common)]
+    else:
+        tabs = [*common, *(rrb.Tabs(*some, name=run.name) for run, some in zip(runs, pages, strict=True))]
+    return rrb.Blueprint(
+        rrb.Tabs(*tabs, active_tab=tab),
+        rrb.TimePanel(state="collapsed", timeline=paths.TIMELINE, play_state="following"),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def pages_of(root: str, rig: Rig, scale: Scale) -> list[rrb.Container]:
+    """The tabs of one run."""
+    return [_overview(root, rig, scale), _residuals(root, rig, scale), _channels(root, scale)]
+
+
+def _summary() -> rrb.Container:
+    return rrb.Horizontal(rrb.TextDocumentView(origin=paths.SUMMARY, name="Summary"), name="Summary")
+
+
+def _accuracy(axes: Axes) -> rrb.Container:
+    figures = [
+        _flat(f"{paths.ACCURACY}/{estimate}", f"Accuracy of the {estimate}: reference over estimate [µm]", axes)
+        for estimate in accuracy.SHOWN
+    ]
+    table = rrb.TextDocumentView(origin=paths.BANDS, name="Accuracy bands [µm]")
+    return rrb.Horizontal(*figures, table, column_shares=[2, 2, 1.5], name="Accuracy")
+
+
+def _overview(root: str, rig: Rig, scale: Scale) -> rrb.Container:
+    lo, hi = scale.elongation_um
+    elongation = _plot(f"{root}/{paths.ELONGATION}", "Elongation [µm]", scale, (lo, lo + LEGEND_ROOM * (hi - lo)))
+    lo, hi = scale.error_um
+    error = _plot(
+        f"{root}/{paths.ERROR}", "Error: reference − estimate [µm]", scale, (lo, lo + LEGEND_ROOM * (hi - lo))
+    )
+    events = rrb.TextLogView(origin=f"{root}/{paths.EVENTS}", name="Events")
+    right = rrb.Vertical(elongation, error, events, row_shares=[4, 3, 2])
+    if rig.screw is None:
+        return rrb.Horizontal(right, name="Overview")
+    place = _flat(f"{root}/{paths.PROFILE}", "Temperature along the screw [°C over mm]", profile.axes_of(rig, scale))
+    return rrb.Horizontal(rrb.Vertical(place, _screw(root, rig, scale), row_shares=[5, 4]), right, name="Overview")
+
+
+def _screw(root: str, rig: Rig, scale: Scale) -> rrb.Spatial3DView:
+    assert rig.screw is not None
+    middle, length = (rig.screw.from_mm + rig.screw.to_mm) / 2, rig.screw.to_mm - rig.screw.from_mm
+    eye = rrb.EyeControls3D(
+        position=[middle, -1.05 * length, 0.3 * length], look_target=[middle, 0, -0.05 * length], eye_up=[0, 0, 1]
+    )
+    return rrb.Spatial3DView(
+        origin=f"{root}/{paths.SCREW}",
+        name=f"Screw: temperature [°C] as colour, growth × {screw.exaggeration(rig, scale):g}",
+        background=list(paths.BACKGROUND),
+        line_grid=rrb.LineGrid3D(visible=False),
+        eye_controls=eye,
+    )
+
+
+def _residuals(root: str, rig: Rig, scale: Scale) -> rrb.Container:
+    rows = f"row = thermometer {rig.thermometers[0]} ... {rig.thermometers[-1]} from below"
+    count = len(rig.thermometers)
+    maps = [
+        _map(root, paths.SURPRISE_MAP, paths.SURPRISE_BAR, f"Innovation, mean of 1 min [K]; {rows}", scale, count),
+        _map(root, paths.MODEL_MAP, paths.MODEL_BAR, f"Measured − open-loop, mean of 1 min [K]; {rows}", scale, count),
+    ]
+    white = _plot(
+        f"{root}/{paths.WHITENESS}",
+        "Sum of a minute's innovations over its sd [1]; within ±1.96 if white",
+        scale,
+        None,
+        False,
+    )
+    nis = _plot(
+        f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1], with 95 % chi-square bounds", scale, None
+    )
+    return rrb.Vertical(*maps, rrb.Horizontal(white, nis), row_shares=[3, 3, 2.4], name="Residuals")
+
+
+def _map(root: str, at: str, bar: str, name: str, scale: Scale, count: int) -> rrb.Container:
+    rows = _plot(f"{root}/{at}", name, scale, (0.0, count + 1.0), False)
+    bounds = rrb.VisualBounds2D(x_range=[-12, 30], y_range=[-6, 70])
+    colours = rrb.Spatial2DView(
+        origin=f"{root}/{bar}", name="[K]", visual_bounds=bounds, background=list(paths.BACKGROUND)
+    )
+    return rrb.Horizontal(rows, colours, column_shares=[10, 1])
+
+
+def _channels(root: str, scale: Scale) -> rrb.Container:
+    temperature = _plot(f"{root}/{paths.TEMPERATURES}", "Thermometers [°C]", scale, scale.temperature_C, room=0.25)
+    innovation = _plot(f"{root}/{paths.INNOVATIONS}", "Innovations of each tick [K]", scale, None, False, 0.25)
+    displacement = _plot(f"{root}/{paths.DISPLACEMENT}", "Innovations of the displacement [µm]", scale, None, room=0.25)
+    return rrb.Vertical(temperature, innovation, displacement, row_shares=[4, 3, 2], name="Channels")
+
+
+def _plot(
+    origin: str, name: str, scale: Scale, extent: Range | None, legend: bool = True, room: float = 0.0
+) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin=origin,
+        name=name,
+        axis_x=whole(scale.time_s, room),
+        axis_y=rrb.ScalarAxis(range=extent, zoom_lock=False) if extent else None,
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend),
+    )
+
+
+def _flat(origin: str, name: str, axes: Axes) -> rrb.Spatial2DView:
+    x, y = axes.bounds
+    bounds = rrb.VisualBounds2D(x_range=list(x), y_range=list(y))
+    return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=bounds, background=list(paths.BACKGROUND))

@@ -1,0 +1,63 @@
+"""Entity paths, names and colours: the one place where saved and live views get them from."""
+
+from __future__ import annotations
+
+import re
+
+from estimator.rig import Rig
+
+APPLICATION = "ballscrew"
+TIMELINE = "time"
+
+SUMMARY = "summary"
+ACCURACY = "accuracy"
+BANDS = "accuracy/bands"
+
+PROFILE = "profile"
+ELONGATION = "elongation"
+ERROR = "error"
+SCREW = "screw"
+SURPRISE_MAP = "residual/innovation"
+SURPRISE_BAR = "residual_bar/innovation"
+MODEL_MAP = "residual/open_loop"
+MODEL_BAR = "residual_bar/open_loop"
+WHITENESS = "whiteness"
+NIS = "nis"
+TEMPERATURES = "channels/temperature"
+INNOVATIONS = "channels/innovation"
+DISPLACEMENT = "channels/displacement"
+EVENTS = "events"
+
+Colour = tuple[int, int, int]
+
+BACKGROUND: Colour = (16, 16, 18)
+GRID: Colour = (62, 62, 66)
+TEXT: Colour = (200, 200, 200)
+FILTER: Colour = (90, 170, 255)
+BAND: Colour = (40, 72, 128)
+BAND_EDGE: Colour = (70, 130, 220)
+OPEN_LOOP: Colour = (120, 210, 130)
+POLYLINE: Colour = (240, 130, 60)
+READING: Colour = (250, 220, 60)
+REFERENCE: Colour = (240, 240, 240)
+MEASURED: Colour = (255, 180, 60)
+BOUND: Colour = (150, 150, 155)
+METAL: Colour = (92, 94, 102)
+NUT: Colour = (200, 200, 80)
+RUNS: tuple[Colour, ...] = (
+    (90, 170, 255), (240, 130, 60), (120, 210, 130), (250, 220, 60), (220, 110, 200), (90, 220, 220),
+    (255, 130, 130), (170, 150, 255), (190, 220, 90), (240, 240, 240), (205, 150, 100), (140, 160, 175),
+)  # fmt: skip
+
+ESTIMATES: dict[str, Colour] = {"filter": FILTER, "polyline": POLYLINE, "open-loop": OPEN_LOOP}
+
+
+def root(name: str) -> str:
+    """Where the entities of a run begin: its name, in characters that a path needs no escapes for."""
+    return re.sub(r"[^A-Za-z0-9_.-]+", "_", name)
+
+
+def channel_names(rig: Rig, unit: str) -> list[str]:
+    """Legend entries of the thermometers: name, place and unit."""
+    named = [(name, rig.channels[name].at_mm) for name in rig.thermometers]
+    return [f"{name} [{unit}]" if at is None else f"{name} at {at:g} mm [{unit}]" for name, at in named]

@@ -1,0 +1,82 @@
+"""A run: one recording with everything that was estimated from it, ready to be shown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.step import Track
+
+AT_REST = 0.5  # rad/s
+
+
+@dataclass(frozen=True)
+class Run:
+    """One reviewed recording of K ticks.
+
+    name            shown as the title of its tab
+    polyline_um     (K,) elongation by the polyline through the thermometers
+    readings_um     (K,) displacement readings joined to the start, um; NaN where there is none
+    reference_um    (K,) what the estimates are judged by; NaN where there is none
+    reference_name  what the reference is: "truth", "readings"
+    truth_C_rise    (K, thermometers) true temperature rise at the thermometers, K; None where it is not known
+    """
+
+    name: str
+    rig: Rig
+    recording: Recording
+    track: Track
+    polyline_um: Array
+    readings_um: Array
+    reference_um: Array
+    reference_name: str
+    truth_C_rise: Array | None = None
+
+    @property
+    def estimates_um(self) -> dict[str, Array]:
+        """Elongation by each estimate, (K,) um each."""
+        return {
+            "filter": self.track.elongation_um,
+            "polyline": self.polyline_um,
+            "open-loop": self.track.open_loop_um,
+        }
+
+    def errors_um(self, estimate: str) -> Array:
+        """Reference minus estimate, (K,) um."""
+        return self.reference_um - self.estimates_um[estimate]
+
+    @property
+    def thermometers(self) -> Array:
+        """Columns of the thermometers among the channels, in order."""
+        return np.array([self.rig.index(name) for name in self.rig.thermometers], dtype=int)
+
+    @property
+    def on_screw(self) -> Array:
+        """Columns of the thermometers that have a place on the screw."""
+        channels = enumerate(self.rig.channels.values())
+        return np.array([i for i, channel in channels if channel.at_mm is not None], dtype=int)
+
+    @property
+    def places_mm(self) -> Array:
+        """Places of those thermometers, mm."""
+        return np.array([c.at_mm for c in self.rig.channels.values() if c.at_mm is not None], dtype=float)
+
+    @property
+    def turning(self) -> Array:
+        """(K,) whether the screw turned in the tick."""
+        return np.nan_to_num(self.recording.omega) > AT_REST
+
+    @property
+    def stops_s(self) -> Array:
+        """Times at which the drive stopped, s."""
+        ends = np.flatnonzero(self.turning[:-1] & ~self.turning[1:]) + 1
+        return self.track.time_s[ends]
+
+
+def first_stop_s(run: Run) -> float:
+    """The moment that shows most at a glance: the first stop, where the screw is hottest; else the middle."""
+    stops = run.stops_s
+    return float(stops[0] if len(stops) else np.nanmedian(run.track.time_s))

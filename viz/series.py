@@ -1,0 +1,86 @@
+"""Curves over time: elongation and its error, temperatures and innovations of the channels.
+
+One vector of Scalars for a group, never an entity for each channel. Aggregation keeps spikes: MinMax for innovations,
+Max for NIS.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import rerun as rr
+
+from estimator.record import Array
+from estimator.rig import Rig
+from viz import paths
+from viz.scale import coloured
+
+DENSE = 0.9  # a reference known at this share of the ticks is drawn as a line, else as points
+
+
+def style(rec: rr.RecordingStream, root: str, rig: Rig, reference: str, dense: bool) -> None:
+    """Log names, units and colours, once."""
+    at = f"{root}/{paths.ELONGATION}"
+    band = rr.Measurements.from_fields(names="filter ±2 sd", units="µm", colors=paths.FILTER, widths=2.0)
+    rec.log(f"{at}/filter", band, static=True)
+    lines(rec, f"{at}/models", ["polyline [µm]", "open-loop [µm]"], [paths.POLYLINE, paths.OPEN_LOOP], 1.5)
+    dots(rec, f"{at}/readings", "displacement readings [µm]", paths.READING, 2.5)
+    if dense:
+        lines(rec, f"{at}/reference", [f"{reference} [µm]"], [paths.REFERENCE], 1.0)
+    else:
+        dots(rec, f"{at}/reference", f"reference: {reference} [µm]", paths.REFERENCE, 1.5)
+    names = [f"{reference} − {name} [µm]" for name in paths.ESTIMATES]
+    lines(rec, f"{root}/{paths.ERROR}", names, list(paths.ESTIMATES.values()), 1.5, "MinMax")
+    rainbow = channel_colours(len(rig.thermometers))
+    lines(rec, f"{root}/{paths.TEMPERATURES}", paths.channel_names(rig, "°C"), rainbow, 1.0)
+    lines(rec, f"{root}/{paths.INNOVATIONS}", paths.channel_names(rig, "K"), rainbow, 1.0, "MinMax")
+    lengths = [f"{name} [µm]" for name in rig.names if name not in rig.thermometers]
+    dots(rec, f"{root}/{paths.DISPLACEMENT}", lengths, paths.READING, 2.5)
+
+
+def lines(
+    rec: rr.RecordingStream,
+    at: str,
+    names: Sequence[str],
+    colours: Sequence[Sequence[int]],
+    width: float,
+    aggregation: str = "Average",
+) -> None:
+    """Log how the lines of one entity look."""
+    looks = rr.SeriesLines(
+        names=list(names), colors=colours, widths=[width] * len(names), aggregation_policy=aggregation
+    )
+    rec.log(at, looks, static=True)
+
+
+def dots(rec: rr.RecordingStream, at: str, names: str | Sequence[str], colour: paths.Colour, size: float) -> None:
+    """Log how the points of one entity look."""
+    looks = rr.SeriesPoints(names=names, colors=colour, markers="circle", marker_sizes=size)
+    rec.log(at, looks, static=True)
+
+
+def channel_colours(count: int) -> list[list[int]]:
+    """One colour for each thermometer, free end blue, motor side red."""
+    return coloured(np.arange(count), (0.0, max(count - 1.0, 1.0)))[:, :3].tolist()  # type: ignore[no-any-return]
+
+
+def send(rec: rr.RecordingStream, at: str, time_s: Array, values: Array) -> None:
+    """Log n rows of one group: times (n,) s, values (n, m)."""
+    index = [rr.TimeColumn(paths.TIMELINE, duration=time_s)]
+    rec.send_columns(at, indexes=index, columns=rr.Scalars.columns(scalars=values))
+
+
+def send_known(rec: rr.RecordingStream, at: str, time_s: Array, values: Array) -> None:
+    """Log one series (n,) where it is known."""
+    known = np.isfinite(values)
+    if known.any():
+        send(rec, at, time_s[known], values[known])
+
+
+def send_band(rec: rr.RecordingStream, at: str, time_s: Array, mean: Array, sd: Array) -> None:
+    """Log a line (n,) with a band of two standard deviations; the viewer draws one root of the variance."""
+    known = np.isfinite(mean) & np.isfinite(sd)
+    index = [rr.TimeColumn(paths.TIMELINE, duration=time_s[known])]
+    columns = rr.Measurements.columns(values=mean[known], variances=(2 * sd[known]) ** 2)
+    rec.send_columns(at, indexes=index, columns=columns)

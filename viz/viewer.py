@@ -1,0 +1,79 @@
+"""The native viewer as a child process that keeps to itself.
+
+It listens on the loopback only. Usage statistics are off, and what it would ask of the network (its own new versions) goes
+to a proxy that is not there: the viewer runs without outbound traffic.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import IO
+
+from rerun.experimental import ViewerClient
+
+from viz import paths
+
+START_S = 20.0
+
+
+def open_viewer(path: Path, at_s: float | None = None) -> bool:
+    """Show a saved file, with the cursor at `at_s` if given; False where there is no screen. Does not wait for its end."""
+    if not has_screen():
+        return False
+    port = free_port()
+    start([str(path)], port)
+    if at_s is not None:
+        client = connect(port)
+        client.set_time(paths.TIMELINE, duration=at_s, play_state="paused")
+    return True
+
+
+def has_screen() -> bool:
+    """Whether a window can be shown here."""
+    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def start(arguments: Sequence[str], port: int, said: IO[bytes] | int = subprocess.DEVNULL) -> subprocess.Popen[bytes]:
+    """Start the viewer on the loopback, cut off from the network, in a session of its own; `said` takes its messages."""
+    command = [str(executable()), "--bind", "127.0.0.1", "--port", str(port), "--hide-welcome-screen", *arguments]
+    closed = {"CI": "1", "HTTP_PROXY": "http://127.0.0.1:9", "HTTPS_PROXY": "http://127.0.0.1:9"}
+    env = {**os.environ, **closed, "NO_PROXY": "127.0.0.1,localhost", "RUST_LOG": "warn"}
+    return subprocess.Popen(
+        command, env=env, stdin=subprocess.DEVNULL, stdout=said, stderr=said, start_new_session=True
+    )
+
+
+def executable() -> Path:
+    """The viewer that came with rerun-sdk: always the version that wrote the file."""
+    import rerun_cli
+
+    return Path(rerun_cli.__file__).parent / ("rerun.exe" if sys.platform == "win32" else "rerun")
+
+
+def free_port() -> int:
+    """A port on the loopback that nobody uses now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def connect(port: int, timeout_s: float = START_S) -> ViewerClient:
+    """Reach a viewer just started, once it has loaded its file; TimeoutError if that does not happen."""
+    end = time.monotonic() + timeout_s
+    while time.monotonic() < end:
+        try:
+            client = ViewerClient.connect(f"rerun+http://127.0.0.1:{port}/proxy")
+            state = client.get_state()
+        except Exception:  # not up yet; the client has no error of its own for that
+            time.sleep(0.1)
+            continue
+        if state.recordings and not state.loading:
+            return client
+        time.sleep(0.1)
+    raise TimeoutError(f"the viewer did not answer within {timeout_s:g} s")
