@@ -9,11 +9,11 @@ from drivers.virtual_rig.geometry import SCREW_MM
 from drivers.virtual_rig.planted import Strengths
 from drivers.virtual_rig.screw import overlap
 
-MOTOR_W = 9.0
+MOTOR_W = 15.0
 """through the coupling into the last 40 mm of the screw, while driving"""
 MOTOR_MM = 40.0
 LOCAL_W = 1.5
-LOCAL_DRIVING_W = 5.0
+LOCAL_DRIVING_W = 2.0
 LOCAL_MM = 30.0
 LOCAL_RANGE_MM = (150.0, 780.0)
 

@@ -24,7 +24,9 @@ HOLD_ERROR_UM = 0.19
 PROBE_UM_PER_K = 0.4
 BAR_UM_PER_K = 0.47
 """super-Invar, 0.5e-6 1/K over 935.5 mm"""
-YIELD_UM_PER_K = 0.5
+EXTRA = 2.0
+"""planted: probes or bar expand by twice their own coefficient more"""
+YIELD_UM_PER_K = 0.54
 """planted: the anchor's support moves the motor-side probes as it warms"""
 TABLE_KG = 250.0
 YOUNG_PA = 206e9
@@ -102,8 +104,8 @@ def probes(seed: int, strength: Strengths) -> Probes:
         noise=base * NOISE_UM,
         hold_error=base * HOLD_ERROR_UM,
         inertia=base,
-        per_probe=PROBE_UM_PER_K * (base + strength["probe_expansion"]),
-        per_bar=BAR_UM_PER_K * (base + strength["bar_expansion"]),
+        per_probe=PROBE_UM_PER_K * (base + EXTRA * strength["probe_expansion"]),
+        per_bar=BAR_UM_PER_K * (base + EXTRA * strength["bar_expansion"]),
         per_seat=YIELD_UM_PER_K * strength["support_yield"],
     )
 

@@ -12,7 +12,7 @@ from drivers.virtual_rig.screw import CELL_MM
 
 DRIFT_PER_HOUR = 1.0
 """K/h of base_drift, which the thermometers of air and base do not see"""
-GRADIENT = 1.0
+GRADIENT = 1.5
 """K at either end of the channels"""
 ALONG = CELL_MM / (CHANNEL_MM[-1] / 2.0) - 1.0
 """-1 at channel 1, +1 at channel 15: (CELLS,)"""
