@@ -31,8 +31,9 @@ def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig |
     track = Filter(model_of(list(CATALOGUE.values())), rig).run(recording)
     measured = track.measured[:, :15]
     polyline = rig.screw.expansion * np.trapezoid(measured - measured[0], _places(rig), axis=1) * 1e3
+    errors = {"filter": elongation - track.elongation_um, "polyline": elongation - polyline}
     readings = track.measured[:, 15] - track.measured[0, 15]
-    return Run(name, rig, recording, track, polyline, readings, elongation, "truth", rise)
+    return Run(name, rig, recording, track, polyline, readings, elongation, "truth", errors, track.sigma_um, rise)
 
 
 def _places(rig: Rig) -> Array:
@@ -52,7 +53,13 @@ def _heat(place: Array, turning: Array) -> Array:
 
 
 def _recording(
-    name: str, rig: Rig, time_s: Array, turning: Array, thermometers: Array, elongation: Array, dice: np.random.Generator
+    name: str,
+    rig: Rig,
+    time_s: Array,
+    turning: Array,
+    thermometers: Array,
+    elongation: Array,
+    dice: np.random.Generator,
 ) -> Recording:
     count = len(time_s)
     channels = np.full((count, len(rig.names)), np.nan)

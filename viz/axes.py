@@ -20,12 +20,14 @@ from viz.scale import Range, ticks_of
 
 @dataclass(frozen=True)
 class Axes:
-    """A frame `width` by `height` (view units) over the ranges `x` and `y` (data units)."""
+    """A frame `width` by `height` over the ranges `x` and `y` in the data's units; all else in view units."""
 
     x: Range
     y: Range
     width: float
     height: float
+    line: float  # height of a line of text, which the viewer draws in points whatever the zoom
+    down: float = 0.0  # how much lower the frame stands
 
     @property
     def x_unit(self) -> float:
@@ -40,37 +42,36 @@ class Axes:
     def place(self, x: ArrayLike, y: ArrayLike) -> Array:
         """Where points stand in the view, (..., 2)."""
         x, y = np.broadcast_arrays(x, y)
-        return np.stack([np.asarray(x, dtype=float) * self.x_unit, -np.asarray(y, dtype=float) * self.y_unit], axis=-1)
+        return np.stack(
+            [np.asarray(x, dtype=float) * self.x_unit, self.down - np.asarray(y, dtype=float) * self.y_unit], axis=-1
+        )
 
     @property
     def bounds(self) -> tuple[Range, Range]:
-        """What the view must show: the frame and its labels."""
+        """What a view must show: the frame and its labels."""
         (left, bottom), (right, top) = self.place(self.x[0], self.y[0]), self.place(self.x[1], self.y[1])
-        return (left - 0.12 * self.width, right + 0.05 * self.width), (
-            top - 0.16 * self.height, bottom + 0.2 * self.height,
-        )  # fmt: skip
+        x = left - 0.12 * self.width, right + 0.05 * self.width
+        return x, (top - 2.6 * self.line, bottom + 3.2 * self.line)
 
     def draw(self, rec: rr.RecordingStream, at: str, x_title: str, y_title: str, x_ticks: Array | None = None) -> None:
         """Log grid, tick labels and titles under `at`, once."""
-        xs, ys = ticks_of(self.x, 8) if x_ticks is None else x_ticks, ticks_of(self.y, 5)
-        lines = [self.place([x, x], self.y) for x in {*xs, *self.x}] + [
-            self.place(self.x, [y, y]) for y in {*ys, *self.y}
-        ]
-        grid = rr.LineStrips2D(lines, radii=rr.Radius.ui_points(0.5), colors=paths.GRID, draw_order=-10.0)
+        xs, ys = ticks_of(self.x, 10) if x_ticks is None else x_ticks, ticks_of(self.y, 7)
+        upright = [self.place([x, x], self.y) for x in {*xs, *self.x}]
+        level = [self.place(self.x, [y, y]) for y in {*ys, *self.y}]
+        grid = rr.LineStrips2D(upright + level, radii=rr.Radius.ui_points(0.5), colors=paths.GRID, draw_order=-10.0)
         rec.log(f"{at}/grid", grid, static=True)
-        below, lift = 0.01 * self.height, np.array([-0.035 * self.width, -0.027 * self.height])
-        words(rec, f"{at}/x", self.place(xs, self.y[0]) + [0, below], [f"{x:g}" for x in xs])
+        lift = np.array([-0.035 * self.width, -0.56 * self.line])
+        words(rec, f"{at}/x", self.place(xs, self.y[0]) + [0, 0.15 * self.line], [f"{x:g}" for x in xs])
         words(rec, f"{at}/y", self.place(self.x[0], ys) + lift, [f"{y:g}" for y in ys])
-        middle = self.place(sum(self.x) / 2, self.y[0]) + [0, 0.085 * self.height]
-        corner = self.place(self.x[0], self.y[1]) + [0.03 * self.width, -0.125 * self.height]
+        middle = self.place(sum(self.x) / 2, self.y[0]) + [0, 1.5 * self.line]
+        corner = self.place(self.x[0], self.y[1]) + [0.05 * self.width, -1.8 * self.line]
         words(rec, f"{at}/titles", np.array([middle, corner]), [x_title, y_title])
 
     def key(self, rec: rr.RecordingStream, at: str, entries: Sequence[tuple[str, paths.Colour]]) -> None:
         """Log coloured words in a row above the frame."""
-        y = self.place(self.x[0], self.y[1])[1] - 0.125 * self.height
-        left = self.place(self.x[0], self.y[1])[0]
-        xs = left + self.width * (0.28 + 0.2 * np.arange(len(entries)))
-        rows = np.stack([xs, np.full(len(xs), y)], axis=-1)
+        left, top = self.place(self.x[0], self.y[1])
+        xs = left + self.width * (0.26 + 0.175 * np.arange(len(entries)))
+        rows = np.stack([xs, np.full(len(xs), top - 1.8 * self.line)], axis=-1)
         words(rec, at, rows, [name for name, _ in entries], [colour for _, colour in entries])
 
 

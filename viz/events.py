@@ -60,8 +60,15 @@ def _channels(run: Run) -> Iterator[Event]:
                 yield Event(float(track.time_s[begin]), f"{name} {why} for {end - begin} ticks", "WARN")
 
 
+def clock(time_s: float) -> str:
+    """Time since the start as h:mm:ss."""
+    minutes, seconds = divmod(round(time_s), 60)
+    return f"{minutes // 60}:{minutes % 60:02d}:{seconds:02d}"
+
+
 def send(rec: rr.RecordingStream, root: str, events: list[Event]) -> None:
     """Log events."""
     index = [rr.TimeColumn(paths.TIMELINE, duration=[event.time_s for event in events])]
-    columns = rr.TextLog.columns(text=[event.text for event in events], level=[event.level for event in events])
+    texts = [f"{clock(event.time_s)}  {event.text}" for event in events]
+    columns = rr.TextLog.columns(text=texts, level=[event.level for event in events])
     rec.send_columns(f"{root}/{paths.EVENTS}", indexes=index, columns=columns)

@@ -12,8 +12,7 @@ import rerun.blueprint as rrb
 
 from estimator.rig import Rig
 from viz import accuracy, paths, profile, screw
-from viz.axes import Axes
-from viz.run import Run
+from viz.run import JUDGED, Run
 from viz.scale import Range, Scale
 
 LEGEND_ROOM = 1.45  # of the height: curves keep below the legend
@@ -29,7 +28,7 @@ def whole(extent: Range, room: float = 0.0) -> rrb.TimeAxis:
 def blueprint(runs: Sequence[Run], scales: Sequence[Scale], tab: int | str = 0) -> rrb.Blueprint:
     """The layout of a saved file."""
     pages = [pages_of(paths.root(run.name), run.rig, scale) for run, scale in zip(runs, scales, strict=True)]
-    common = [_summary(), _accuracy(accuracy.axes_of(runs))]
+    common = [_summary(), _accuracy(accuracy.figure_of(runs).bounds)]
     if len(runs) == 1:
         tabs = [*pages[0], *reversed(common)]
     else:
@@ -53,10 +52,10 @@ def _summary() -> rrb.Container:
     return rrb.Horizontal(rrb.TextDocumentView(origin=paths.SUMMARY, name="Summary"), name="Summary")
 
 
-def _accuracy(axes: Axes) -> rrb.Container:
+def _accuracy(bounds: tuple[Range, Range]) -> rrb.Container:
     figures = [
-        _flat(f"{paths.ACCURACY}/{estimate}", f"Accuracy of the {estimate}: reference over estimate [µm]", axes)
-        for estimate in accuracy.SHOWN
+        _flat(f"{paths.ACCURACY}/{estimate}", f"Accuracy of the {estimate}: reference over estimate [µm]", bounds)
+        for estimate in JUDGED
     ]
     table = rrb.TextDocumentView(origin=paths.BANDS, name="Accuracy bands [µm]")
     return rrb.Horizontal(*figures, table, column_shares=[2, 2, 1.5], name="Accuracy")
@@ -69,11 +68,15 @@ def _overview(root: str, rig: Rig, scale: Scale) -> rrb.Container:
     error = _plot(
         f"{root}/{paths.ERROR}", "Error: reference − estimate [µm]", scale, (lo, lo + LEGEND_ROOM * (hi - lo))
     )
-    events = rrb.TextLogView(origin=f"{root}/{paths.EVENTS}", name="Events")
+    hidden = rrb.encodings.TimelineColumn(paths.TIMELINE, visible=False)  # the text says the time in full
+    columns = rrb.TextLogColumns(timeline_columns=[hidden], text_log_columns=["LogLevel", "Body"])
+    events = rrb.TextLogView(origin=f"{root}/{paths.EVENTS}", name="Events", columns=columns)
     right = rrb.Vertical(elongation, error, events, row_shares=[4, 3, 2])
     if rig.screw is None:
         return rrb.Horizontal(right, name="Overview")
-    place = _flat(f"{root}/{paths.PROFILE}", "Temperature along the screw [°C over mm]", profile.axes_of(rig, scale))
+    place = _flat(
+        f"{root}/{paths.PROFILE}", "Temperature along the screw [°C over mm]", profile.axes_of(rig, scale).bounds
+    )
     return rrb.Horizontal(rrb.Vertical(place, _screw(root, rig, scale), row_shares=[5, 4]), right, name="Overview")
 
 
@@ -81,7 +84,7 @@ def _screw(root: str, rig: Rig, scale: Scale) -> rrb.Spatial3DView:
     assert rig.screw is not None
     middle, length = (rig.screw.from_mm + rig.screw.to_mm) / 2, rig.screw.to_mm - rig.screw.from_mm
     eye = rrb.EyeControls3D(
-        position=[middle, -1.05 * length, 0.3 * length], look_target=[middle, 0, -0.05 * length], eye_up=[0, 0, 1]
+        position=[middle, -0.62 * length, 0.16 * length], look_target=[middle, 0, -0.06 * length], eye_up=[0, 0, 1]
     )
     return rrb.Spatial3DView(
         origin=f"{root}/{paths.SCREW}",
@@ -125,7 +128,7 @@ def _channels(root: str, scale: Scale) -> rrb.Container:
     temperature = _plot(f"{root}/{paths.TEMPERATURES}", "Thermometers [°C]", scale, scale.temperature_C, room=0.25)
     innovation = _plot(f"{root}/{paths.INNOVATIONS}", "Innovations of each tick [K]", scale, None, False, 0.25)
     displacement = _plot(f"{root}/{paths.DISPLACEMENT}", "Innovations of the displacement [µm]", scale, None, room=0.25)
-    return rrb.Vertical(temperature, innovation, displacement, row_shares=[4, 3, 2], name="Channels")
+    return rrb.Vertical(temperature, innovation, displacement, row_shares=[6, 3, 2], name="Channels")
 
 
 def _plot(
@@ -140,7 +143,7 @@ def _plot(
     )
 
 
-def _flat(origin: str, name: str, axes: Axes) -> rrb.Spatial2DView:
-    x, y = axes.bounds
-    bounds = rrb.VisualBounds2D(x_range=list(x), y_range=list(y))
-    return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=bounds, background=list(paths.BACKGROUND))
+def _flat(origin: str, name: str, bounds: tuple[Range, Range]) -> rrb.Spatial2DView:
+    x, y = bounds
+    visible = rrb.VisualBounds2D(x_range=list(x), y_range=list(y))
+    return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=visible, background=list(paths.BACKGROUND))

@@ -49,8 +49,6 @@ RUNS: tuple[Colour, ...] = (
     (255, 130, 130), (170, 150, 255), (190, 220, 90), (240, 240, 240), (205, 150, 100), (140, 160, 175),
 )  # fmt: skip
 
-ESTIMATES: dict[str, Colour] = {"filter": FILTER, "polyline": POLYLINE, "open-loop": OPEN_LOOP}
-
 
 def root(name: str) -> str:
     """Where the entities of a run begin: its name, in characters that a path needs no escapes for."""

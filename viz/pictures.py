@@ -126,7 +126,7 @@ def _write(client: ViewerClient, path: Path, view: str | None, timeout_s: float 
     while (now := client.take_screenshot(view)) != before and time.monotonic() < end:
         before = now
         time.sleep(0.5)
-    Image.open(io.BytesIO(now)).convert("RGB").quantize(256).save(path, optimize=True)
+    Image.open(io.BytesIO(now)).convert("RGB").save(path, optimize=True)
     return path
 
 

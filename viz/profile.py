@@ -15,22 +15,24 @@ from viz.axes import Axes
 from viz.scale import Scale, ticks_of
 
 ASPECT = 0.46  # height of the frame over its width
+LINE = 0.035  # a line of text over the width of the frame
 
 
 def axes_of(rig: Rig, scale: Scale) -> Axes:
     """The frame: the whole screw, and all temperatures of the run."""
     assert rig.screw is not None
     width = rig.screw.to_mm - rig.screw.from_mm
-    return Axes((rig.screw.from_mm, rig.screw.to_mm), scale.temperature_C, width, ASPECT * width)
+    return Axes((rig.screw.from_mm, rig.screw.to_mm), scale.temperature_C, width, ASPECT * width, LINE * width)
 
 
 def style(rec: rr.RecordingStream, root: str, rig: Rig, scale: Scale, truth: bool) -> None:
     """Log axes, key, bearings and the looks of lines and points, once."""
     at, points, axes = f"{root}/{paths.PROFILE}", rr.Radius.ui_points, axes_of(rig, scale)
-    ticks = np.unique([*ticks_of(axes.x, 8)[:-1], axes.x[1]])
+    ticks = np.unique([*ticks_of(axes.x, 12)[:-1], axes.x[1]])
     axes.draw(rec, f"{at}/axes", "place along the screw [mm]", "temperature [°C]", ticks)
-    entries = [("estimate ±2 sd", paths.FILTER), ("thermometers", paths.MEASURED)]
-    axes.key(rec, f"{at}/axes/key", [*entries, ("nut", paths.NUT), *([("truth", paths.REFERENCE)] if truth else [])])
+    entries = [("estimate ±2 sd", paths.FILTER), ("thermometers", paths.MEASURED), ("nut", paths.NUT)]
+    entries += [("bearings", paths.BOUND)] if rig.supports else []
+    axes.key(rec, f"{at}/axes/key", entries + ([("truth", paths.REFERENCE)] if truth else []))
     line = rr.LineStrips2D.from_fields(
         radii=points([1.8, 0.6, 0.6]), colors=[paths.FILTER, paths.BAND_EDGE, paths.BAND_EDGE], draw_order=2.0
     )
@@ -50,7 +52,7 @@ def _bearings(rec: rr.RecordingStream, at: str, rig: Rig, axes: Axes) -> None:
     spans = [(s.at_mm - s.width_mm / 2, s.at_mm + s.width_mm / 2) for s in rig.supports.values()]
     if spans:
         bars = [axes.place(span, axes.y[0]) for span in spans]
-        thick = rr.LineStrips2D(bars, radii=rr.Radius.ui_points(3.5), colors=paths.METAL, draw_order=2.5)
+        thick = rr.LineStrips2D(bars, radii=rr.Radius.ui_points(3.5), colors=paths.BOUND, draw_order=2.5)
         rec.log(f"{at}/bearings", thick, static=True)
 
 

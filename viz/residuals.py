@@ -19,14 +19,14 @@ from viz.scale import DIVERGING, Range, coloured
 from viz.series import channel_colours, lines
 
 WINDOW_S = 60.0
-STRIPE = 12.0  # screen points
+STRIPE = 13.0  # screen points
 CONFIDENCE = 0.95
 
 
 def style_map(rec: rr.RecordingStream, at: str, bar: str, names: Sequence[str], extent: Range) -> None:
     """Log the looks of a map with a stripe for each channel, and its colour bar, once."""
     looks = rr.SeriesLines(
-        names=list(names), widths=[STRIPE] * len(names), aggregation_policy="Off", interpolation_mode="StepMid"
+        names=list(names), widths=[STRIPE] * len(names), aggregation_policy="Off", interpolation_mode="StepAfter"
     )
     rec.log(at, looks, static=True)
     shades = coloured(np.linspace(*extent, 64), extent, DIVERGING)
@@ -35,7 +35,7 @@ def style_map(rec: rr.RecordingStream, at: str, bar: str, names: Sequence[str], 
 
 
 def send_map(rec: rr.RecordingStream, at: str, time_s: Array, means_K: Array, extent: Range) -> None:
-    """Log n windows: middles (n,) s and means (n, m) K; the row of a channel is its number, 1 ... m."""
+    """Log n windows: begins (n,) s and means (n, m) K; the row of a channel is its number, 1 ... m."""
     n, m = means_K.shape
     rows = np.tile(np.arange(1.0, m + 1), (n, 1))
     shades = coloured(means_K, extent, DIVERGING).reshape(-1, 4)
@@ -50,8 +50,8 @@ def style_tests(rec: rr.RecordingStream, root: str, names: Sequence[str]) -> Non
     """Log the looks of the windowed innovations and of NIS, once."""
     lines(rec, f"{root}/{paths.WHITENESS}/channels", names, channel_colours(len(names)), 1.2, "MinMax")
     lines(rec, f"{root}/{paths.WHITENESS}/bounds", ["95 % if white", ""], [paths.BOUND] * 2, 1.0)
-    lines(rec, f"{root}/{paths.NIS}/window", ["NIS over its channels, mean of 1 min"], [paths.FILTER], 1.5, "Max")
-    bounds = ["95 % by chi-square: low", "high"]
+    lines(rec, f"{root}/{paths.NIS}/window", ["NIS / channels"], [paths.FILTER], 1.5, "Max")
+    bounds = ["χ² bound, 97.5 %", "χ² bound, 2.5 %"]
     lines(rec, f"{root}/{paths.NIS}/bounds", bounds, [paths.BOUND] * 2, 1.0, "Off")
 
 
@@ -81,5 +81,5 @@ def consistency(time_s: Array, nis: Array, channels: Array) -> tuple[Array, Arra
     count = windows(time_s, np.where(known, channels, 0.0))[1]
     some = count > 0
     tails = [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2]
-    bounds = np.stack([chi2.ppf(tail, count[some]) / count[some] for tail in tails], axis=-1)
+    bounds = np.stack([chi2.ppf(tail, count[some]) / count[some] for tail in tails[::-1]], axis=-1)
     return middle[some], total[some] / count[some], bounds

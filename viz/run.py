@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from estimator.rig import Rig
 from estimator.step import Track
 
 AT_REST = 0.5  # rad/s
+JUDGED = ("filter", "polyline")  # the estimates that see the thermometers
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,9 @@ class Run:
     readings_um     (K,) displacement readings joined to the start, um; NaN where there is none
     reference_um    (K,) what the estimates are judged by; NaN where there is none
     reference_name  what the reference is: "truth", "readings"
+    errors_um       (K,) reference minus estimate for "filter" and "polyline"; where the reference is a reading that the
+                    filter used, its error is that of the prediction before it
+    error_sd_um     (K,) the filter's own standard deviation of its error
     truth_C_rise    (K, thermometers) true temperature rise at the thermometers, K; None where it is not known
     """
 
@@ -33,20 +38,13 @@ class Run:
     readings_um: Array
     reference_um: Array
     reference_name: str
+    errors_um: Mapping[str, Array]
+    error_sd_um: Array
     truth_C_rise: Array | None = None
 
-    @property
-    def estimates_um(self) -> dict[str, Array]:
-        """Elongation by each estimate, (K,) um each."""
-        return {
-            "filter": self.track.elongation_um,
-            "polyline": self.polyline_um,
-            "open-loop": self.track.open_loop_um,
-        }
-
-    def errors_um(self, estimate: str) -> Array:
-        """Reference minus estimate, (K,) um."""
-        return self.reference_um - self.estimates_um[estimate]
+    def judged_um(self, estimate: str) -> Array:
+        """The estimate that the reference was compared with, (K,) um."""
+        return self.reference_um - self.errors_um[estimate]
 
     @property
     def thermometers(self) -> Array:

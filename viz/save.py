@@ -58,15 +58,15 @@ def _curves(rec: rr.RecordingStream, root: str, run: Run) -> None:
     series.style(rec, root, run.rig, run.reference_name, dense)
     series.send_band(rec, f"{at}/filter", track.time_s, track.elongation_um, track.sigma_um)
     series.send(rec, f"{at}/models", track.time_s, np.stack([run.polyline_um, track.open_loop_um], axis=-1))
-    series.send_known(rec, f"{at}/readings", track.time_s, run.readings_um)
+    shown = series.shown_readings(track.time_s, run.readings_um, run.turning)
+    series.send_known(rec, f"{at}/readings", track.time_s[shown], run.readings_um[shown])
     series.send_known(rec, f"{at}/reference", track.time_s, run.reference_um)
-    known = np.isfinite(run.reference_um)
-    errors = np.stack([run.errors_um(name) for name in paths.ESTIMATES], axis=-1)
-    series.send(rec, f"{root}/{paths.ERROR}", track.time_s[known], errors[known])
+    series.send_band(rec, f"{root}/{paths.ERROR}/filter", track.time_s, run.errors_um["filter"], run.error_sd_um)
+    series.send_known(rec, f"{root}/{paths.ERROR}/polyline", track.time_s, run.errors_um["polyline"])
     series.send(rec, f"{root}/{paths.TEMPERATURES}", track.time_s, track.measured[:, heat])
     series.send(rec, f"{root}/{paths.INNOVATIONS}", track.time_s, track.innovation[:, heat])
     lengths = np.delete(track.innovation, heat, axis=1)
-    read = np.isfinite(lengths).any(axis=1)
+    read = np.flatnonzero(np.isfinite(lengths).any(axis=1))[1:]  # the first one sets the zero
     series.send(rec, f"{root}/{paths.DISPLACEMENT}", track.time_s[read], lengths[read])
 
 
@@ -83,7 +83,9 @@ def _residuals(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> No
     )
     for at, bar, values, extent in maps:
         residuals.style_map(rec, f"{root}/{at}", f"{root}/{bar}", names, extent)
-        residuals.send_map(rec, f"{root}/{at}", *minutes(time_s, values), extent)
+        begins, means = minutes(time_s, values)
+        closed = np.append(begins, time_s[-1]), np.concatenate([means, means[-1:]])
+        residuals.send_map(rec, f"{root}/{at}", *closed, extent)
     residuals.style_tests(rec, root, paths.channel_names(run.rig, "1"))
     middle, white = residuals.whiteness(time_s, innovation, track.innovation_sd[:, heat])
     series.send(rec, f"{root}/{paths.WHITENESS}/channels", middle, white)

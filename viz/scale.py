@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from estimator.record import Array
-from viz.run import Run
+from viz.run import JUDGED, Run
 
 Range = tuple[float, float]
 Colours = NDArray[np.uint8]
@@ -32,19 +32,20 @@ class Scale:
 def scale_of(run: Run) -> Scale:
     """Ranges that hold a whole run."""
     track, heat = run.track, run.thermometers
-    lengths = (*run.estimates_um.values(), run.readings_um, run.reference_um)
+    lengths = (track.elongation_um, track.open_loop_um, run.polyline_um, run.readings_um, run.reference_um)
     measured = track.measured[:, heat]
     return Scale(
-        time_s=_extent(track.time_s),
-        temperature_C=rounded(_extent(measured, track.profile_C)),
-        elongation_um=rounded(_extent(*lengths)),
-        error_um=rounded(_extent(*(run.errors_um(name) for name in run.estimates_um))),
+        time_s=extent_of(track.time_s),
+        temperature_C=rounded(extent_of(measured, track.profile_C)),
+        elongation_um=rounded(extent_of(*lengths)),
+        error_um=rounded(extent_of(*(run.errors_um[name] for name in JUDGED))),
         innovation_K=symmetric(minutes(track.time_s, track.innovation[:, heat])[1]),
         open_loop_K=symmetric(minutes(track.time_s, measured - track.open_loop[:, heat])[1]),
     )
 
 
-def _extent(*arrays: Array) -> Range:
+def extent_of(*arrays: Array) -> Range:
+    """Lowest and highest of all values that are known."""
     values = np.concatenate([np.asarray(array, dtype=float).ravel() for array in arrays])
     values = values[np.isfinite(values)]
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
@@ -57,7 +58,7 @@ def step_of(span: float, pieces: int = 5) -> float:
     return float(power * next(m for m in (1, 2, 5, 10) if m * power >= raw * 0.999))
 
 
-def rounded(extent: Range, pieces: int = 5) -> Range:
+def rounded(extent: Range, pieces: int = 12) -> Range:
     """The extent rounded outwards to whole ticks."""
     step = step_of(extent[1] - extent[0], pieces)
     lo, hi = np.floor(extent[0] / step + 1e-9) * step, np.ceil(extent[1] / step - 1e-9) * step
@@ -68,7 +69,7 @@ def ticks_of(extent: Range, pieces: int = 5) -> Array:
     """Tick places inside an extent."""
     step = step_of(extent[1] - extent[0], pieces)
     first = np.ceil(extent[0] / step - 1e-9)
-    return np.arange(first, np.floor(extent[1] / step + 1e-9) + 1) * step
+    return np.arange(first, np.floor(extent[1] / step + 1e-9) + 1) * step + 0.0  # no -0
 
 
 def symmetric(values: Array) -> Range:
@@ -79,13 +80,13 @@ def symmetric(values: Array) -> Range:
 
 
 def minutes(time_s: Array, values: Array, width_s: float = 60.0) -> tuple[Array, Array]:
-    """Means over windows of a minute: times of the windows' middles (n,) and means (n, columns); NaN where all is."""
+    """Means over windows of a minute: begins of the windows (n,) and means (n, columns); NaN where all is."""
     window = np.floor((time_s - time_s[0]) / width_s).astype(int)
     count, total = np.zeros((2, window[-1] + 1, values.shape[1]))
     np.add.at(count, window, np.isfinite(values))
     np.add.at(total, window, np.nan_to_num(values))
     mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
-    return time_s[0] + (np.arange(len(mean)) + 0.5) * width_s, mean
+    return time_s[0] + np.arange(len(mean)) * width_s, mean
 
 
 def coloured(values: ArrayLike, extent: Range, anchors: tuple[tuple[int, int, int], ...] = WARM) -> Colours:

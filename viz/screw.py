@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from estimator.record import Array
 from estimator.rig import Rig
 from viz import paths
-from viz.scale import Scale, coloured, step_of, ticks_of
+from viz.scale import Scale, coloured, step_of
 
-RING = 14
+RING = 10
 SHOWN_SHARE = 0.08  # the largest growth is drawn as about this share of the screw
 
 
@@ -45,7 +45,12 @@ def style(rec: rr.RecordingStream, root: str, rig: Rig, scale: Scale, x_mm: Arra
     rec.log(f"{at}/cold_end", rr.LineStrips3D(cross, radii=rr.Radius.ui_points(1), colors=paths.TEXT), static=True)
     for name, support in rig.supports.items():
         half = [[support.width_mm / 2, 1.9 * radius, 1.9 * radius]]
-        box = rr.Boxes3D(centers=[[support.at_mm, 0, 0]], half_sizes=half, fill_mode="solid", colors=paths.METAL)
+        box = rr.Boxes3D(
+            centers=[[support.at_mm, 0, 0]],
+            half_sizes=half,
+            fill_mode="transparentfillmajorwireframe",
+            colors=paths.METAL,
+        )
         rec.log(f"{at}/bearing/{paths.root(name)}", box, static=True)
     if rig.nut is not None:
         half = [[rig.nut.length_mm / 2, 1.6 * radius, 1.6 * radius]]
@@ -58,8 +63,8 @@ def style(rec: rr.RecordingStream, root: str, rig: Rig, scale: Scale, x_mm: Arra
 def _names(rec: rr.RecordingStream, at: str, rig: Rig, arm: float) -> None:
     assert rig.screw is not None
     labels = {f"{name} bearing": support.at_mm for name, support in rig.supports.items()}
-    labels["cold end"] = rig.screw.from_mm
-    heights = [2.2 * arm if name == "cold end" else 1.6 * arm for name in labels]
+    labels["end when cold"] = rig.screw.from_mm
+    heights = [-1.3 * arm if name == "end when cold" else 1.6 * arm for name in labels]
     places = [[x, 0.0, z] for x, z in zip(labels.values(), heights, strict=True)]
     words = rr.Points3D(places, labels=list(labels), show_labels=True, radii=0.0, colors=paths.TEXT)
     rec.log(f"{at}/names", words, static=True)
@@ -76,7 +81,7 @@ def _bar(rec: rr.RecordingStream, at: str, rig: Rig, scale: Scale) -> None:
     colours = coloured(np.linspace(lo, hi, pieces), scale.temperature_C)
     half = [[width / pieces / 2, 1.0, 9.0]]
     rec.log(f"{at}/bar", rr.Boxes3D(centers=centers, half_sizes=half, fill_mode="solid", colors=colours), static=True)
-    ticks = ticks_of((lo, hi), 5)
+    ticks = np.linspace(lo, hi, 3)
     places = [[left + width * (tick - lo) / (hi - lo), 0, z - 12.0] for tick in ticks]
     labels = [f"{tick:g} °C" for tick in ticks]
     words = rr.Points3D(places, labels=labels, show_labels=True, radii=0.0, colors=paths.TEXT)

@@ -17,6 +17,7 @@ from viz import paths
 from viz.scale import coloured
 
 DENSE = 0.9  # a reference known at this share of the ticks is drawn as a line, else as points
+REST_READING_S = 120.0
 
 
 def style(rec: rr.RecordingStream, root: str, rig: Rig, reference: str, dense: bool) -> None:
@@ -25,13 +26,16 @@ def style(rec: rr.RecordingStream, root: str, rig: Rig, reference: str, dense: b
     band = rr.Measurements.from_fields(names="filter ±2 sd", units="µm", colors=paths.FILTER, widths=2.0)
     rec.log(f"{at}/filter", band, static=True)
     lines(rec, f"{at}/models", ["polyline [µm]", "open-loop [µm]"], [paths.POLYLINE, paths.OPEN_LOOP], 1.5)
-    dots(rec, f"{at}/readings", "displacement readings [µm]", paths.READING, 2.5)
+    dots(rec, f"{at}/readings", "displacement readings [µm]", paths.READING, 3.0)
     if dense:
         lines(rec, f"{at}/reference", [f"{reference} [µm]"], [paths.REFERENCE], 1.0)
     else:
         dots(rec, f"{at}/reference", f"reference: {reference} [µm]", paths.REFERENCE, 1.5)
-    names = [f"{reference} − {name} [µm]" for name in paths.ESTIMATES]
-    lines(rec, f"{root}/{paths.ERROR}", names, list(paths.ESTIMATES.values()), 1.5, "MinMax")
+    error = rr.Measurements.from_fields(
+        names=f"{reference} − filter ±2 sd", units="µm", colors=paths.FILTER, widths=2.0, aggregation_policy="MinMax"
+    )
+    rec.log(f"{root}/{paths.ERROR}/filter", error, static=True)
+    lines(rec, f"{root}/{paths.ERROR}/polyline", [f"{reference} − polyline [µm]"], [paths.POLYLINE], 1.5, "MinMax")
     rainbow = channel_colours(len(rig.thermometers))
     lines(rec, f"{root}/{paths.TEMPERATURES}", paths.channel_names(rig, "°C"), rainbow, 1.0)
     lines(rec, f"{root}/{paths.INNOVATIONS}", paths.channel_names(rig, "K"), rainbow, 1.0, "MinMax")
@@ -63,6 +67,14 @@ def dots(rec: rr.RecordingStream, at: str, names: str | Sequence[str], colour: p
 def channel_colours(count: int) -> list[list[int]]:
     """One colour for each thermometer, free end blue, motor side red."""
     return coloured(np.arange(count), (0.0, max(count - 1.0, 1.0)))[:, :3].tolist()  # type: ignore[no-any-return]
+
+
+def shown_readings(time_s: Array, readings_um: Array, turning: Array) -> Array:
+    """Ticks (n,) of the readings to draw: all while the screw turns, one in two minutes at rest, where a line would hide."""
+    known = np.flatnonzero(np.isfinite(readings_um))
+    window = np.floor(time_s[known] / REST_READING_S)
+    fresh = np.diff(window, prepend=-1.0) > 0
+    return known[fresh | turning[known]]
 
 
 def send(rec: rr.RecordingStream, at: str, time_s: Array, values: Array) -> None:
