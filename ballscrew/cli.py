@@ -7,6 +7,7 @@ import sys
 
 import click
 
+from ballscrew.options import json_apart
 from estimator.errors import BallscrewError
 
 COMMANDS = {
@@ -50,7 +51,7 @@ def main() -> None:
     """Entry point: exit 0 done, 1 an input could not be used, 2 wrong usage, rig or model, 130 Ctrl-C."""
     debug = "--debug" in sys.argv
     try:
-        status = root.main(standalone_mode=False)
+        status = root.main(json_apart(sys.argv[1:]), standalone_mode=False)
     except click.ClickException as error:
         error.show()
         status = 2

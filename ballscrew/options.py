@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 STDOUT = "-"
-RECORDING_SUFFIXES = {".log", ".blf", ".asc", ".trc", ".mf4", ".csv"}
+INPUTS = {".log", ".blf", ".asc", ".trc", ".mf4", ".csv", ".toml"}
 
 
-class JsonOption(click.Option):
-    """`--json [FILE]`: stdout without FILE. What follows is taken for a recording if it looks like one.
-
-    Otherwise `review --json run.log` would overwrite the log it was asked to read.
-    """
-
-    def process_value(self, ctx: click.Context, value: Any) -> Any:
-        value = super().process_value(ctx, value)
-        if value is not None and value != STDOUT and Path(value).suffix in RECORDING_SUFFIXES:
-            raise click.UsageError(f"--json {value} would overwrite a recording; put --json last or name a .json file")
-        return value
+def json_apart(arguments: Sequence[str]) -> list[str]:
+    """`--json [FILE]` may stand before a LOG: what looks like an input after it is not the FILE to overwrite."""
+    apart = list(arguments)
+    for i, word in enumerate(apart[:-1]):
+        following = Path(apart[i + 1])
+        if word == "--json" and following.suffix != ".json" and (following.suffix in INPUTS or following.exists()):
+            apart[i] = f"--json={STDOUT}"
+    return apart
 
 
 def rig_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -43,7 +40,7 @@ def output_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """--json, --quiet and --debug, the same on every command."""
     options = (
         click.option(
-            "--json", "json_path", cls=JsonOption, is_flag=False, flag_value=STDOUT, metavar="[FILE]",
+            "--json", "json_path", is_flag=False, flag_value=STDOUT, metavar="[FILE]",
             help="Write the result as JSON; to stdout without FILE, and the tables then go to stderr.",
         ),
         click.option("--quiet", is_flag=True, help="No tables, no progress; errors only."),

@@ -58,11 +58,12 @@ class Network:
 
 @dataclass(frozen=True)
 class Readings:
-    """What the channels read: rows (m, n) of H, scatter sd (m,), lag tau (m,) s, and the unknown zeros."""
+    """What the channels read: rows (m, n) of H, scatter sd (m,), lag tau (m,) s with its noise, the unknown zeros."""
 
     rows: Array
     sd: Array
     tau: Array
+    lag_noise: Array
     zero_sd: Array
     zero_walk: Array
 
@@ -173,7 +174,7 @@ def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
     """H, scatter, lags and zeros of the rig's channels; a channel that no effect reads has a row of zeros and sd inf."""
     m = len(rig.names)
     rows, sd = np.zeros((m, place.size)), np.full(m, np.inf)
-    tau, zero_sd, zero_walk = np.zeros(m), np.zeros(m), np.zeros(m)
+    tau, lag_noise, zero_sd, zero_walk = np.zeros((4, m))
     for term in terms:
         if isinstance(term, Read):
             i = rig.index(term.channel)
@@ -183,5 +184,6 @@ def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
                 rows[i] += np.atleast_1d(weight) @ place.shapes[place.nodes[node]]
             sd[i], zero_sd[i], zero_walk[i] = term.sd, term.zero_sd, term.zero_walk
         elif isinstance(term, Lag):
-            tau[rig.index(term.channel)] = term.tau
-    return Readings(rows, sd, tau, zero_sd, zero_walk)
+            i = rig.index(term.channel)
+            tau[i], lag_noise[i] = term.tau, term.noise
+    return Readings(rows, sd, tau, lag_noise, zero_sd, zero_walk)

@@ -92,9 +92,9 @@ class Filter:
         self._kf = KalmanFilter(dim_x=self._state.size, dim_z=len(self.rig.names))
         inputs = {name: value - start.zero_K[name] for name, value in sample.inputs.items()}
         self._kf.x, self._kf.P = self._state.prior(*prior(start, self.forcing.terms, place, inputs))
-        self._R = readings.sd**2
-        compared = self._compare(sample, np.zeros(len(self.rig.names)))
-        self._update(sample.channels, compared.fuse)
+        nothing = np.zeros(len(self.rig.names))
+        compared = self._compare(sample, nothing, readings.sd**2)
+        self._update(sample.channels, compared, readings.sd**2)
         self._state.remember_growth(self._kf.x, self._kf.P)
         self._start_z = self._kf.x[: place.size].copy()
         self.open_loop = OpenLoop(self._start_z, readings, self.rig.tick_s)
@@ -106,9 +106,11 @@ class Filter:
         self.open_loop.step(self.forcing.transition(regime), heat)
         full = self._transition(regime)
         self._kf.predict(u=heat, B=full.J, F=full.F, Q=full.Q)
-        offset = ticks.offset[k] + self.open_loop.lag + self.open_loop.late(sample.ages_s)
-        compared = self._compare(sample, offset)
-        nis = self._update(sample.channels - offset, compared.fuse)
+        readings, lag = self.forcing.readings, self.open_loop.lag
+        R = readings.sd**2 + (readings.lag_noise * lag) ** 2
+        offset = ticks.offset[k] + lag + self.open_loop.late(sample.ages_s)
+        compared = self._compare(sample, offset, R)
+        nis = self._update(sample.channels - offset, compared, R)
         return self._report(sample, compared, nis)
 
     def _transition(self, regime: int) -> Transition:
@@ -116,25 +118,26 @@ class Filter:
             self._transitions[regime] = self._state.transition(self.forcing.transition(regime), self.rig.tick_s)
         return self._transitions[regime]
 
-    def _compare(self, sample: Sample, offset: Array) -> Comparison:
+    def _compare(self, sample: Sample, offset: Array, R: Array) -> Comparison:
         rows, P = self._state.rows, self._kf.P
         predicted = rows @ self._kf.x + offset
         innovation = sample.channels - predicted
-        sd = np.sqrt(np.einsum("ij,jk,ik->i", rows, P, rows) + self._R)
+        sd = np.sqrt(np.einsum("ij,jk,ik->i", rows, P, rows) + R)
         wild = np.abs(innovation) > IMPLAUSIBLE_SD * sd
         self._rejected = np.where(wild, self._rejected + 1, 0)
         why = np.full(len(sd), "", dtype=object)
         why[wild & (self._rejected <= STUBBORN_TICKS)] = "implausible jump"
         why[self._mute(sample.time_s)] = "muted"
-        why[~np.isfinite(self._R)] = "no model"
+        why[~np.isfinite(R)] = "no model"
         why[~np.isfinite(sample.channels)] = "not measured"
         return Comparison(predicted, innovation, sd, why == "", tuple(why))
 
-    def _update(self, reading: Array, fuse: Array) -> float:
-        """Fuse the channels marked in `fuse`; returns NIS = e' S^-1 e, NaN without channels."""
+    def _update(self, reading: Array, compared: Comparison, R: Array) -> float:
+        """Fuse the channels that were found good; returns NIS = e' S^-1 e, NaN without channels."""
+        fuse = compared.fuse
         if not fuse.any():
             return float("nan")
-        self._kf.update(reading[fuse], R=np.diag(self._R[fuse]), H=self._state.rows[fuse])
+        self._kf.update(reading[fuse], R=np.diag(R[fuse]), H=self._state.rows[fuse])
         self._kf.P = (self._kf.P + self._kf.P.T) / 2
         return float(self._kf.y @ self._kf.SI @ self._kf.y)
 

@@ -1,9 +1,10 @@
 """Fit a model's free parameters to recordings: least squares on the open-loop run.
 
-    minimise  sum over runs, ticks, channels of ((y - y_open_loop(p)) / s)^2  +  sum ((p - p0) / sd_prior)^2
+    minimise  sum over runs, ticks, channels of ((y - y_open_loop(p)) / s)^2 / N  +  sum ((p - p0) / sd_prior)^2
 
 The open-loop run never sees a measurement after the start, so that no process noise can hide a misfit. s is the misfit
-that a good model leaves, not the sensors' scatter: 0.1 K for a thermometer, 0.5 um for the displacement.
+that a good model leaves, not the sensors' scatter: 0.1 K for a thermometer, 0.5 um for the displacement. Such a misfit
+stays alike for minutes: a block of ten, N steps, weighs as much as one independent reading.
 """
 
 from __future__ import annotations
@@ -74,7 +75,7 @@ class Run:
         for i in np.flatnonzero(forcing.readings.zero_sd > 0):
             if np.isfinite(rest[:, i]).any():
                 rest[:, i] -= np.nanmean(rest[:, i])
-        return np.asarray(rest / self.scale)
+        return np.asarray(rest / self.scale / np.sqrt(BLOCK_S / forcing.rig.tick_s))
 
 
 def open_loop(forcing: Forcing, drive: Drive, z: Array, ages_s: Array) -> Array:
@@ -138,7 +139,7 @@ def fit(model: Model, rig: Rig, recordings: Sequence[Recording], each: Progress 
 
 def misfit(model: Model, runs: Sequence[Run]) -> tuple[float, float]:
     """Open-loop rms over runs: (thermometers in K, displacement in um); NaN where there is none."""
-    rests = [run.residual(model) * run.scale for run in runs]
+    rests = [run.residual(model) * run.scale * np.sqrt(BLOCK_S / run.forcing.rig.tick_s) for run in runs]
     thermometer = runs[0].scale == GOOD_K
     return _rms([rest[:, thermometer] for rest in rests]), _rms([rest[:, ~thermometer] for rest in rests])
 

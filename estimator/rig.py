@@ -75,7 +75,7 @@ class Screw:
     span_from_mm: float | None = None
     span_to_mm: float | None = None
     reference_rpm: float = 1667.0  # speed at which friction powers are given
-    cells: int = 245
+    cells: int = 270
     knots_mm: tuple[float, ...] = ()
 
     @cached_property

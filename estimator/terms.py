@@ -79,10 +79,14 @@ class Read:
 
 @dataclass(frozen=True, eq=False)
 class Lag:
-    """The channel follows its spot with a first-order lag of tau s, starting in equilibrium."""
+    """The channel follows its spot with a first-order lag of tau s, starting in equilibrium.
+
+    noise  how far the lag itself is off: sd of the reading as a multiple of what the lag takes from it
+    """
 
     channel: str
     tau: Any
+    noise: Any = 0.0
 
 
 Term = Store | Chain | Link | Heat | Read | Lag

@@ -16,11 +16,14 @@ class Thermometers(Effect):
 
     y = s + board (T_board - T_board(0)),   tau ds/dt = T(x) - s
 
-    tau holds the bore's delay behind the mean of the section too: about 2 s
+    tau        holds the bore's delay behind the mean of the section too, about 2 s
+    lag_noise  lags differ between thermometers by a quarter, and stay wrong for as long as a drive lasts: the filter
+               weighs a reading as if its lag scattered by this much
     """
 
     sd = Param(0.03, "K", lo=0.005, hi=0.5, fixed=True, source="0.02 K scatter, 0.01 K steps, 2 s spread of the lags")
     tau = Param(8.0, "s", lo=0.0, hi=30.0, null=0.0, source="3 - 15 s")
+    lag_noise = Param(2.0, "1", lo=0.0, hi=20.0, fixed=True, source="2 s of 8 s, alike for a minute")
     board = Param(0.0, "K/K", lo=-0.02, hi=0.02, null=0.0, sd=0.003, source="0.03 K per 10 K")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
@@ -30,7 +33,7 @@ class Thermometers(Effect):
             if channel.at_mm is not None:
                 assert rig.screw is not None
                 yield Read(name, {SCREW: rig.screw.at(channel.at_mm)}, p.sd, offset)
-                yield Lag(name, p.tau)
+                yield Lag(name, p.tau, p.lag_noise)
             elif channel.node is not None:
                 yield Read(name, {channel.node: 1.0}, p.sd, offset)
 

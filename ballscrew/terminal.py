@@ -1,0 +1,86 @@
+"""What a person sees: tables, progress, one-line notes; and JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from ballscrew.options import STDOUT
+
+
+class Terminal:
+    """Where a command writes: tables to stdout, or to stderr when stdout carries JSON; nothing when quiet."""
+
+    def __init__(self, json_path: str | None = None, quiet: bool = False) -> None:
+        self._json = json_path
+        self.quiet = quiet
+        self.out = Console(stderr=json_path == STDOUT, quiet=quiet, highlight=False, soft_wrap=True)
+        self.err = Console(stderr=True, highlight=False, soft_wrap=True)
+
+    def say(self, text: str = "") -> None:
+        """One line (or a paragraph) for the reader."""
+        self.out.print(text, markup=False)
+
+    def warn(self, text: str) -> None:
+        """One line on stderr, also when quiet."""
+        self.err.print(f"note: {text}", markup=False)
+
+    def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], prose: int = -1) -> None:
+        """A table: the first column is a name, the others numbers with their unit in the header, or, at `prose`, text."""
+        table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False, header_style="dim")
+        for i, column in enumerate(columns):
+            table.add_column(column, justify="left" if i in (0, prose) else "right", no_wrap=i != prose)
+        for row in rows:
+            table.add_row(*row)
+        self.out.print(table, soft_wrap=False)
+
+    @contextmanager
+    def progress(self, label: str, total: float | None) -> Iterator[Any]:
+        """A progress bar on stderr; yields update(completed, label=None)."""
+        columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[detail]}"), TimeElapsedColumn())
+        with Progress(*columns, console=self.err, transient=True, disable=self.quiet) as bar:
+            task = bar.add_task(label, total=total, detail="")
+            yield lambda done, detail="": bar.update(task, completed=done, detail=detail)
+
+    def json(self, data: Mapping[str, Any]) -> None:
+        """Write the result where --json asked for it."""
+        if self._json is None:
+            return
+        text = json.dumps(plain(data), indent=2, ensure_ascii=False)
+        if self._json == STDOUT:
+            print(text)
+        else:
+            Path(self._json).write_text(text + "\n")
+
+
+def plain(value: Any) -> Any:
+    """Numbers as JSON has them: numpy types unwrapped, NaN and infinity as null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [plain(item) for item in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(f"{value:.6g}") if math.isfinite(value) else None
+    return value
+
+
+def duration(seconds: float) -> str:
+    """2 h 06 min, 42 min 10 s, 12 s."""
+    minutes, s = divmod(round(seconds), 60)
+    h, m = divmod(minutes, 60)
+    if h:
+        return f"{h} h {m:02d} min"
+    return f"{m} min {s:02d} s" if m else f"{s} s"

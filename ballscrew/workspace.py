@@ -1,0 +1,78 @@
+"""What a command works on: the rig, the model and the recordings that its arguments name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+
+from ballscrew.terminal import Terminal
+from drivers.recordings import find_recordings, read_recording
+from drivers.truth import read_truth
+from estimator.errors import InputError, SetupError
+from estimator.model import Model, load_model
+from estimator.record import Array, Recording
+from estimator.rig import Rig, load_rig
+
+BUILT_IN = Path(str(files("recordings")))
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A recording, and where it came from."""
+
+    path: Path
+    recording: Recording
+
+    def truth_um(self) -> Array | None:
+        """True elongation at the recording's ticks, (K,) um, from the truth file beside it; None without one."""
+        truth = read_truth(self.path)
+        if truth is None:
+            return None
+        return np.interp(self.recording.time_s, truth.time_s, truth.elongation_um, left=np.nan, right=np.nan)
+
+
+def open_rig(logs: Sequence[Path], rig_path: Path | None, terminal: Terminal) -> Rig:
+    """The rig of --rig; else of the nearest folder at or above the first log; else the one that ships with us."""
+    if rig_path is not None:
+        return load_rig(rig_path.parent if rig_path.name == "rig.toml" else rig_path)
+    first = (logs[0] if logs else Path()).resolve()
+    for folder in (first, *first.parents):
+        if (folder / "rig.toml").is_file():
+            return load_rig(folder)
+    terminal.say(f"no rig.toml at or above {first}: using the built-in rig, the paper's ball screw")
+    return load_rig(BUILT_IN)
+
+
+def open_model(rig: Rig, model_path: Path | None, terminal: Terminal) -> Model:
+    """The model of --model, else of the rig folder; says so when it was fitted to another geometry or material."""
+    path = model_path or rig.folder / "model.toml"
+    if model_path is None and not path.is_file():
+        raise SetupError(f"{rig.folder}: no model.toml beside rig.toml; write one or name it with --model FILE")
+    model = load_model(path)
+    fitted_rig = model.about.get("rig")
+    if fitted_rig not in (None, rig.fingerprint()):
+        terminal.warn(f"{path} was fitted to another geometry or material than {rig.folder / 'rig.toml'}; fit it again")
+    return model
+
+
+def load(logs: Sequence[Path], rig: Rig, terminal: Terminal) -> tuple[list[Loaded], list[str]]:
+    """Read all recordings; those that cannot be used are reported, and returned as messages, the others still serve."""
+    paths = find_recordings(logs)
+    if not paths:
+        raise InputError(f"{', '.join(map(str, logs))}: no recordings in there")
+    loaded, failed = [], []
+    with terminal.progress("reading", len(paths)) as update:
+        for i, path in enumerate(paths):
+            update(i, path.name)
+            try:
+                recording = read_recording(path, rig, lambda share, i=i, path=path: update(i + share, path.name))
+                loaded.append(Loaded(path, recording))
+            except InputError as error:
+                failed.append(str(error))
+    for message in failed:
+        terminal.err.print(f"error: {message}", markup=False)
+    return loaded, failed

@@ -1,0 +1,1 @@
+"""The paper's rig as data: rig.toml, model.toml and recordings."""
