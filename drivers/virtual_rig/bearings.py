@@ -1,11 +1,9 @@
 """The two support bearings: friction on their seats, and housings that pass the heat on to the machine's base."""
 
-from typing import NamedTuple
-
 import numpy as np
-from numba import njit
 
-from drivers.virtual_rig.geometry import ANCHOR_BEARING_MM, FREE_BEARING_MM, OMEGA_20
+from drivers.virtual_rig.flows import Bearing
+from drivers.virtual_rig.geometry import ANCHOR_BEARING_MM, FREE_BEARING_MM
 from drivers.virtual_rig.planted import Strengths
 from drivers.virtual_rig.screw import overlap
 
@@ -28,22 +26,6 @@ ANCHOR_CAPACITY, FREE_CAPACITY = 3500.0, 2200.0
 """J/K of the housings"""
 FREE_LOAD = 0.7
 """torque of the free bearing against that of a pair"""
-
-
-class Bearing(NamedTuple):
-    """One support: seat (share of each cell under the ring, sums to 1 over the seat), laws in SI units."""
-
-    seat: np.ndarray
-    load_torque: float
-    viscous_torque: float
-    into_screw: float
-    contact: float
-    capacity: float
-    to_base: float
-    to_air: float
-    thinning: float
-    exponent: float
-    start: float
 
 
 def seat(centre_mm: float, width_mm: float) -> np.ndarray:
@@ -92,33 +74,3 @@ def free_bearing(strength: Strengths, start_degc: float) -> Bearing:
         exponent=SPEED_EXPONENT * strength["bearing_speed_exponent"],
         start=start_degc,
     )
-
-
-@njit(cache=True)
-def drag(bearing, omega, ring):
-    """M = (M1 + M0 (omega/omega_20)^(2/3)) (omega/omega_20)^n exp(-thinning (T_ring - T_start))   N m
-
-    Palmgren; n = 0 and thinning = 0 in the base rig.
-    """
-    ratio = omega / OMEGA_20
-    palmgren = bearing.load_torque + bearing.viscous_torque * ratio ** (2.0 / 3.0)
-    return palmgren * ratio**bearing.exponent * np.exp(-bearing.thinning * (ring - bearing.start))
-
-
-@njit(cache=True)
-def turn(bearing, omega, outer, heat, housing, air, base, dt):
-    """One step of a support: heat into its seat and its housing; returns the housing's temperature and the torque.
-
-    seat:    q_i = (s M omega + g (T_housing - T_i)) w_i
-    housing: C dT/dt = (1 - s) M omega - g (T_housing - mean T_i) - g_base (T_housing - T_base) - g_air (...)
-    """
-    ring = 0.0
-    for i in range(outer.size):
-        ring += bearing.seat[i] * outer[i]
-    torque = drag(bearing, omega, 0.5 * (ring + housing)) if omega > 0.0 else 0.0
-    friction = torque * omega
-    for i in range(outer.size):
-        heat[i] += (bearing.into_screw * friction + bearing.contact * (housing - outer[i])) * bearing.seat[i]
-    gain = (1.0 - bearing.into_screw) * friction - bearing.contact * (housing - ring)
-    gain -= bearing.to_base * (housing - base) + bearing.to_air * (housing - air)
-    return housing + dt * gain / bearing.capacity, torque

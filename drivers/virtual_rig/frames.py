@@ -23,7 +23,7 @@ STATUS_ID = 0x214
 HOLD_ID, DIRECT_ID = 0x220, 0x221
 DRIVE_ID = 0x230
 ENVIRONMENT_IDS = (0x240, 0x241)
-DRIVE_PERIOD_S = 0.01
+DRIVE_HZ = 100
 GAP_S = 0.0003
 """between the frames of one tick; a frame lasts 0.25 ms at 500 kbit/s"""
 STANDSTILL, MOVING = 1, 2
@@ -121,10 +121,10 @@ def _drive_times(run: "Run") -> np.ndarray:
     """Each second, and each 10 ms from a drive's start until it has just ended."""
     ticks = run.measured.time_s
     fast = [
-        np.arange(round(drive.start_s / DRIVE_PERIOD_S), np.ceil(min(drive.stop_s, ticks[-1]) / DRIVE_PERIOD_S) + 1)
+        np.arange(round(drive.start_s * DRIVE_HZ), np.ceil(min(drive.stop_s, ticks[-1]) * DRIVE_HZ) + 1)
         for drive in run.drives
     ]
-    return np.unique(np.concatenate([ticks * round(1 / DRIVE_PERIOD_S), *fast])) * DRIVE_PERIOD_S
+    return np.unique(np.concatenate([ticks * DRIVE_HZ, *fast])) / DRIVE_HZ
 
 
 def _int16(values: np.ndarray) -> np.ndarray:

@@ -1,15 +1,10 @@
-"""The screw as two concentric layers of 436 cells each: conduction along it and between the layers.
-
-Explicit steps, compiled: at 2.5 mm and 50 ms they are far inside the stability limit (0.25 s), and every law of the
-rig, the non-linear ones and the moving contact of the nut included, can be written down as it is.
-"""
+"""The screw as two concentric layers of 436 cells each."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from drivers.virtual_rig.flows import Screw
 from drivers.virtual_rig.geometry import BORE_RADIUS_M, OUTER_RADIUS_M, SCREW_MM
 
 CELLS = 436
@@ -25,16 +20,6 @@ LAYER_RADIUS_M = 0.014
 CELL_M = (SCREW_MM[1] - SCREW_MM[0]) * 1e-3 / CELLS
 CELL_MM = SCREW_MM[0] + (np.arange(CELLS) + 0.5) * CELL_M * 1e3
 """Centres of the cells, mm."""
-
-
-class Screw(NamedTuple):
-    """Per cell: conductances along each layer and between them (W/K), capacities (J/K)."""
-
-    along_bore: float
-    along_outer: float
-    across: float
-    bore_capacity: float
-    outer_capacity: float
 
 
 def ring_area(inner: float, outer: float) -> float:
@@ -67,25 +52,6 @@ def steel(conduction: float) -> Screw:
     return Screw(
         along * BORE_SHARE, along * (1.0 - BORE_SHARE), across, capacity * BORE_SHARE, capacity * (1.0 - BORE_SHARE)
     )
-
-
-@njit(cache=True)
-def spread(screw, bore, outer, heat, dt):
-    """Carry both layers over one step; `heat` (W per cell) enters the outer one, the ends pass none.
-
-    C dT/dt = kA/dx (T_left - 2 T + T_right) + g (T_other - T) + q
-    """
-    last = bore.size - 1
-    bore_in = 0.0
-    outer_in = 0.0
-    for i in range(bore.size):
-        across = screw.across * (outer[i] - bore[i])
-        bore_out = screw.along_bore * (bore[i] - bore[i + 1]) if i < last else 0.0
-        outer_out = screw.along_outer * (outer[i] - outer[i + 1]) if i < last else 0.0
-        bore[i] += dt / screw.bore_capacity * (bore_in - bore_out + across)
-        outer[i] += dt / screw.outer_capacity * (outer_in - outer_out - across + heat[i])
-        bore_in = bore_out
-        outer_in = outer_out
 
 
 def overlap(from_mm: float, to_mm: float) -> np.ndarray:
