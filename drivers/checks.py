@@ -46,8 +46,12 @@ def frame_checksum(can_id: int, data: Bytes) -> NDArray[np.uint16]:
 
 
 def lost(numbers: NDArray[np.int64], before: int | None, modulus: int) -> int:
-    """How many frames are missing between these counter values, (n,), and the one before: at least."""
+    """How many frames are missing between these counter values, (n,), and the one before, at least.
+
+    A step back by one is a frame out of order: it was counted as missing, so it counts back.
+    """
     if before is not None:
         numbers = np.concatenate(([before], numbers))
     steps = np.diff(numbers) % modulus
-    return int(np.sum(steps[steps > 0] - 1))
+    steps[steps == modulus - 1] = -1
+    return int(np.sum(steps[steps != 0] - 1))

@@ -198,5 +198,6 @@ def _irregular(stamps: NDArray[np.float64], closing: NDArray[np.intp], tick_s: f
         return np.empty(0, np.intp)
     step = np.diff(stamps)
     odd = np.flatnonzero((step < 0) | (step > _GAP * tick_s)) + 1
-    still = closing[1:][np.diff(stamps[closing]) == 0]
+    still = closing[closing > 0]
+    still = still[stamps[still] == stamps[still - 1]]
     return np.unique(np.concatenate(([0], odd, still)))

@@ -27,6 +27,10 @@ class Tally:
         if count:
             self.skipped[reason if reason in self.skipped or len(self.skipped) < 300 else "other reasons"] += int(count)
 
+    def counts(self) -> dict[str, int]:
+        """How many of each reason."""
+        return {reason: count for reason, count in self.skipped.items() if count > 0}
+
     def note(self, sentence: str) -> None:
         """Keep a sentence once; past 50 of them only their number grows."""
         if sentence in self.notes:

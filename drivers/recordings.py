@@ -56,7 +56,7 @@ def read_recording(path: Path, rig: Rig, progress: Progress | None = None, budge
         rows = read_lab(path, rig, tally, budget)
     else:
         rows = _ticks(path, rig, tally, budget, progress)
-    return replace(rows, name=path.name, skipped=dict(tally.skipped), notes=tuple(tally.notes))
+    return replace(rows, name=path.name, skipped=tally.counts(), notes=tuple(tally.notes))
 
 
 def _ticks(path: Path, rig: Rig, tally: Tally, budget: Budget, progress: Progress | None) -> Recording:
