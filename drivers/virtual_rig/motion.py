@@ -21,6 +21,7 @@ class Stroke:
 
     @property
     def ramp_s(self) -> float:
+        """t = v / a   s, at either end"""
         return self.speed_mm_s / ACCELERATION
 
     @property
@@ -50,10 +51,12 @@ class Drive:
 
     @property
     def stop_s(self) -> float:
+        """When the table stands again, s"""
         return self.start_s + self.strokes * self.stroke.duration_s
 
     @property
     def ends_low(self) -> bool:
+        """Does the table park at the stroke's low end?"""
         return self.from_low == (self.strokes % 2 == 0)
 
     def centres(self, after_s: float, until_s: float) -> np.ndarray:
@@ -84,6 +87,7 @@ class TableMotion:
 
     @property
     def speed_rpm(self) -> np.ndarray:
+        """60 v / lead   rpm, signed"""
         return 60.0 * self.velocity_mm_s / LEAD_MM
 
     @property

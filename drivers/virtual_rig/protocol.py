@@ -125,6 +125,7 @@ class Session:
 
     @property
     def profile(self) -> Profile:
+        """The whole screw, once a minute."""
         times = np.arange(len(self.profiles)) * float(PROFILE_S)
         return Profile(times, CELL_MM, np.array(self.profiles))
 

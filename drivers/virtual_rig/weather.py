@@ -25,6 +25,7 @@ class Swing:
     waves: tuple[tuple[float, float, float], ...]
 
     def at(self, t: float) -> float:
+        """Distance from the start, K"""
         return sum(a * (math.sin(2.0 * math.pi * t / p + phase) - math.sin(phase)) for a, p, phase in self.waves)
 
 
