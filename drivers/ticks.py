@@ -71,6 +71,7 @@ def split(
     for index in np.flatnonzero(closes).tolist():
         timed(ticks.due(float(now[index])))
         if len(ends) >= most:
+            tally.note(f"longer than {most} ticks: the recording ends at {dates[most - 1]:.1f} s")
             break
         if ticks.close(float(now[index])):
             ends.append(index + 1)
@@ -80,6 +81,4 @@ def split(
     else:
         timed(ticks.due(float(now[-1])))
         timed(ticks.rest(float(now[-1])))
-    if len(ends) > most:
-        tally.note(f"longer than {most} ticks: the recording ends at {dates[most - 1]:.1f} s")
     return np.array(ends[:most], np.intp), np.array(dates[:most])
