@@ -31,7 +31,7 @@ def rig_options(command: Callable[..., Any]) -> Callable[..., Any]:
         "--rig",
         "rig_path",
         type=click.Path(path_type=Path),
-        help="Rig folder; else the nearest folder at or above the first log that holds a rig.toml, else the built-in rig.",
+        help="Rig folder; else the nearest one at or above the first log that holds a rig.toml, else the built-in rig.",
     )
     return rig(model(command))
 

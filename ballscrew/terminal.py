@@ -35,8 +35,10 @@ class Terminal:
         self.err.print(f"note: {text}", markup=False)
 
     def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], prose: int = -1) -> None:
-        """A table: the first column is a name, the others numbers with their unit in the header, or, at `prose`, text."""
-        table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False, header_style="dim")
+        """A table: first a name, then numbers with their unit in the header; the column `prose` holds text."""
+        table = Table(
+            title=title, title_justify="left", title_style="bold", box=None, pad_edge=False, header_style="dim"
+        )
         for i, column in enumerate(columns):
             table.add_column(column, justify="left" if i in (0, prose) else "right", no_wrap=i != prose)
         for row in rows:
@@ -46,7 +48,12 @@ class Terminal:
     @contextmanager
     def progress(self, label: str, total: float | None) -> Iterator[Any]:
         """A progress bar on stderr; yields update(completed, label=None)."""
-        columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[detail]}"), TimeElapsedColumn())
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[detail]}"),
+            TimeElapsedColumn(),
+        )
         with Progress(*columns, console=self.err, transient=True, disable=self.quiet) as bar:
             task = bar.add_task(label, total=total, detail="")
             yield lambda done, detail="": bar.update(task, completed=done, detail=detail)

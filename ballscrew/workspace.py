@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-import numpy as np
-
 from ballscrew.terminal import Terminal
 from drivers.recordings import find_recordings, read_recording
 from drivers.truth import read_truth
@@ -30,9 +28,7 @@ class Loaded:
     def truth_um(self) -> Array | None:
         """True elongation at the recording's ticks, (K,) um, from the truth file beside it; None without one."""
         truth = read_truth(self.path)
-        if truth is None:
-            return None
-        return np.interp(self.recording.time_s, truth.time_s, truth.elongation_um, left=np.nan, right=np.nan)
+        return truth.at(self.recording.time_s) if truth else None
 
 
 def open_rig(logs: Sequence[Path], rig_path: Path | None, terminal: Terminal) -> Rig:

@@ -31,7 +31,7 @@ class Accuracy:
 
 
 def accuracy(error: Array, sigma: Array | None = None, cooling: Array | None = None) -> Accuracy:
-    """Accuracy of errors (K,) um with NaN where there is no reference; `cooling` (K,) bool marks 60 min after a stop."""
+    """Accuracy of errors (K,) um, NaN where there is no reference; `cooling` (K,) bool marks 60 min after a stop."""
     known = np.isfinite(error)
     if not known.any():
         nan = float("nan")

@@ -48,7 +48,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Network:
-    """The reduced system of R regimes: mass (n, n), conductance (R, n, n), inflow (R, n, boundaries), noise (R, n, n)."""
+    """The system of R regimes: mass (n, n), conductance (R, n, n), inflow (R, n, boundaries), noise (R, n, n)."""
 
     mass: Array
     conductance: Array
@@ -81,8 +81,10 @@ def layout(terms: Sequence[Term], rig: Rig, reduced: bool = True) -> Layout:
     ends = {end for t in terms if isinstance(t, Link) for end in (t.a, t.b)} - set(nodes)
     for end in sorted(ends):
         if end not in rig.inputs:
-            raise SetupError(f"a Link ends at '{end}', which no effect stores and {rig.name} does not measure; "
-                             f"{nearest(end, [*nodes, *rig.inputs])}")
+            raise SetupError(
+                f"a Link ends at '{end}', which no effect stores and {rig.name} does not measure; "
+                f"{nearest(end, [*nodes, *rig.inputs])}"
+            )
     places = basis.knots(rig) if SCREW in nodes else np.empty(0)
     return Layout(nodes, _shapes(places, nodes, start, rig, reduced), places, tuple(sorted(ends)))
 
@@ -132,7 +134,7 @@ def _numeric(value: object) -> bool:
 def _couple(g: Array, a: Array, b: Array, value: Array) -> None:
     """Add links of conductance `value` between the nodes a[i] and b[i]."""
     for i, j, sign in ((a, a, 1), (b, b, 1), (a, b, -1), (b, a, -1)):
-        np.add.at(g, (slice(None), i, j), sign * np.broadcast_to(value, (len(g), len(a))))
+        np.add.at(g, (slice(None), i, j), sign * np.broadcast_to(value, (len(g), len(a))))  # type: ignore[arg-type]
 
 
 def _link(g: Array, inflow: Array, place: Layout, term: Link) -> None:
@@ -157,7 +159,10 @@ def heat(terms: Sequence[Term], place: Layout, ticks: int) -> Array:
     total = np.zeros((ticks, place.size))
     for term in terms:
         if isinstance(term, Heat):
-            total = total + np.broadcast_to(term.q, (ticks, _width(term.node, place))) @ place.shapes[place.nodes[term.node]]
+            total = (
+                total
+                + np.broadcast_to(term.q, (ticks, _width(term.node, place))) @ place.shapes[place.nodes[term.node]]
+            )
     return total
 
 
@@ -171,7 +176,7 @@ def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
 
 
 def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
-    """H, scatter, lags and zeros of the rig's channels; a channel that no effect reads has a row of zeros and sd inf."""
+    """H, scatter, lags and zeros of the channels; one that no effect reads has a row of zeros and sd inf."""
     m = len(rig.names)
     rows, sd = np.zeros((m, place.size)), np.full(m, np.inf)
     tau, lag_noise, zero_sd, zero_walk = np.zeros((4, m))

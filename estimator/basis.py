@@ -8,6 +8,8 @@ thermometers, at the bearings and halfway in wide gaps agree with 500 linear cel
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -32,7 +34,7 @@ def knots(rig: Rig) -> Array:
         if min(abs(bearing.at_mm - place) for place in places) > CLOSEST_MM:
             places = sorted([*places, bearing.at_mm])
     filled = [places[0]]
-    for lo, hi in zip(places[:-1], places[1:], strict=True):
+    for lo, hi in pairwise(places):
         near = any(lo - NEAR_BEARING_MM < b.at_mm < hi + NEAR_BEARING_MM for b in rig.supports.values())
         pieces = int(np.ceil((hi - lo) / (NEAR_WIDEST_MM if near else WIDEST_MM)))
         filled.extend(lo + (hi - lo) * np.arange(1, pieces + 1) / pieces)

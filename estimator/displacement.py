@@ -1,9 +1,9 @@
 """The paper's processing of the displacement readings, for display and as a reference, never for the filter.
 
-Readings come at the stroke centre while the table moves (peak hold), directly at rest. Five corrections: the half sum of
-the four probes less its value at the start; the expansion of probes and bar taken out; readings at the stroke centre
-only; the half stroke before the first held value and after the last one; the direct reading at rest joined to the stop.
-The half strokes look into the future, so a filter must not use them.
+Readings come at the stroke centre while the table moves (peak hold), directly at rest. Five corrections: the half sum
+of the four probes less its value at the start; the expansion of probes and bar taken out; readings at the stroke
+centre only; the half stroke before the first held value and after the last one; the direct reading at rest joined to
+the stop. The half strokes look into the future, so a filter must not use them.
 """
 
 from __future__ import annotations

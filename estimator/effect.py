@@ -52,7 +52,7 @@ class Effect:
             raise SetupError(f"effect {cls.__name__}: the docstring with its equation is missing")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        """Yield the effect's terms for parameter values `p`, inputs `u` and the rig. Structure never depends on values."""
+        """Yield the effect's terms for parameters `p`, inputs `u` and the rig; structure never depends on values."""
         raise SetupError(f"effect {self.name}: 'terms' is missing")
 
     @classmethod

@@ -4,9 +4,9 @@
     compare   e = y - H x - d           S = H P H' + R
     update    x <- x + K e              K = P H' S^-1
 
-x holds the temperatures of knots and bodies (degC), the unknown zeros of readings (um) and the span's growth at the start
-(um). d holds what the inputs add to a reading, the lag of each thermometer as the open-loop run has it, and what a
-reading taken before the tick's close had not yet seen.
+x holds the temperatures of knots and bodies (degC), the unknown zeros of readings (um) and the span's growth at the
+start (um). d holds what the inputs add to a reading, the lag of each thermometer as the open-loop run has it, and what
+a reading taken before the tick's close had not yet seen.
 """
 
 from __future__ import annotations
@@ -68,7 +68,8 @@ class Filter:
 
     def run(self, recording: Recording, each: Callable[[int], None] = lambda _: None) -> Track:
         """All ticks of a recording: the same numbers as step by step. `each` hears how many ticks are done."""
-        samples, steps = list(recording), []
+        samples = list(recording)
+        steps: list[Step] = []
         while not self.started and len(steps) < len(samples):
             steps.append(self.step(samples[len(steps)]))
         rest = len(steps)

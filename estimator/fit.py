@@ -105,7 +105,7 @@ def prepare(model: Model, rig: Rig, recording: Recording) -> Run:
 
 
 def fit(model: Model, rig: Rig, recordings: Sequence[Recording], each: Progress = lambda n, cost: None) -> Fit:
-    """Fit all free parameters to all recordings. `each` hears the evaluations done and the misfit (1 = as good as s)."""
+    """Fit all free parameters to all recordings. `each` hears the evaluations done and the misfit (1: as good as s)."""
     free = model.free()
     if not free:
         raise SetupError(f"{model.name}: every parameter is fixed; nothing to fit")
@@ -128,11 +128,13 @@ def fit(model: Model, rig: Rig, recordings: Sequence[Recording], each: Progress 
     found = least_squares(residual, inside, bounds=bounds, x_scale="jac", xtol=1e-4, ftol=1e-5, diff_step=1e-4)
     sd = _sd(found.jac, found.fun, _blocks(runs)) * unit
     fitted = tuple(
-        Fitted(path, old, float(x * u), float(s), p.unit, bool(min(x * u - p.lo, p.hi - x * u) < AT_BOUND * (p.hi - p.lo)))
+        Fitted(
+            path, old, float(x * u), float(s), p.unit, bool(min(x * u - p.lo, p.hi - x * u) < AT_BOUND * (p.hi - p.lo))
+        )
         for path, old, x, u, s, p in zip(free, start, found.x, unit, sd, params, strict=True)
     )
     better = model.with_values({f.path: Value(f.value, f.sd) for f in fitted})
-    about = {"rig": rig.fingerprint(), "fitted_on": [recording.name for recording in recordings]}
+    about = {"rig": rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in recordings}}
     better = replace(better, about={**model.about, **about})
     return Fit(better, fitted, misfit(model, runs), misfit(better, runs), found.status > 0, count)
 

@@ -12,7 +12,6 @@ from estimator.rig import Rig
 from estimator.start import Start
 
 
-
 @dataclass(frozen=True)
 class Inputs:
     """Inputs of `ticks` ticks. Every scalar is a column (ticks, 1), so that it broadcasts against a place (cells,).

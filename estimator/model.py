@@ -189,9 +189,10 @@ def _own_effect(use: str, folder: Path) -> type[Effect]:
     file, _, cls = use.partition(":")
     path = folder / file
     if not cls or not path.is_file():
-        raise SetupError(f"{path}: no such effect file; write use = \"effects.py:ClassName\"")
+        raise SetupError(f'{path}: no such effect file; write use = "effects.py:ClassName"')
     spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)

@@ -42,5 +42,7 @@ def elongation(recording: Recording, rig: Rig, names: Sequence[str] | None = Non
     for pattern in np.unique(known, axis=0):
         if pattern.sum() >= 2:
             ticks = (known == pattern).all(axis=1)
-            out[ticks] = rises[np.ix_(ticks, pattern)] @ weights(rig, [n for n, k in zip(used, pattern, strict=True) if k])
+            out[ticks] = rises[np.ix_(ticks, pattern)] @ weights(
+                rig, [n for n, k in zip(used, pattern, strict=True) if k]
+            )
     return out

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]  # float64, or whole numbers where it holds indices
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +39,8 @@ class Sample:
 class Recording:
     """All ticks of one run, K rows one nominal tick apart; a tick that never came is a row of NaN.
 
-    Fields as in Sample with a leading axis K. `skipped` counts what was not used, by reason; `notes` are sentences about
-    torn ends, clock jumps and the like, with place.
+    Fields as in Sample with a leading axis K. `skipped` counts what was not used, by reason; `notes` are sentences
+    about torn ends, clock jumps and the like, with place.
     """
 
     name: str
@@ -53,6 +56,11 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.time_s)
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Short hash of what was measured: tells a recording again whatever its file is called."""
+        return hashlib.sha256(self.channels.tobytes() + self.time_s.tobytes()).hexdigest()[:12]
 
     def rows(self, which: slice) -> Recording:
         """Some of the ticks, in order."""

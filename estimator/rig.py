@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from estimator import fields
 from estimator.errors import SetupError, nearest
 
-Vector = NDArray[np.float64]
+Vector = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Signal:
 
 @dataclass(frozen=True)
 class Channel(Signal):
-    """A measured signal that the filter compares with its model: a thermometer on the screw or in a body, or a length."""
+    """A signal that the filter compares with its model: a thermometer on the screw or in a body, or a length."""
 
     at_mm: float | None = None
     node: str | None = None

@@ -39,7 +39,7 @@ class Chain:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """Heat g (T_a - T_b) W flows from a to b; g in W/K, per cell where a node is the screw. b may be a measured input."""
+    """Heat g (T_a - T_b) W flows from a to b; g in W/K, per cell where a node is the screw. b may be an input."""
 
     a: str
     b: str

@@ -14,7 +14,8 @@ from estimator.terms import SCREW, Heat, Link, Store, Term
 
 def under_nut(u: Inputs, rig: Rig) -> Array:
     """Share of a heat put in by the nut that falls to each cell, (ticks, cells); sums to 1 inside the screw."""
-    assert rig.nut is not None and rig.screw is not None
+    assert rig.nut is not None
+    assert rig.screw is not None
     return u.coverage * (rig.screw.length * 1e3 / rig.nut.length_mm)
 
 

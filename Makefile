@@ -1,0 +1,47 @@
+# make demo   a CAN recording to the elongation, in one command
+# make test   everything that must hold
+PYTHON ?= python3.11
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+FITTED := FS-20 FS-5 CS-10 ES-2.5
+TWELVE := FS-20 FS-10 FS-5 FS-2.5 CS-20 CS-10 CS-5 CS-2.5 ES-20 ES-10 ES-5 ES-2.5
+LOGS := $(TWELVE:%=recordings/%.blf)
+
+.PHONY: demo test check bench pictures recordings model clean
+
+demo: $(READY) recordings/FS-20.blf
+	$(BIN)/ballscrew review recordings/FS-20.blf --save demo.rrd --view
+
+test: $(READY)
+	$(BIN)/python -m pytest
+
+check: $(READY)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/python -m pytest
+
+bench: $(READY) $(LOGS)
+	$(BIN)/python -m benchmarks
+
+pictures: $(READY) recordings/FS-20.blf
+	$(BIN)/ballscrew review recordings/FS-20.blf --quiet --save demo.rrd
+	$(BIN)/python -m viz.pictures demo.rrd docs/pictures
+
+recordings: $(LOGS)
+
+model: $(READY) $(FITTED:%=recordings/%.blf)
+	$(BIN)/ballscrew fit $(FITTED:%=recordings/%.blf) -o recordings/model.toml
+
+recordings/%.blf: | $(READY)
+	$(BIN)/ballscrew simulate $* -o $@
+
+$(READY): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	touch $@
+
+clean:
+	rm -rf $(VENV) build *.egg-info demo.rrd

@@ -1,0 +1,79 @@
+"""--channels, --no-displacement and --mute: what the filter is not to use, and when."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from estimator.errors import SetupError, nearest
+from estimator.filter import Mute
+from estimator.record import Recording
+from estimator.review import stops
+from estimator.rig import Rig
+
+
+def chosen_thermometers(text: str | None, rig: Rig) -> list[str] | None:
+    """`2,4,12` or `T02,T04` as channel names; None where nothing was chosen."""
+    if text is None:
+        return None
+    return [_thermometer(word.strip(), rig) for word in text.split(",")]
+
+
+def _thermometer(word: str, rig: Rig) -> str:
+    if word.isdigit() and 1 <= int(word) <= len(rig.thermometers):
+        return rig.thermometers[int(word) - 1]
+    if word in rig.thermometers:
+        return word
+    raise SetupError(f"--channels {word}: no such thermometer; {nearest(word, rig.thermometers)}, or 1 ... "
+                     f"{len(rig.thermometers)}")  # fmt: skip
+
+
+def muted(
+    recording: Recording, rig: Rig, thermometers: Sequence[str] | None, no_displacement: bool, spans: Sequence[str]
+) -> Mute:
+    """What not to fuse in this recording, as the filter asks for it: by time, (m,) bool."""
+    always = np.zeros(len(rig.names), dtype=bool)
+    if thermometers is not None:
+        always |= _named("telemeter", rig) & ~np.isin(rig.names, list(thermometers))
+    if no_displacement:
+        always |= _named("displacement", rig)
+    parsed = [_span(span, recording, rig) for span in spans]
+
+    def mute(time_s: float) -> np.ndarray:
+        now = always.copy()
+        for channels, begin, end in parsed:
+            if begin < time_s <= end:
+                now |= channels
+        return now
+
+    return mute
+
+
+def _span(text: str, recording: Recording, rig: Rig) -> tuple[np.ndarray, float, float]:
+    name, colon, times = text.partition(":")
+    if not colon or not times:
+        raise SetupError(f"--mute {text}: write NAME:FROM or NAME:FROM-TO, like telemeter:stop1-9000")
+    begin, dash, end = times.partition("-")
+    return _named(name, rig), _time(begin, text, recording), _time(end, text, recording) if dash else np.inf
+
+
+def _named(name: str, rig: Rig) -> np.ndarray:
+    if name == "telemeter":
+        return np.isin(rig.names, rig.thermometers)
+    if name == "displacement":
+        return ~np.isin(rig.names, rig.thermometers)
+    return np.arange(len(rig.names)) == rig.index(name)
+
+
+def _time(word: str, text: str, recording: Recording) -> float:
+    """Seconds from the first sample, or the end of the n-th drive."""
+    if word.startswith("stop") and word[4:].isdigit():
+        found = stops(recording)
+        if not 1 <= int(word[4:]) <= len(found):
+            raise SetupError(f"--mute {text}: {recording.name} has {len(found)} stops")
+        return found[int(word[4:]) - 1]
+    try:
+        return float(word) + float(recording.time_s[0])
+    except ValueError:
+        raise SetupError(f"--mute {text}: '{word}' is neither seconds nor stop1, stop2, ...") from None

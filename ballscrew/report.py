@@ -1,0 +1,133 @@
+"""Reviews as a person and as a program read them: tables, markdown and JSON with the same figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ballscrew.terminal import Terminal, duration
+from estimator.accuracy import Accuracy, least_squares_line
+from estimator.review import Review, overall
+
+TITLES = {
+    "filter": "filter",
+    "open_loop": "model alone (open loop)",
+    "polyline": "polyline through the thermometers",
+    "polyline_7": "polyline through the rig's seven",
+    "polyline_joined": "polyline joined to the last reading",
+    "last_reading": "last displacement reading held",
+}
+COLUMNS = [
+    "reference - estimate",
+    "lowest, um",
+    "highest, um",
+    "band, um",
+    "rms, um",
+    "60 min after stops, um",
+    "in 2 sd",
+]
+
+
+def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequence[bool]) -> None:
+    """A table for each of a few recordings, or a line for each of many; then all together, and those not fitted."""
+    many = len(reviews) > 2
+    if many:
+        columns = ["band, um", *(name for name in TITLES), "in 2 sd", "NIS"]
+        terminal.table("", columns, [_line(r) for r in reviews])
+    for review in reviews:
+        _print_one(terminal, review, table=not many)
+    if len(reviews) > 1:
+        terminal.table("\nall recordings together", COLUMNS, _rows(reviews))
+    rest = [r for r, was_fitted in zip(reviews, fitted, strict=True) if not was_fitted]
+    if rest and len(rest) < len(reviews):
+        terminal.table(f"\nthe {len(rest)} that the model was not fitted to", COLUMNS, _rows(rest))
+
+
+def _print_one(terminal: Terminal, review: Review, table: bool) -> None:
+    r = review.recording
+    if table:
+        head = (
+            f"{r.name}: {duration(r.time_s[-1])}, {len(r)} ticks, {r.frames} frames; reference: {review.reference_name}"
+        )
+        terminal.table(f"\n{head}", COLUMNS, _rows([review]))
+        terminal.say(f"NIS {review.nis_mean:.2f} per channel (1 when the filter's noise is right)")
+    for note in r.notes:
+        terminal.say(f"{r.name}: {note}")
+    if r.skipped:
+        terminal.say(f"{r.name}: not used: " + ", ".join(f"{count} x {reason}" for reason, count in r.skipped.items()))
+
+
+def _line(review: Review) -> list[str]:
+    widths = [_number(review.accuracy(name).width_um) if name in review.errors else "" for name in TITLES]
+    return [review.recording.name, *widths, _percent(review.accuracy("filter")), _number(review.nis_mean)]
+
+
+def _rows(reviews: Sequence[Review]) -> list[list[str]]:
+    return [_row(TITLES[name], overall(reviews, name)) for name in TITLES if any(name in r.errors for r in reviews)]
+
+
+def _row(title: str, a: Accuracy) -> list[str]:
+    band = [f"{a.band_um[0]:+.2f}", f"{a.band_um[1]:+.2f}", f"{a.width_um:.2f}"]
+    return [title, *band, _number(a.rms_um), _number(a.cooldown_max_um), _percent(a)]
+
+
+def _number(value: float) -> str:
+    return f"{value:.2f}" if np.isfinite(value) else ""
+
+
+def _percent(a: Accuracy) -> str:
+    return f"{a.coverage_2sigma:.1%}" if np.isfinite(a.coverage_2sigma) else ""
+
+
+def markdown(reviews: Sequence[Review]) -> str:
+    """The summary page of the views: the overall table, the least-squares lines, and what was not used."""
+    lines = [
+        "# Elongation: reference minus estimate",
+        "",
+        "| " + " | ".join(COLUMNS) + " |",
+        "|---" * len(COLUMNS) + "|",
+    ]
+    lines += ["| " + " | ".join(row) + " |" for row in _rows(reviews)]
+    lines += ["", "The least-squares line Y = aX + b of reference Y against estimate X, and the band around it:", ""]
+    for name in ("filter", "polyline"):
+        found = [r for r in reviews if name in r.estimates]
+        a, b, band = least_squares_line(
+            np.concatenate([r.reference - r.errors[name] for r in found]), np.concatenate([r.reference for r in found])
+        )
+        lines.append(f"- {TITLES[name]}: Y = {a:.4f} X {b:+.2f} um, {band[0]:+.2f} .. {band[1]:+.2f} um")
+    for r in reviews:
+        used = f"{r.recording.frames} frames, reference: {r.reference_name}, NIS {r.nis_mean:.2f}"
+        lines += ["", f"**{r.recording.name}**: {duration(r.recording.time_s[-1])}, {used}"]
+        lines += [f"- not used: {count} x {reason}" for reason, count in r.recording.skipped.items()]
+        lines += [f"- {note}" for note in r.recording.notes]
+    return "\n".join(lines)
+
+
+def as_json(reviews: Sequence[Review], fitted: Sequence[bool], seconds: Sequence[float]) -> dict[str, Any]:
+    """The figures for programs."""
+    recordings = []
+    for r, took in zip(reviews, seconds, strict=True):
+        recording = r.recording
+        recordings.append({
+            "name": recording.name, "reference": r.reference_name, **_errors([r]), "nis_mean": r.nis_mean,
+            "ticks": len(recording), "frames": recording.frames, "skipped": dict(recording.skipped),
+            "notes": list(recording.notes), "seconds": took,
+        })  # fmt: skip
+    rest = [r for r, was_fitted in zip(reviews, fitted, strict=True) if not was_fitted]
+    return {"recordings": recordings, "overall": _errors(reviews), "held_out": _errors(rest) if rest else None}
+
+
+def _errors(reviews: Sequence[Review]) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    for name in TITLES:
+        if not any(name in r.errors for r in reviews):
+            continue
+        a = overall(reviews, name)
+        result[name] = {"band_um": a.band_um, "rms_um": a.rms_um, "cooldown_max_um": a.cooldown_max_um}
+        if name == "filter":
+            result[name]["coverage_2sigma"] = a.coverage_2sigma
+        if name == "polyline":
+            result[name]["channels"] = reviews[0].polyline_channels
+    return result

@@ -1,0 +1,89 @@
+"""ballscrew review: run the filter over recordings and say how good the estimate is."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from ballscrew.muting import chosen_thermometers, muted
+from ballscrew.options import logs_argument, output_options, rig_options
+from ballscrew.report import as_json, markdown, print_reviews
+from ballscrew.terminal import Terminal
+from ballscrew.workspace import Loaded, load, open_model, open_rig
+from estimator.errors import InputError
+from estimator.model import Model
+from estimator.review import Review, review
+from estimator.rig import Rig
+
+
+@click.command("review")
+@logs_argument
+@rig_options
+@click.option("--channels", metavar="2,4,..", help="Use only these thermometers, by number or name; default: all.")
+@click.option("--no-displacement", is_flag=True, help="Do not use the displacement readings.")
+@click.option(
+    "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO]",
+    help="Do not use a channel, `telemeter` or `displacement` from FROM to TO: seconds from the start, or stop1, stop2.",
+)  # fmt: skip
+@click.option(
+    "--save", "rrd", type=click.Path(path_type=Path), metavar="OUT.rrd", help="Write the views as a rerun file."
+)
+@click.option("--view", is_flag=True, help="Open the views in the rerun viewer, where there is a screen.")
+@output_options
+def command(
+    logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, channels: str | None, no_displacement: bool,
+    spans: tuple[str, ...], rrd: Path | None, view: bool, json_path: str | None, quiet: bool, debug: bool,
+) -> int:  # fmt: skip
+    """Run the Kalman filter over each LOG and print how far its elongation is from the reference.
+
+    Beside it: the model alone, the polyline through the thermometers, and two estimates that need no model. The
+    reference is the truth where a NAME.truth.csv lies beside the log, else the displacement readings. A folder means
+    all recordings in it.
+    """
+    terminal = Terminal(json_path, quiet)
+    rig = open_rig(logs, rig_path, terminal)
+    model = open_model(rig, model_path, terminal)
+    names = chosen_thermometers(channels, rig)
+    loaded, failed = load(logs, rig, terminal)
+    if not loaded:
+        return InputError.exit_code
+    reviews, seconds = [], []
+    for one in loaded:
+        began = time.perf_counter()
+        mute = muted(one.recording, rig, names, no_displacement, spans)
+        reviews.append(_review(terminal, one, rig, model, mute, names))
+        seconds.append(time.perf_counter() - began)
+    known = set(model.about.get("fitted_on", {}).values())
+    fitted = [r.recording.fingerprint in known for r in reviews]
+    print_reviews(terminal, reviews, fitted)
+    terminal.json(as_json(reviews, fitted, seconds))
+    if rrd is not None:
+        _save(terminal, rrd, rig, reviews, view)
+    return InputError.exit_code if failed else 0
+
+
+def _review(terminal: Terminal, one: Loaded, rig: Rig, model: Model, mute, names) -> Review:  # type: ignore[no-untyped-def]
+    with terminal.progress(one.recording.name, len(one.recording)) as update:
+        return review(one.recording, rig, model, one.truth_um(), mute, names, update)
+
+
+def _save(terminal: Terminal, path: Path, rig: Rig, reviews: Sequence[Review], view: bool) -> None:
+    from viz.run import Run, first_stop_s
+    from viz.save import save
+    from viz.viewer import open_viewer
+
+    runs = [
+        Run(
+            r.recording.name, rig, r.recording, r.track, r.estimates["polyline"], r.readings, r.reference,
+            r.reference_name, r.errors, r.sigma,
+        )
+        for r in reviews
+    ]  # fmt: skip
+    with terminal.progress(f"writing {path}", len(runs)) as update:
+        save(path, runs, markdown(reviews), update)
+    terminal.say(f"views: {path}   (open with: rerun --bind 127.0.0.1 {path})")
+    if view and not open_viewer(path, first_stop_s(runs[0])):
+        terminal.say("no screen here: the viewer was not started")

@@ -1,0 +1,131 @@
+"""ballscrew simulate: make a recording of the rig that is not there, or play it on a bus."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import can
+import click
+
+from ballscrew.options import output_options
+from ballscrew.terminal import Terminal, duration
+from drivers.virtual_rig import Run, play, simulate
+from estimator.errors import SetupError
+
+HOURS = {"h": 3600.0, "min": 60.0, "s": 1.0}
+
+
+class Seconds(click.ParamType):
+    """A time such as 2h, 90min, 45s or plain seconds."""
+
+    name = "time"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        text = str(value).strip()
+        unit = next((u for u in HOURS if text.endswith(u)), "")
+        try:
+            return float(text.removesuffix(unit)) * HOURS.get(unit, 1.0)
+        except ValueError:
+            self.fail(f"'{text}' is no time; write 2h, 90min, 45s or seconds", param, ctx)
+
+
+def bus_options(command: Any) -> Any:
+    """python-can's own: --interface, --channel, --bitrate, --bus-kwargs."""
+    for option in (
+        click.option(
+            "--bus-kwargs", multiple=True, metavar="K=V", help="Passed to the interface, like host=127.0.0.1."
+        ),
+        click.option("--bitrate", type=int, help="Bit rate of the bus, 1/s."),
+        click.option("--channel", help="Channel of the interface, like can0."),
+        click.option("--interface", help="python-can interface, like socketcan: play on this bus, in the rig's time."),
+    ):
+        command = option(command)
+    return command
+
+
+@click.command("simulate")
+@click.argument("name", metavar="NAME")
+@click.option(
+    "-o", "out", type=click.Path(path_type=Path), metavar="FILE", help="Recording to write; format by its suffix."
+)
+@bus_options
+@click.option("--seed", default=1, show_default=True, help="The same seed is the same rig with the same noise.")
+@click.option("--plant", multiple=True, metavar="EFFECT[=STRENGTH]", help="Switch an effect on; strength 1 is nominal.")
+@click.option("--without", multiple=True, metavar="EFFECT", help="Switch an effect off.")
+@click.option(
+    "--max-drive", type=Seconds(), default="2h", show_default=True, help="Stop each drive after this at latest."
+)
+@click.option("--cycles", default=2, show_default=True, help="Drives, each with a stop of 60 min after it.")
+@click.option("--seconds", type=float, metavar="S", help="Cut the run after this time.")
+@click.option("--speed-up", default=1.0, show_default=True, help="On a bus: times faster than the rig.")
+@output_options
+def command(
+    name: str, out: Path | None, interface: str | None, channel: str | None, bitrate: int | None,
+    bus_kwargs: tuple[str, ...], seed: int, plant: tuple[str, ...], without: tuple[str, ...], max_drive: float,
+    cycles: int, seconds: float | None, speed_up: float, json_path: str | None, quiet: bool, debug: bool,
+) -> None:  # fmt: skip
+    """Simulate experiment NAME: a pattern FS, CS or ES and a speed in m/min, like FS-20 or CS-2.5.
+
+    The table is driven until the screw has grown by about 50 um, stands still for 60 min, and is driven again. The
+    truth is kept beside the recording, as FILE with the suffix .truth.csv.
+    """
+    terminal = Terminal(json_path, quiet)
+    if out is None and interface is None:
+        raise click.UsageError("say where to: -o FILE for a recording, or --interface for a bus")
+    planted = dict(_strength(word) for word in plant)
+    run = _simulate(terminal, name, seed, planted, without, max_drive, cycles, seconds)
+    if out is not None:
+        terminal.json(_write(terminal, run, out))
+    if interface is not None:
+        _play(terminal, run, interface, channel, bitrate, bus_kwargs, speed_up)
+
+
+def _simulate(
+    terminal: Terminal, name: str, seed: int, plant: dict[str, float], without: Sequence[str], max_drive: float,
+    cycles: int, seconds: float | None,
+) -> Run:  # fmt: skip
+    with terminal.progress(name, None) as update:
+        try:
+            return simulate(
+                name, seed=seed, plant=plant, without=without, max_drive_s=max_drive, cycles=cycles, seconds=seconds,
+                progress=lambda t, um: update(t, f"{duration(t)}, {um:.1f} um"),
+            )  # fmt: skip
+        except ValueError as error:
+            raise SetupError(str(error)) from error
+
+
+def _strength(word: str) -> tuple[str, float]:
+    effect, _, strength = word.partition("=")
+    try:
+        return effect, float(strength or 1.0)
+    except ValueError:
+        raise SetupError(f"--plant {word}: '{strength}' is no number; write {effect}=0.5") from None
+
+
+def _write(terminal: Terminal, run: Run, path: Path) -> dict[str, Any]:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        run.write(path)
+    except ValueError as error:
+        raise SetupError(f"{path}: {error}") from error
+    length, growth = float(run.truth.time_s[-1]), float(run.truth.elongation_um.max())
+    terminal.say(f"{path}: {duration(length)}, {path.stat().st_size / 1e6:.1f} MB, grew by at most {growth:.1f} um")
+    return {"path": str(path), "seconds": length, "max_elongation_um": growth, "planted": run.planted}
+
+
+def _play(
+    terminal: Terminal, run: Run, interface: str, channel: str | None, bitrate: int | None, words: Sequence[str],
+    speed_up: float,
+) -> None:  # fmt: skip
+    options = dict(word.split("=", 1) for word in words if "=" in word)
+    if bitrate is not None:
+        options["bitrate"] = str(bitrate)
+    try:
+        bus = can.Bus(channel=channel, interface=interface, **options)  # type: ignore[arg-type]
+    except (can.CanError, OSError, ValueError, TypeError) as error:
+        raise SetupError(f"--interface {interface} --channel {channel}: {error}") from error
+    terminal.say(f"playing {run.name} on {interface} {channel or ''}, {speed_up:g} x the rig's time; Ctrl-C stops")
+    with bus:
+        play(run, bus, speed_up)
