@@ -29,7 +29,7 @@ class Budget:
     def spent(self, frames: int, size: int, late: bool) -> str:
         """Which limit of a reading is used up, as a clause; empty while none is."""
         if frames >= self.frames:
-            return f"{frames} frames are the most that one recording may hold"
+            return f"{self.frames} frames are the most that one recording may hold"
         if size >= self.size:
-            return f"{size} bytes are the most that one recording may hold"
+            return f"{self.size} bytes are the most that one recording may hold"
         return f"reading took {self.seconds:g} s" if late else ""

@@ -25,6 +25,7 @@ _LINE = re.compile(
 )
 _REMOTE = re.compile(rb"\(\d+\.\d+\) \S+ [0-9A-Fa-f]{3,8}#R")
 _FD = re.compile(rb"\(\d+\.\d+\) \S+ [0-9A-Fa-f]{3,8}##")
+_FOREIGN = "torn or foreign line"
 _ERROR_FLAG = 0x20000000
 _CHUNK = 1 << 23
 _LAYOUTS = 64
@@ -63,6 +64,7 @@ class _Reader:
         self.tally = tally
         self.lines = 0
         self.count = 0
+        self.foreign = 0  # first line that is no frame
         self.buses: set[bytes] = set()
         self.blocks: list[NDArray[np.void]] = []
 
@@ -78,7 +80,10 @@ class _Reader:
         return self._endless(text[ends[-1] + 1 :])
 
     def finish(self, rest: bytes) -> None:
-        """Account for a last line without its line end."""
+        """Account for lines that were no frame, and for a last one without its line end."""
+        if self.foreign:
+            count = self.tally.skipped[_FOREIGN]
+            self.tally.note(f"line {self.foreign} is no frame (the first of {count})")
         if not rest:
             return
         self.lines += 1
@@ -123,7 +128,7 @@ class _Reader:
             words = text[starts[line] : starts[line] + lengths[line]]
             if match := _LINE.fullmatch(words):
                 return match, todo[position:]
-            self._odd(words)
+            self._odd(words, self.lines + 1 + int(line))
         return None, todo[:0]
 
     def _one_by_one(
@@ -137,16 +142,16 @@ class _Reader:
                 table["place"] = self.lines + 1 + line
                 rows.append(table)
             else:
-                self._odd(words)
+                self._odd(words, self.lines + 1 + int(line))
         return rows
 
-    def _odd(self, line: bytes) -> None:
+    def _odd(self, line: bytes, number: int) -> None:
         if not line.strip():
             return
-        reason = (
-            "remote frame" if _REMOTE.match(line) else "CAN FD frame" if _FD.match(line) else "torn or foreign line"
-        )
+        reason = "remote frame" if _REMOTE.match(line) else "CAN FD frame" if _FD.match(line) else _FOREIGN
         self.tally.skip(reason)
+        if reason == _FOREIGN:
+            self.foreign = min(self.foreign or number, number)
 
     def _keep(self, table: NDArray[np.void]) -> None:
         table = table[np.argsort(table["place"], kind="stable")]

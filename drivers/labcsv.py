@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from drivers.budget import Budget
 from drivers.frames import Tally
-from estimator.errors import InputError, nearest
+from estimator.errors import InputError
 from estimator.rig import Rig
 
 Array = NDArray[np.float64]
 
 
 class Table:
-    """The rows of a lab CSV: `time` (n,) s, `line` (n,) line numbers, `columns` (n,) per channel or input of the rig."""
+    """The rows of a lab CSV: `time` (n,) s, `line` (n,) line numbers, `columns` (n,) per channel or input."""
 
     def __init__(self, path: Path, rig: Rig, tally: Tally, budget: Budget) -> None:
         self.path = path
@@ -47,7 +47,7 @@ class Table:
             found = ", ".join(header[:6]) + (" ..." if len(header) > 6 else "")
             raise InputError(
                 f"{self.path}: no time column '{rig.log.time_column}' in the header ({found[:200] or 'empty'}); "
-                f"{nearest(rig.log.time_column, header[:20])}"
+                "name it in rig.toml as log.time_column"
             )
         names = {name: rule.column or name for name, rule in [*rig.channels.items(), *rig.inputs.items()]}
         where = {name: header.index(column) for name, column in names.items() if column in header}

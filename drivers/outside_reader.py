@@ -83,7 +83,7 @@ class Sender:
             self._read(suffix, {"relative_timestamp": False})
         except MemoryError:
             self.notes.append(f"stopped after {self.messages} frames: out of memory")
-        except Exception as error:  # noqa: BLE001  (whatever python-can raises on a broken file, what came before counts)
+        except Exception as error:  # whatever python-can raises on a broken file, what came before counts
             if suffix == ".asc" and not self.messages and "datetime" in str(error):
                 self._read(suffix, {})
             else:

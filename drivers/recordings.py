@@ -52,10 +52,8 @@ def read_recording(path: Path, rig: Rig, progress: Progress | None = None, budge
     budget = budget or Budget()
     if is_truth(path):
         raise InputError(f"{path}: the truth of a simulated recording, not a recording")
-    if is_lab_csv(path):
-        rows = read_lab(path, rig, tally, budget)
-    else:
-        rows = _ticks(path, rig, tally, budget, progress)
+    lab = is_lab_csv(path)
+    rows = read_lab(path, rig, tally, budget) if lab else _ticks(path, rig, tally, budget, progress)
     return replace(rows, name=path.name, skipped=tally.counts(), notes=tuple(tally.notes))
 
 

@@ -1,4 +1,4 @@
-"""Whether a scan counts: the closing message's state, the checksum over the scan's data, its bits of faulty channels."""
+"""Whether a scan counts: the closing message's state, its checksum over the data, its bits of faulty channels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the frames of one message to the readings of one channel or input, with everything unusable left out by reason."""
+"""From the frames of a message to the readings of a channel or input, with all that is unusable left out by reason."""
 
 from __future__ import annotations
 

@@ -207,10 +207,10 @@ def test_a_missing_or_broken_dbc(tmp_path: Path) -> None:
     text = (RECORDINGS / "rig.toml").read_text()
     (tmp_path / "rig.toml").write_text(text.replace('"rig.dbc"', '"mine.dbc"'))
     path = log_fake.write(tmp_path / "a.log", log_fake.log(2))
-    with pytest.raises(SetupError, match="log.dbc: no file 'mine.dbc' in .* or .*drivers"):
+    with pytest.raises(SetupError, match=r"log\.dbc: no file 'mine\.dbc' in .* or .*drivers"):
         read_recording(path, load_rig(tmp_path))
     (tmp_path / "mine.dbc").write_text("BO_ what")
-    with pytest.raises(SetupError, match="mine.dbc: cannot be read as a DBC: "):
+    with pytest.raises(SetupError, match=r"mine\.dbc: cannot be read as a DBC: "):
         read_recording(path, load_rig(tmp_path))
 
 
