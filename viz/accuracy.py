@@ -1,5 +1,6 @@
-"""The accuracy figure: reference over estimate, the line Y = X, and the two lines parallel to it through the highest and
-the lowest (reference - estimate). The distance of the two is the accuracy band.
+"""The accuracy figure: reference over estimate, the line Y = X, and two lines parallel to it.
+
+They go through the highest and the lowest (reference - estimate); their distance is the accuracy band.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import rerun as rr
 from estimator.record import Array
 from viz import paths
 from viz.axes import Axes, words
-from viz.run import JUDGED, Run
+from viz.run import JUDGED, Indices, Run
 from viz.scale import Range, extent_of, rounded
 
 SIDE, LOW = 1000.0, 420.0  # view units: side of the square, height of the frame below
@@ -91,7 +92,7 @@ def _points(rec: rr.RecordingStream, at: str, run: Run, estimate: str, figure: F
         rec.log(f"{at}/{name}", dots, static=True)
 
 
-def thinned(time_s: Array, errors_um: Array) -> Array:
+def thinned(time_s: Array, errors_um: Array) -> Indices:
     """Ticks to draw: one in 20 s, and always the one with the highest and the one with the lowest error."""
     known = np.flatnonzero(np.isfinite(errors_um))
     if not len(known):

@@ -1,7 +1,7 @@
 """Axes drawn by hand: a 2D view has none of its own.
 
-A point (x, y) in the data's units stands at (x * x_unit, -y * y_unit) of the view, whose y runs downwards. A label hangs
-below its anchor, so those of y are lifted by half a line.
+A point (x, y) in the data's units stands at (x * x_unit, -y * y_unit) of the view, whose y runs downwards. A label
+hangs below its anchor, so those of y are lifted by half a line.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from estimator.record import Array
 from viz import paths
-from viz.scale import Range, ticks_of
+from viz.scale import Colours, Range, ticks_of
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,10 @@ class Axes:
             [np.asarray(x, dtype=float) * self.x_unit, self.down - np.asarray(y, dtype=float) * self.y_unit], axis=-1
         )
 
+    def _shifted(self, x: ArrayLike, y: ArrayLike, widths: float, lines: float) -> Array:
+        """Places (..., 2) moved to the right by a share of the width and down by so many lines of text."""
+        return self.place(x, y) + np.array([widths * self.width, lines * self.line])
+
     @property
     def bounds(self) -> tuple[Range, Range]:
         """What a view must show: the frame and its labels."""
@@ -60,11 +64,10 @@ class Axes:
         level = [self.place(self.x, [y, y]) for y in {*ys, *self.y}]
         grid = rr.LineStrips2D(upright + level, radii=rr.Radius.ui_points(0.5), colors=paths.GRID, draw_order=-10.0)
         rec.log(f"{at}/grid", grid, static=True)
-        lift = np.array([-0.035 * self.width, -0.56 * self.line])
-        words(rec, f"{at}/x", self.place(xs, self.y[0]) + [0, 0.15 * self.line], [f"{x:g}" for x in xs])
-        words(rec, f"{at}/y", self.place(self.x[0], ys) + lift, [f"{y:g}" for y in ys])
-        middle = self.place(sum(self.x) / 2, self.y[0]) + [0, 1.5 * self.line]
-        corner = self.place(self.x[0], self.y[1]) + [0.05 * self.width, -1.8 * self.line]
+        words(rec, f"{at}/x", self._shifted(xs, self.y[0], 0.0, 0.15), [f"{x:g}" for x in xs])
+        words(rec, f"{at}/y", self._shifted(self.x[0], ys, -0.035, -0.56), [f"{y:g}" for y in ys])
+        middle = self._shifted(sum(self.x) / 2, self.y[0], 0.0, 1.5)
+        corner = self._shifted(self.x[0], self.y[1], 0.05, -1.8)
         words(rec, f"{at}/titles", np.array([middle, corner]), [x_title, y_title])
 
     def key(self, rec: rr.RecordingStream, at: str, entries: Sequence[tuple[str, paths.Colour]]) -> None:
@@ -87,7 +90,7 @@ def words(
     rec.log(at, points, static=True)
 
 
-def colour_bar(rec: rr.RecordingStream, at: str, colours: Array, labels: Sequence[str]) -> None:
+def colour_bar(rec: rr.RecordingStream, at: str, colours: Colours, labels: Sequence[str]) -> None:
     """Log an upright bar of colours (n, 4), lowest first, with labels spread evenly beside it, lowest first."""
     n, width = len(colours), 6.0
     image = np.repeat(np.asarray(colours)[::-1, None, :3], int(width), axis=1)

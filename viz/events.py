@@ -32,7 +32,7 @@ def _notes(run: Run) -> Iterator[Event]:
     for note in run.recording.notes:
         yield Event(first, note, "WARN")
     for reason, count in run.recording.skipped.items():
-        yield Event(first, f"{count} frames not used: {reason}", "WARN")
+        yield Event(first, f"not used: {count} x {reason}", "WARN")
 
 
 def _motion(run: Run) -> Iterator[Event]:

@@ -45,7 +45,7 @@ def blueprint(runs: Sequence[Run], scales: Sequence[Scale], tab: int | str = 0) 
 
 def pages_of(root: str, rig: Rig, scale: Scale) -> list[rrb.Container]:
     """The tabs of one run."""
-    return [_overview(root, rig, scale), _residuals(root, rig, scale), _channels(root, scale)]
+    return [_overview(root, rig, scale), _residuals(root, rig, scale), _channels(root, rig, scale)]
 
 
 def _summary() -> rrb.Container:
@@ -109,9 +109,7 @@ def _residuals(root: str, rig: Rig, scale: Scale) -> rrb.Container:
         None,
         False,
     )
-    nis = _plot(
-        f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1], with 95 % chi-square bounds", scale, None
-    )
+    nis = _plot(f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1]", scale, None, room=0.25)
     return rrb.Vertical(*maps, rrb.Horizontal(white, nis), row_shares=[3, 3, 2.4], name="Residuals")
 
 
@@ -124,11 +122,15 @@ def _map(root: str, at: str, bar: str, name: str, scale: Scale, count: int) -> r
     return rrb.Horizontal(rows, colours, column_shares=[10, 1])
 
 
-def _channels(root: str, scale: Scale) -> rrb.Container:
-    temperature = _plot(f"{root}/{paths.TEMPERATURES}", "Thermometers [°C]", scale, scale.temperature_C, room=0.25)
-    innovation = _plot(f"{root}/{paths.INNOVATIONS}", "Innovations of each tick [K]", scale, None, False, 0.25)
-    displacement = _plot(f"{root}/{paths.DISPLACEMENT}", "Innovations of the displacement [µm]", scale, None, room=0.25)
-    return rrb.Vertical(temperature, innovation, displacement, row_shares=[6, 3, 2], name="Channels")
+def _channels(root: str, rig: Rig, scale: Scale) -> rrb.Container:
+    plots = []
+    for plot, columns in paths.thermometer_groups(rig).items():
+        first, *_, last = [*rig.thermometers[columns]] * 2
+        name = f"Thermometers {first} ... {last} [°C]"
+        plots.append(_plot(f"{root}/{plot}", name, scale, scale.temperature_C, room=0.2))
+    innovation = _plot(f"{root}/{paths.INNOVATIONS}", "Innovations of each tick [K]", scale, None, False)
+    displacement = _plot(f"{root}/{paths.DISPLACEMENT}", "Innovations of the displacement [µm]", scale, None, False)
+    return rrb.Vertical(*plots, rrb.Horizontal(innovation, displacement), name="Channels")
 
 
 def _plot(

@@ -27,6 +27,9 @@ TEMPERATURES = "channels/temperature"
 INNOVATIONS = "channels/innovation"
 DISPLACEMENT = "channels/displacement"
 EVENTS = "events"
+MOMENT = "moment"
+
+LEGEND_ENTRIES = 12  # a longer legend would scroll
 
 Colour = tuple[int, int, int]
 
@@ -59,3 +62,11 @@ def channel_names(rig: Rig, unit: str) -> list[str]:
     """Legend entries of the thermometers: name, place and unit."""
     named = [(name, rig.channels[name].at_mm) for name in rig.thermometers]
     return [f"{name} [{unit}]" if at is None else f"{name} at {at:g} mm [{unit}]" for name, at in named]
+
+
+def thermometer_groups(rig: Rig) -> dict[str, slice]:
+    """Where the temperatures of each plot go: as few plots of equal size as leave every legend whole."""
+    count = len(rig.thermometers)
+    plots = -(-count // LEGEND_ENTRIES)
+    size = -(-count // max(plots, 1))
+    return {f"{TEMPERATURES}/{i + 1}": slice(i * size, min((i + 1) * size, count)) for i in range(plots)}

@@ -6,10 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import Track
+
+Indices = NDArray[np.intp]
+Flags = NDArray[np.bool_]
 
 AT_REST = 0.5  # rad/s
 JUDGED = ("filter", "polyline")  # the estimates that see the thermometers
@@ -47,15 +51,15 @@ class Run:
         return self.reference_um - self.errors_um[estimate]
 
     @property
-    def thermometers(self) -> Array:
+    def thermometers(self) -> Indices:
         """Columns of the thermometers among the channels, in order."""
-        return np.array([self.rig.index(name) for name in self.rig.thermometers], dtype=int)
+        return np.array([self.rig.index(name) for name in self.rig.thermometers], dtype=np.intp)
 
     @property
-    def on_screw(self) -> Array:
+    def on_screw(self) -> Indices:
         """Columns of the thermometers that have a place on the screw."""
         channels = enumerate(self.rig.channels.values())
-        return np.array([i for i, channel in channels if channel.at_mm is not None], dtype=int)
+        return np.array([i for i, channel in channels if channel.at_mm is not None], dtype=np.intp)
 
     @property
     def places_mm(self) -> Array:
@@ -63,9 +67,9 @@ class Run:
         return np.array([c.at_mm for c in self.rig.channels.values() if c.at_mm is not None], dtype=float)
 
     @property
-    def turning(self) -> Array:
+    def turning(self) -> Flags:
         """(K,) whether the screw turned in the tick."""
-        return np.nan_to_num(self.recording.omega) > AT_REST
+        return np.asarray(np.nan_to_num(self.recording.omega) > AT_REST)
 
     @property
     def stops_s(self) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,9 @@ import rerun as rr
 
 from estimator.errors import InputError
 from estimator.record import Array
-from viz import accuracy, events, paths, profile, residuals, screw, series
+from viz import accuracy, events, moment, paths, profile, residuals, screw, series
 from viz.layout import blueprint
-from viz.run import Run
+from viz.run import Indices, Run, first_stop_s
 from viz.scale import Scale, minutes, scale_of
 
 PICTURE_S = 10.0  # profile and screw are kept every 10 s, curves at every tick
@@ -27,6 +28,7 @@ def save(path: Path, runs: Sequence[Run], summary: str, progress: Callable[[int]
     """Write all runs into `path` (.rrd) with `summary` (markdown); `progress` hears how many runs are done."""
     if not path.parent.is_dir():
         raise InputError(f"{path}: there is no folder {path.parent}")
+    runs = distinct(runs)
     scales = [scale_of(run) for run in runs]
     layout = blueprint(runs, scales)
     rec = rr.RecordingStream(paths.APPLICATION, recording_id=uuid.uuid4())
@@ -35,6 +37,7 @@ def save(path: Path, runs: Sequence[Run], summary: str, progress: Callable[[int]
     rec.send_blueprint(layout, make_active=True, make_default=True)
     rec.send_recording_name(", ".join(run.name for run in runs))
     rec.log(paths.SUMMARY, rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
+    moment.send(rec, first_stop_s(runs[0]))
     accuracy.send(rec, runs)
     for done, (run, scale) in enumerate(zip(runs, scales, strict=True), start=1):
         send(rec, run, scale)
@@ -42,28 +45,42 @@ def save(path: Path, runs: Sequence[Run], summary: str, progress: Callable[[int]
     rec.disconnect()
 
 
+def distinct(runs: Sequence[Run]) -> list[Run]:
+    """The runs with names that lead to different paths: a name met before gets a number."""
+    found: dict[str, Run] = {}
+    for run in runs:
+        name, number = run.name, 1
+        while paths.root(name) in found:
+            number += 1
+            name = f"{run.name} ({number})"
+        found[paths.root(name)] = replace(run, name=name)
+    return list(found.values())
+
+
 def send(rec: rr.RecordingStream, run: Run, scale: Scale) -> None:
     """Log one run: what it looks like, then all its rows."""
     root = paths.root(run.name)
-    _curves(rec, root, run)
+    _curves(rec, root, run, scale)
     _residuals(rec, root, run, scale)
     if run.rig.screw is not None and len(run.track.x_mm):
         _pictures(rec, root, run, scale)
     events.send(rec, root, events.events_of(run))
 
 
-def _curves(rec: rr.RecordingStream, root: str, run: Run) -> None:
+def _curves(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> None:
     track, at, heat = run.track, f"{root}/{paths.ELONGATION}", run.thermometers
     dense = bool(np.isfinite(run.reference_um).mean() > series.DENSE)
     series.style(rec, root, run.rig, run.reference_name, dense)
     series.send_band(rec, f"{at}/filter", track.time_s, track.elongation_um, track.sigma_um)
     series.send(rec, f"{at}/models", track.time_s, np.stack([run.polyline_um, track.open_loop_um], axis=-1))
-    shown = series.shown_readings(track.time_s, run.readings_um, run.turning)
+    shown = series.spaced(track.time_s, run.readings_um, scale.time_s, scale.elongation_um)
     series.send_known(rec, f"{at}/readings", track.time_s[shown], run.readings_um[shown])
-    series.send_known(rec, f"{at}/reference", track.time_s, run.reference_um)
+    if not np.array_equal(run.reference_um, run.readings_um, equal_nan=True):
+        series.send_known(rec, f"{at}/reference", track.time_s, run.reference_um)
     series.send_band(rec, f"{root}/{paths.ERROR}/filter", track.time_s, run.errors_um["filter"], run.error_sd_um)
     series.send_known(rec, f"{root}/{paths.ERROR}/polyline", track.time_s, run.errors_um["polyline"])
-    series.send(rec, f"{root}/{paths.TEMPERATURES}", track.time_s, track.measured[:, heat])
+    for plot, columns in paths.thermometer_groups(run.rig).items():
+        series.send(rec, f"{root}/{plot}", track.time_s, track.measured[:, heat][:, columns])
     series.send(rec, f"{root}/{paths.INNOVATIONS}", track.time_s, track.innovation[:, heat])
     lengths = np.delete(track.innovation, heat, axis=1)
     read = np.flatnonzero(np.isfinite(lengths).any(axis=1))[1:]  # the first one sets the zero
@@ -115,7 +132,7 @@ def _pictures(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> Non
         screw.send_nut(rec, root, rig, track.time_s[known], position[known])
 
 
-def picture_ticks(time_s: Array, profile_C: Array) -> Array:
+def picture_ticks(time_s: Array, profile_C: Array) -> Indices:
     """Indices of the first tick with a profile in each 10 s."""
     known = np.flatnonzero(np.isfinite(profile_C).all(axis=1))
     first = np.unique(np.floor(time_s[known] / PICTURE_S), return_index=True)[1]

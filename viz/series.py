@@ -7,6 +7,7 @@ Max for NIS.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 import rerun as rr
@@ -14,10 +15,13 @@ import rerun as rr
 from estimator.record import Array
 from estimator.rig import Rig
 from viz import paths
-from viz.scale import coloured
+from viz.run import Indices
+from viz.scale import Range, coloured
+
+Aggregation = Literal["Average", "Max", "MinMax", "Off"]
 
 DENSE = 0.9  # a reference known at this share of the ticks is drawn as a line, else as points
-REST_READING_S = 120.0
+SPACING = 0.03  # of the plot, between readings drawn
 
 
 def style(rec: rr.RecordingStream, root: str, rig: Rig, reference: str, dense: bool) -> None:
@@ -37,7 +41,8 @@ def style(rec: rr.RecordingStream, root: str, rig: Rig, reference: str, dense: b
     rec.log(f"{root}/{paths.ERROR}/filter", error, static=True)
     lines(rec, f"{root}/{paths.ERROR}/polyline", [f"{reference} − polyline [µm]"], [paths.POLYLINE], 1.5, "MinMax")
     rainbow = channel_colours(len(rig.thermometers))
-    lines(rec, f"{root}/{paths.TEMPERATURES}", paths.channel_names(rig, "°C"), rainbow, 1.0)
+    for plot, columns in paths.thermometer_groups(rig).items():
+        lines(rec, f"{root}/{plot}", paths.channel_names(rig, "°C")[columns], rainbow[columns], 1.0)
     lines(rec, f"{root}/{paths.INNOVATIONS}", paths.channel_names(rig, "K"), rainbow, 1.0, "MinMax")
     lengths = [f"{name} [µm]" for name in rig.names if name not in rig.thermometers]
     dots(rec, f"{root}/{paths.DISPLACEMENT}", lengths, paths.READING, 2.5)
@@ -49,7 +54,7 @@ def lines(
     names: Sequence[str],
     colours: Sequence[Sequence[int]],
     width: float,
-    aggregation: str = "Average",
+    aggregation: Aggregation = "Average",
 ) -> None:
     """Log how the lines of one entity look."""
     looks = rr.SeriesLines(
@@ -69,12 +74,18 @@ def channel_colours(count: int) -> list[list[int]]:
     return coloured(np.arange(count), (0.0, max(count - 1.0, 1.0)))[:, :3].tolist()  # type: ignore[no-any-return]
 
 
-def shown_readings(time_s: Array, readings_um: Array, turning: Array) -> Array:
-    """Ticks (n,) of the readings to draw: all while the screw turns, one in two minutes at rest, where a line would hide."""
-    known = np.flatnonzero(np.isfinite(readings_um))
-    window = np.floor(time_s[known] / REST_READING_S)
-    fresh = np.diff(window, prepend=-1.0) > 0
-    return known[fresh | turning[known]]
+def spaced(time_s: Array, values: Array, time_extent: Range, extent: Range) -> Indices:
+    """Indices of the points to draw: known ones, each a step of the plot away from the one before.
+
+    All readings would be a thick line that hides the curves.
+    """
+    across, up = time_extent[1] - time_extent[0], extent[1] - extent[0]
+    kept: list[int] = []
+    for k in np.flatnonzero(np.isfinite(values)):
+        last = kept[-1] if kept else None
+        if last is None or (time_s[k] - time_s[last]) / across + abs(values[k] - values[last]) / up > SPACING:
+            kept.append(int(k))
+    return np.array(kept, dtype=np.intp)
 
 
 def send(rec: rr.RecordingStream, at: str, time_s: Array, values: Array) -> None:
@@ -93,6 +104,8 @@ def send_known(rec: rr.RecordingStream, at: str, time_s: Array, values: Array) -
 def send_band(rec: rr.RecordingStream, at: str, time_s: Array, mean: Array, sd: Array) -> None:
     """Log a line (n,) with a band of two standard deviations; the viewer draws one root of the variance."""
     known = np.isfinite(mean) & np.isfinite(sd)
+    if not known.any():
+        return
     index = [rr.TimeColumn(paths.TIMELINE, duration=time_s[known])]
     columns = rr.Measurements.columns(values=mean[known], variances=(2 * sd[known]) ** 2)
     rec.send_columns(at, indexes=index, columns=columns)

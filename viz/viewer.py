@@ -1,7 +1,7 @@
 """The native viewer as a child process that keeps to itself.
 
-It listens on the loopback only. Usage statistics are off, and what it would ask of the network (its own new versions) goes
-to a proxy that is not there: the viewer runs without outbound traffic.
+It listens on the loopback only. Usage statistics are off, and what it would ask of the network (its own new versions)
+goes to a proxy that is not there: the viewer runs without outbound traffic.
 """
 
 from __future__ import annotations
@@ -18,19 +18,20 @@ from typing import IO
 from rerun.experimental import ViewerClient
 
 from viz import paths
+from viz.moment import moment_of
 
 START_S = 20.0
 
 
 def open_viewer(path: Path, at_s: float | None = None) -> bool:
-    """Show a saved file, with the cursor at `at_s` if given; False where there is no screen. Does not wait for its end."""
+    """Show a saved file, with the cursor at `at_s` or its own moment, and do not wait; False without a screen."""
     if not has_screen():
         return False
     port = free_port()
-    start([str(path)], port)
+    viewer = start([str(path)], port)
+    at_s = moment_of(path) if at_s is None else at_s
     if at_s is not None:
-        client = connect(port)
-        client.set_time(paths.TIMELINE, duration=at_s, play_state="paused")
+        connect(viewer, port).set_time(paths.TIMELINE, duration=at_s, play_state="paused")
     return True
 
 
@@ -40,7 +41,7 @@ def has_screen() -> bool:
 
 
 def start(arguments: Sequence[str], port: int, said: IO[bytes] | int = subprocess.DEVNULL) -> subprocess.Popen[bytes]:
-    """Start the viewer on the loopback, cut off from the network, in a session of its own; `said` takes its messages."""
+    """Start the viewer on the loopback, cut off from the network, in a session of its own; `said` gets its messages."""
     command = [str(executable()), "--bind", "127.0.0.1", "--port", str(port), "--hide-welcome-screen", *arguments]
     closed = {"CI": "1", "HTTP_PROXY": "http://127.0.0.1:9", "HTTPS_PROXY": "http://127.0.0.1:9"}
     env = {**os.environ, **closed, "NO_PROXY": "127.0.0.1,localhost", "RUST_LOG": "warn"}
@@ -51,7 +52,7 @@ def start(arguments: Sequence[str], port: int, said: IO[bytes] | int = subproces
 
 def executable() -> Path:
     """The viewer that came with rerun-sdk: always the version that wrote the file."""
-    import rerun_cli
+    import rerun_cli  # type: ignore[import-untyped]
 
     return Path(rerun_cli.__file__).parent / ("rerun.exe" if sys.platform == "win32" else "rerun")
 
@@ -63,17 +64,17 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def connect(port: int, timeout_s: float = START_S) -> ViewerClient:
-    """Reach a viewer just started, once it has loaded its file; TimeoutError if that does not happen."""
-    end = time.monotonic() + timeout_s
-    while time.monotonic() < end:
+def connect(viewer: subprocess.Popen[bytes], port: int) -> ViewerClient:
+    """Reach a viewer just started, once it has loaded its file; TimeoutError if it does not answer or has ended."""
+    end = time.monotonic() + START_S
+    while time.monotonic() < end and viewer.poll() is None:
         try:
             client = ViewerClient.connect(f"rerun+http://127.0.0.1:{port}/proxy")
             state = client.get_state()
-        except Exception:  # not up yet; the client has no error of its own for that
+        except OSError:  # not up yet
             time.sleep(0.1)
             continue
         if state.recordings and not state.loading:
             return client
         time.sleep(0.1)
-    raise TimeoutError(f"the viewer did not answer within {timeout_s:g} s")
+    raise TimeoutError("the viewer does not answer")
