@@ -1,6 +1,6 @@
 # make demo   a CAN recording to the elongation, in one command
 # make test   everything that must hold
-PYTHON ?= python3.11
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready

@@ -26,7 +26,7 @@ from estimator.rig import Rig
 @click.option("--no-displacement", is_flag=True, help="Do not use the displacement readings.")
 @click.option(
     "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO]",
-    help="Do not use a channel, `telemeter` or `displacement` from FROM to TO: seconds from the start, or stop1, stop2.",
+    help="Do not use a channel, `telemeter` or `displacement` from FROM to TO: seconds from the start, or stop1 ...",
 )  # fmt: skip
 @click.option(
     "--save", "rrd", type=click.Path(path_type=Path), metavar="OUT.rrd", help="Write the views as a rerun file."

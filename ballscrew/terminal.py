@@ -54,7 +54,7 @@ class Terminal:
             TextColumn("{task.fields[detail]}"),
             TimeElapsedColumn(),
         )
-        with Progress(*columns, console=self.err, transient=True, disable=self.quiet) as bar:
+        with Progress(*columns, console=self.err, transient=True, disable=self.quiet or not self.err.is_terminal) as bar:
             task = bar.add_task(label, total=total, detail="")
             yield lambda done, detail="": bar.update(task, completed=done, detail=detail)
 

@@ -43,4 +43,4 @@ def knots(rig: Rig) -> Array:
 
 def shapes(places_mm: Array, x_mm: Array) -> Array:
     """The splines phi_j at x, (len(x), knots): 1 at their own knot, 0 at the others, flat at the ends of the screw."""
-    return CubicSpline(places_mm, np.eye(len(places_mm)), bc_type="clamped")(x_mm)  # type: ignore[no-any-return]
+    return CubicSpline(places_mm, np.eye(len(places_mm)), bc_type="clamped")(x_mm)
