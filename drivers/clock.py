@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 from drivers.budget import Budget
 from drivers.frames import Tally
 
+Array = NDArray[np.float64]
+
 _GAP = 1.5  # ticks: a longer silence needs a decision
 _TRUSTED_SCANS = 60
 
@@ -66,15 +68,14 @@ class RigClock:
 
     def advance(self, stamp: float) -> list[tuple[int, float]]:
         """No frame came until `stamp`: the rig's clock goes on."""
-        placed = self._decide() if self._waiting and stamp - self._waiting[0][1] > _GAP * self.tick_s else []
+        late = self._waiting and stamp - self._waiting[0][1] > _GAP * self.tick_s
+        placed = self._decide() if late else []
         if not self._waiting and stamp > self._stamp:
             self._stamp = stamp
             self.now = max(self.now, stamp - self._offset)
         return placed
 
-    def run(
-        self, stamps: NDArray[np.float64], closes: NDArray[np.bool_], scan: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
+    def run(self, stamps: Array, closes: NDArray[np.bool_], scan: NDArray[np.int64]) -> Array:
         """The same for a whole log, (n,): NaN for a dropped frame. Regular stretches are taken at once."""
         clock = np.full(len(stamps), np.nan)
         closing = np.flatnonzero(closes)
@@ -97,13 +98,7 @@ class RigClock:
         return not (self._waiting or self._still or self.ended) and self._stamp == before
 
     def _stretch(
-        self,
-        clock: NDArray[np.float64],
-        stamps: NDArray[np.float64],
-        closing: NDArray[np.intp],
-        scan: NDArray[np.int64],
-        start: int,
-        stop: int,
+        self, clock: Array, stamps: Array, closing: NDArray[np.intp], scan: NDArray[np.int64], start: int, stop: int
     ) -> None:
         """Place frames start ... stop, between which nothing is irregular."""
         if stop == start:
@@ -192,7 +187,7 @@ class RigClock:
         return self.now if jump < 0 or (jump > self.budget.gap_s and not started) else None
 
 
-def _irregular(stamps: NDArray[np.float64], closing: NDArray[np.intp], tick_s: float) -> NDArray[np.intp]:
+def _irregular(stamps: Array, closing: NDArray[np.intp], tick_s: float) -> NDArray[np.intp]:
     """Frames that a stretch may not contain: the first, one out of order, one after a silence, one at a standstill."""
     if not len(stamps):
         return np.empty(0, np.intp)

@@ -6,7 +6,7 @@ import operator
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -22,15 +22,8 @@ _NO_VALUE = re.compile(
     r"not.?avail|n/a|^s?na$|fault|error|invalid|not.?valid|no.?(data|value|signal)|undefined|reserved", re.IGNORECASE
 )
 _CONDITION = re.compile(r"\s*(\w+)\.(\w+)\s*(=|==|!=|<=|>=|<|>)\s*(.+?)\s*")
-_COMPARE = {
-    "=": operator.eq,
-    "==": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    ">": operator.gt,
-    "<=": operator.le,
-    ">=": operator.ge,
-}
+_COMPARE = {"=": operator.eq, "==": operator.eq, "!=": operator.ne}
+_COMPARE |= {"<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge}
 
 
 @dataclass(frozen=True)
@@ -75,7 +68,7 @@ class Bits:
         """After how many numbers a counter starts again: one more than the DBC's maximum."""
         return int(self.highest) + 1 if self.highest else 1 << self.length
 
-    @property
+    @cached_property
     def no_value(self) -> dict[int, str]:
         """Raw numbers that say "not available", "fault" and the like, with the table's text."""
         return {raw: text for raw, text in self.texts.items() if _NO_VALUE.search(text)}

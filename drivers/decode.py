@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from drivers.checks import frame_checksum, lost
 from drivers.condense import Condenser, Readings
 from drivers.dbc import Bits, Layout, find_dbc, load_dbc
-from drivers.frames import Frames, Tally
+from drivers.frames import FRAME, Frames, Tally
 from drivers.scan import Scan
 from drivers.sources import Source, sources
 from estimator.errors import SetupError
@@ -53,6 +53,14 @@ class Decoder:
         if self.scan.number:
             number[which] = self.scan.number.raw(frames.take(which).words()).astype(np.int64)
         return which, number
+
+    def closing(self, can_id: int, extended: bool, packed: bytes) -> int | None:
+        """The same for one frame, packed: its scan number, -1 where there is none; None if it closes nothing."""
+        closing = self.scan.closing
+        if closing is None or can_id != closing.id or extended != closing.extended:
+            return None
+        closes, number = self.closings(Frames.of(np.frombuffer(packed, FRAME), "frame"))
+        return int(number[0]) if closes[0] else None
 
     def rows(self, frames: Frames, first: int, now: Array, row: Index, date: Array) -> Recording:
         """Condense frames into ticks.
@@ -107,6 +115,16 @@ class Decoder:
             self._counted[message.name] = int(numbers[-1])
         return np.asarray(index)
 
+    def strangers(self, frames: Frames) -> str:
+        """If no frame has an id that the rig file uses: which were found and expected; else empty."""
+        keys = np.unique(frames.id.astype(np.int64) << 1 | frames.extended).tolist()
+        found = {(key >> 1, bool(key & 1)) for key in keys}
+        if found & {(message.id, message.extended) for message in self.used}:
+            return ""
+        ids = [f"0x{number:X}" for number, _ in sorted(found)]
+        wanted = [f"0x{message.id:X} ({message.name})" for message in self.used]
+        return f"ids {_few(ids)}; expected {_few(wanted)} as in {self.dbc.path.name}"
+
     def _account(self, frames: Frames) -> None:
         """Count frames that the rig file does not use."""
         numbers, counts = np.unique(frames.id.astype(np.int64) << 1 | frames.extended, return_counts=True)
@@ -116,6 +134,10 @@ class Decoder:
                 self.tally.skip(f"unknown id 0x{number >> 1:0{8 if number & 1 else 3}X}", count)
             elif message not in self.used:
                 self.tally.skip(f"not in the rig file {message.name}", count)
+
+
+def _few(words: list[str]) -> str:
+    return ", ".join(words[:4]) + (f" and {len(words) - 4} more" if len(words) > 4 else "")
 
 
 def _is(frames: Frames, message: Layout) -> NDArray[np.bool_]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 FRAME = np.dtype(
     [("time", "<f8"), ("id", "<u4"), ("extended", "?"), ("dlc", "u1"), ("data", "u1", (8,)), ("place", "<u4")]
 )
+PACKED = struct.Struct("<dI?B8sI")  # the same for one frame
 
 
 @dataclass
@@ -93,10 +95,13 @@ class Frames:
         return cls(time, number, extended, dlc, data, place, unit)
 
 
+LATEST_S = 4.2e9  # a stamp after 2100 is none
+
+
 def plausible(frames: Frames, tally: Tally) -> Frames:
     """Only frames that can have been on a bus: a finite time from 1970 to 2100, an id that fits, at most 8 bytes."""
     finite = np.isfinite(frames.time)
-    span = finite & (frames.time >= 0) & (frames.time < 4.2e9)
+    span = finite & (frames.time >= 0) & (frames.time < LATEST_S)
     fits = frames.id <= np.where(frames.extended, 0x1FFFFFFF, 0x7FF)
     short = frames.dlc <= 8
     good = span & fits & short

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import struct
 import sys
 import threading
 from collections import Counter
@@ -14,6 +13,7 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
+from drivers.frames import PACKED
 from drivers.outside import HEAD
 
 _READERS = {
@@ -23,7 +23,6 @@ _READERS = {
     ".trc": "can.io.trc:TRCReader",
     ".mf4": "can.io.mf4:MF4Reader",
 }
-_ROW = struct.Struct("<dI?B8sI")
 _LONGEST_LINE = 4096
 
 
@@ -119,7 +118,7 @@ class Sender:
             return
         place = self.lines.count if self.lines else self.messages
         data = bytes(message.data)
-        row = _ROW.pack(
+        row = PACKED.pack(
             message.timestamp, message.arbitration_id, message.is_extended_id, len(data), data, place & 0xFFFFFFFF
         )
         with self.lock:

@@ -60,6 +60,8 @@ def read_recording(path: Path, rig: Rig, progress: Progress | None = None, budge
 def _ticks(path: Path, rig: Rig, tally: Tally, budget: Budget, progress: Progress | None) -> Recording:
     decoder = Decoder(rig, tally)
     frames = read_log(path, tally, budget, progress)
+    if strangers := decoder.strangers(frames):
+        raise InputError(f"{path}: {len(frames)} frames, none of this rig: {strangers}")
     clock = RigClock(rig.tick_s, tally, frames.where, budget)
     closes, scan = decoder.closings(frames)
     now = clock.run(frames.time, closes, scan)

@@ -7,7 +7,7 @@ import numpy as np
 from drivers.budget import Budget
 from drivers.clock import RigClock
 from drivers.decode import Decoder
-from drivers.frames import FRAME, Frames, Tally, plausible
+from drivers.frames import FRAME, LATEST_S, PACKED, Frames, Tally, plausible
 from drivers.ticks import Ticks
 from estimator.record import Sample
 from estimator.rig import Rig
@@ -25,22 +25,20 @@ class Ticker:
         self.clock = RigClock(rig.tick_s, self.tally, lambda frame: f"frame {frame + 1}", budget or Budget())
         self.ticks = Ticks(rig.tick_s, rig.log.closes is not None)
         self.frames = 0
-        self._waiting: dict[int, tuple[np.void, bool]] = {}
-        self._open: list[tuple[int, np.void, float]] = []
+        self._waiting: dict[int, tuple[bytes, bool]] = {}
+        self._open: list[tuple[int, bytes, float]] = []
 
     def feed(self, time_s: float, can_id: int, extended: bool, data: bytes) -> list[Sample]:
         """Take one data frame, stamped on the bus's clock in s; returns the samples of the ticks that it closed."""
-        table = np.zeros(1, FRAME)
         size = len(data)
-        padded = np.frombuffer(bytes(data[:8]).ljust(8, b"\0"), np.uint8)
-        table[0] = (time_s, can_id, extended, min(size, 255), padded, 0)
-        frames = plausible(Frames.of(table, "frame"), self.tally)
-        if not len(frames):
+        if not (0 <= time_s < LATEST_S and 0 <= can_id <= (0x1FFFFFFF if extended else 0x7FF) and size <= 8):
+            plausible(_frames([PACKED.pack(time_s, can_id & 0xFFFFFFFF, extended, min(size, 9), b"", 0)]), self.tally)
             return []
-        closes, scan = self.decoder.closings(frames)
+        packed = PACKED.pack(time_s, can_id, extended, size, bytes(data), 0)
+        scan = self.decoder.closing(can_id, extended, packed)
         number, self.frames = self.frames, self.frames + 1
-        self._waiting[number] = (table[0], bool(closes[0]))
-        return self._placed(self.clock.step(number, time_s, bool(closes[0]), int(scan[0])))
+        self._waiting[number] = (packed, scan is not None)
+        return self._placed(self.clock.step(number, time_s, scan is not None, -1 if scan is None else scan))
 
     def advance(self, time_s: float) -> list[Sample]:
         """No frame came until `time_s` on the bus's clock: close the ticks whose timer ran out."""
@@ -58,9 +56,9 @@ class Ticker:
     def _placed(self, placed: list[tuple[int, float]]) -> list[Sample]:
         out: list[Sample] = []
         for number, now in placed:
-            row, closes = self._waiting.pop(number)
+            packed, closes = self._waiting.pop(number)
             out += self._timed(self.ticks.due(now))
-            self._open.append((number, row, now))
+            self._open.append((number, packed, now))
             if closes and self.ticks.close(now):
                 out += self._close(now)
             elif closes:
@@ -74,9 +72,12 @@ class Ticker:
 
     def _close(self, date: float) -> list[Sample]:
         """The open frames make one tick."""
-        table = np.array([row for _, row, _ in self._open], FRAME)
+        frames = _frames([packed for _, packed, _ in self._open])
         now = np.array([now for _, _, now in self._open])
         first = self._open[0][0] if self._open else 0
         self._open = []
-        rows = self.decoder.rows(Frames.of(table, "frame"), first, now, np.zeros(len(now), np.intp), np.array([date]))
-        return list(rows)
+        return list(self.decoder.rows(frames, first, now, np.zeros(len(now), np.intp), np.array([date])))
+
+
+def _frames(packed: list[bytes]) -> Frames:
+    return Frames.of(np.frombuffer(b"".join(packed), FRAME), "frame")

@@ -181,6 +181,12 @@ def test_files_that_are_no_log(tmp_path: Path) -> None:
     )
     path = log_fake.write(tmp_path / "d.log", ROWS[:3])
     assert complaint(path) == f"{path}: 3 frames over 0.99 s, less than one tick of 1 s"
+    path = log_fake.write(tmp_path / "e.log", [row._replace(id=0x100 + row.id % 6, extended=True) for row in ROWS])
+    assert complaint(path) == (
+        f"{path}: 168 frames, none of this rig: ids 0x100, 0x101, 0x102, 0x103 and 2 more; "
+        "expected 0x210 (Telemeter1), 0x211 (Telemeter2), 0x212 (Telemeter3), 0x213 (Telemeter4) and 6 more "
+        "as in rig.dbc"
+    )
     os.mkfifo(tmp_path / "pipe.log")
     assert complaint(tmp_path / "pipe.log") == f"{tmp_path / 'pipe.log'}: not a regular file"
 
