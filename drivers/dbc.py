@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -22,7 +22,7 @@ _NO_VALUE = re.compile(
     r"not.?avail|n/a|^s?na$|fault|error|invalid|not.?valid|no.?(data|value|signal)|undefined|reserved", re.IGNORECASE
 )
 _CONDITION = re.compile(r"\s*(\w+)\.(\w+)\s*(=|==|!=|<=|>=|<|>)\s*(.+?)\s*")
-_COMPARE = {"=": operator.eq, "==": operator.eq, "!=": operator.ne}
+_COMPARE: dict[str, Callable[[Any, Any], Any]] = {"=": operator.eq, "==": operator.eq, "!=": operator.ne}
 _COMPARE |= {"<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge}
 
 
