@@ -138,11 +138,9 @@ def _key(rec: rr.RecordingStream, at: str, runs: Sequence[Run], axes: Axes) -> N
 def bands_table(runs: Sequence[Run]) -> str:
     """The bands as a markdown table, each run and all together."""
     rows = [(run.name, [run]) for run in runs] + ([("**all**", list(runs))] if len(runs) > 1 else [])
-    head = "| run | reference | " + " | ".join(JUDGED) + " |\n|:--|:--|" + ":--|" * len(JUDGED)
-    lines = [
-        f"| {name} | {_reference(some)} | " + " | ".join(_cell(some, e) for e in JUDGED) + " |" for name, some in rows
-    ]
-    text = "lowest ... highest (reference − estimate), **width of the band**, µm"
+    head = "| run | " + " | ".join(JUDGED) + " |\n|:--|" + ":--|" * len(JUDGED)
+    lines = [f"| {name} | " + " | ".join(_cell(some, estimate) for estimate in JUDGED) + " |" for name, some in rows]
+    text = f"lowest ... highest (reference − estimate), **width of the band**, µm\n\nreference: {_reference(runs)}"
     return f"## Accuracy band\n\n{text}\n\n{head}\n" + "\n".join(lines) + "\n"
 
 

@@ -57,23 +57,30 @@ class Axes:
         x = left - 0.12 * self.width, right + 0.05 * self.width
         return x, (top - 2.6 * self.line, bottom + 3.2 * self.line)
 
-    def draw(self, rec: rr.RecordingStream, at: str, x_title: str, y_title: str, x_ticks: Array | None = None) -> None:
+    def draw(
+        self, rec: rr.RecordingStream, at: str, x_title: str, y_title: str = "", y_unit: str = "", x_pieces: int = 7
+    ) -> None:
         """Log grid, tick labels and titles under `at`, once."""
-        xs, ys = ticks_of(self.x, 10) if x_ticks is None else x_ticks, ticks_of(self.y, 7)
+        xs, ys = ticks_of(self.x, x_pieces), ticks_of(self.y, 7)
         upright = [self.place([x, x], self.y) for x in {*xs, *self.x}]
         level = [self.place(self.x, [y, y]) for y in {*ys, *self.y}]
         grid = rr.LineStrips2D(upright + level, radii=rr.Radius.ui_points(0.5), colors=paths.GRID, draw_order=-10.0)
         rec.log(f"{at}/grid", grid, static=True)
         words(rec, f"{at}/x", self._shifted(xs, self.y[0], 0.0, 0.15), [f"{x:g}" for x in xs])
-        words(rec, f"{at}/y", self._shifted(self.x[0], ys, -0.035, -0.56), [f"{y:g}" for y in ys])
-        middle = self._shifted(sum(self.x) / 2, self.y[0], 0.0, 1.5)
-        corner = self._shifted(self.x[0], self.y[1], 0.05, -1.8)
-        words(rec, f"{at}/titles", np.array([middle, corner]), [x_title, y_title])
+        words(
+            rec,
+            f"{at}/y",
+            self._shifted(self.x[0], ys, -0.05 if y_unit else -0.035, -0.56),
+            [f"{y:g}{y_unit}" for y in ys],
+        )
+        words(rec, f"{at}/x_title", self._shifted([sum(self.x) / 2], self.y[0], 0.0, 1.5), [x_title])
+        if y_title:
+            words(rec, f"{at}/y_title", self._shifted([self.x[0]], self.y[1], 0.05, -1.8), [y_title])
 
     def key(self, rec: rr.RecordingStream, at: str, entries: Sequence[tuple[str, paths.Colour]]) -> None:
         """Log coloured words in a row above the frame."""
         left, top = self.place(self.x[0], self.y[1])
-        xs = left + self.width * (0.26 + 0.175 * np.arange(len(entries)))
+        xs = left + self.width * (0.06 + 0.17 * np.arange(len(entries)))
         rows = np.stack([xs, np.full(len(xs), top - 1.8 * self.line)], axis=-1)
         words(rec, at, rows, [name for name, _ in entries], [colour for _, colour in entries])
 

@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 
 from viz import paths
-from viz.run import Run
+from viz.run import Flags, Run
 
 
 @dataclass(frozen=True)
@@ -49,15 +49,31 @@ def _motion(run: Run) -> Iterator[Event]:
 
 
 def _channels(run: Run) -> Iterator[Event]:
-    """Begin of each stretch in which a channel is not fused, though it was read or should have been."""
-    track = run.track
-    for i, name in enumerate(track.names):
-        silent = ~np.isfinite(track.measured[:, i])
-        expected = name in run.rig.thermometers
-        for why, out in (("not measured", silent & expected), ("not fused", ~silent & ~track.fused[:, i])):
-            edges = np.flatnonzero(np.diff(out.astype(int), prepend=0, append=0))
-            for begin, end in zip(edges[::2], edges[1::2], strict=True):
-                yield Event(float(track.time_s[begin]), f"{name} {why} for {end - begin} ticks", "WARN")
+    """Begins of the stretches in which channels are not fused, though they were read or should have been."""
+    together: dict[tuple[float, str], list[str]] = {}
+    for i, name in enumerate(run.track.names):
+        for begin, sentence in _stretches(run, i, name in run.rig.thermometers):
+            together.setdefault((begin, sentence), []).append(name)
+    for (begin, sentence), names in together.items():
+        yield Event(begin, f"{', '.join(names)} {sentence}", "WARN")
+
+
+def _stretches(run: Run, i: int, steady: bool) -> Iterator[tuple[float, str]]:
+    """Time and sentence of each stretch of one channel; one that is not `steady` may be silent between its readings."""
+    track, known = run.track, np.isfinite(run.track.measured[:, i])
+    if steady:
+        for first, count in _blocks(~known):
+            yield float(track.time_s[first]), f"not measured for {count} ticks"
+    read = np.flatnonzero(known)
+    for first, count in _blocks(~track.fused[read, i]):
+        yield float(track.time_s[read[first]]), f"not fused for {count} readings"
+
+
+def _blocks(flags: Flags) -> Iterator[tuple[int, int]]:
+    """First index and length of each run of true flags."""
+    edges = np.flatnonzero(np.diff(flags.astype(int), prepend=0, append=0))
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        yield int(first), int(end - first)
 
 
 def clock(time_s: float) -> str:

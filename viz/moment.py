@@ -9,18 +9,16 @@ from rerun.chunk import RrdReader
 
 from viz import paths
 
-FIELD = "time_s"
-
 
 def send(rec: rr.RecordingStream, time_s: float) -> None:
     """Remember a moment, s."""
-    rec.log(paths.MOMENT, rr.AnyValues(**{FIELD: time_s}), static=True)
+    rec.log(paths.MOMENT, rr.AnyValues(time_s=time_s), static=True)
 
 
 def moment_of(path: Path) -> float | None:
     """The moment that a saved file remembers, s; None if it is not one of ours."""
     for chunk in RrdReader(path).stream().filter(content=f"/{paths.MOMENT}").to_chunks():
         batch = chunk.to_record_batch()
-        if FIELD in batch.schema.names:
-            return float(batch.column(FIELD)[0].as_py()[0])
+        if "time_s" in batch.schema.names:
+            return float(batch.column("time_s")[0].as_py()[0])
     return None

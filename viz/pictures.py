@@ -51,8 +51,11 @@ def render(
         raise SetupError(f"pictures: {rrd}: no such file")
     folder.mkdir(parents=True, exist_ok=True)
     written = []
+    moment = moment_of(rrd) if at_s is None else at_s
+    if moment is None:
+        raise SetupError(f"pictures: {rrd}: not written by ballscrew review; give --at")
     with _viewer(rrd, window) as client:
-        client.set_time(paths.TIMELINE, duration=moment_of(rrd) if at_s is None else at_s, play_state="paused")
+        client.set_time(paths.TIMELINE, duration=moment, play_state="paused")
         time.sleep(GREETING_S)
         layout = {**client.get_blueprint().blueprint, "/top_panel": {"PanelBlueprint": {"state": "Hidden"}}}
         for page in pages_of(layout):

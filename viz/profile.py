@@ -12,9 +12,18 @@ from estimator.record import Array
 from estimator.rig import Rig
 from viz import paths
 from viz.axes import Axes
-from viz.scale import Scale, ticks_of
+from viz.run import Flags
+from viz.scale import Scale
 
 ASPECT = 0.46  # height of the frame over its width
+KEY = (
+    ("estimate ±2 sd", paths.FILTER),
+    ("thermometer", paths.MEASURED),
+    ("not fused", paths.LEFT_OUT),
+    ("nut", paths.NUT),
+    ("bearings", paths.BOUND),
+    ("truth", paths.REFERENCE),
+)
 LINE = 0.035  # a line of text over the width of the frame
 
 
@@ -28,18 +37,15 @@ def axes_of(rig: Rig, scale: Scale) -> Axes:
 def style(rec: rr.RecordingStream, root: str, rig: Rig, scale: Scale, truth: bool) -> None:
     """Log axes, key, bearings and the looks of lines and points, once."""
     at, points, axes = f"{root}/{paths.PROFILE}", rr.Radius.ui_points, axes_of(rig, scale)
-    ticks = np.unique([*ticks_of(axes.x, 12)[:-1], axes.x[1]])
-    axes.draw(rec, f"{at}/axes", "place along the screw [mm]", "temperature [°C]", ticks)
-    entries = [("estimate ±2 sd", paths.FILTER), ("thermometers", paths.MEASURED), ("nut", paths.NUT)]
-    entries += [("bearings", paths.BOUND)] if rig.supports else []
-    axes.key(rec, f"{at}/axes/key", entries + ([("truth", paths.REFERENCE)] if truth else []))
+    axes.draw(rec, f"{at}/axes", "place along the screw [mm]", y_unit=" °C", x_pieces=12)
+    axes.key(rec, f"{at}/axes/key", KEY[: None if truth else -1])
     line = rr.LineStrips2D.from_fields(
         radii=points([1.8, 0.6, 0.6]), colors=[paths.FILTER, paths.BAND_EDGE, paths.BAND_EDGE], draw_order=2.0
     )
     rec.log(f"{at}/estimate", line, static=True)
     comb = rr.LineStrips2D.from_fields(radii=points(0.7), colors=paths.BAND, draw_order=1.0)
     rec.log(f"{at}/band", comb, static=True)
-    dots = rr.Points2D.from_fields(radii=points(4.5), colors=paths.MEASURED, draw_order=30.0)
+    dots = rr.Points2D.from_fields(radii=points(4.5), draw_order=30.0)
     rec.log(f"{at}/measured", dots, static=True)
     rings = rr.Points2D.from_fields(radii=points(2.2), colors=paths.REFERENCE, draw_order=31.0)
     rec.log(f"{at}/truth", rings, static=True)
@@ -73,15 +79,24 @@ def _comb(low: Array, high: Array) -> Array:
     return pairs.reshape(len(low), -1)
 
 
-def send_points(
-    rec: rr.RecordingStream, root: str, what: str, axes: Axes, time_s: Array, at_mm: Array, values: Array
+def send_measured(
+    rec: rr.RecordingStream, root: str, axes: Axes, time_s: Array, at_mm: Array, values: Array, fused: Flags
 ) -> None:
-    """Log the measured or true temperatures (n, m) at places (m,); what is not measured is left out."""
+    """Log measured temperatures (n, m) at places (m,), each in the colour of whether it was fused (n, m)."""
     known = np.isfinite(values)
-    places = axes.place(at_mm, values)[known].astype(np.float32)
-    rows = rr.Points2D.columns(positions=places).partition(known.sum(axis=1))
+    colours = np.where(fused[known][:, None], paths.MEASURED, paths.LEFT_OUT).astype(np.uint8)
+    columns = rr.Points2D.columns(positions=axes.place(at_mm, values)[known].astype(np.float32), colors=colours)
     index = [rr.TimeColumn(paths.TIMELINE, duration=time_s)]
-    rec.send_columns(f"{root}/{paths.PROFILE}/{what}", indexes=index, columns=rows)
+    rec.send_columns(f"{root}/{paths.PROFILE}/measured", indexes=index, columns=columns.partition(known.sum(axis=1)))
+
+
+def send_truth(rec: rr.RecordingStream, root: str, axes: Axes, time_s: Array, at_mm: Array, values: Array) -> None:
+    """Log true temperatures (n, m) at places (m,)."""
+    n, m = values.shape
+    places = axes.place(at_mm, values).reshape(-1, 2).astype(np.float32)
+    index = [rr.TimeColumn(paths.TIMELINE, duration=time_s)]
+    rows = rr.Points2D.columns(positions=places).partition(np.full(n, m))
+    rec.send_columns(f"{root}/{paths.PROFILE}/truth", indexes=index, columns=rows)
 
 
 def send_nut(rec: rr.RecordingStream, root: str, axes: Axes, rig: Rig, time_s: Array, position_mm: Array) -> None:

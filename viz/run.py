@@ -79,6 +79,6 @@ class Run:
 
 
 def first_stop_s(run: Run) -> float:
-    """The moment that shows most at a glance: the first stop, where the screw is hottest; else the middle."""
+    """The moment that shows most at a glance: the whole second after the first stop; without a stop the middle."""
     stops = run.stops_s
-    return float(stops[0] if len(stops) else np.nanmedian(run.track.time_s))
+    return float(np.ceil(stops[0] if len(stops) else np.nanmedian(run.track.time_s)))

@@ -119,10 +119,11 @@ def _pictures(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> Non
     time_s = track.time_s[shown]
     profile.style(rec, root, rig, scale, run.truth_C_rise is not None)
     profile.send(rec, root, axes, time_s, track.x_mm, track.profile_C[shown], track.profile_sd_K[shown])
-    profile.send_points(rec, root, "measured", axes, time_s, run.places_mm, track.measured[shown][:, run.on_screw])
+    measured, fused = track.measured[shown][:, run.on_screw], track.fused[shown][:, run.on_screw]
+    profile.send_measured(rec, root, axes, time_s, run.places_mm, measured, fused)
     if run.truth_C_rise is not None:
         start = np.interp(run.places_mm, track.x_mm, track.profile_C[shown[0]])
-        profile.send_points(rec, root, "truth", axes, time_s, run.places_mm, start + run.truth_C_rise[shown])
+        profile.send_truth(rec, root, axes, time_s, run.places_mm, start + run.truth_C_rise[shown])
     screw.style(rec, root, rig, scale, track.x_mm)
     screw.send(rec, root, rig, scale, time_s, track.profile_C[shown], track.elongation_um[shown])
     position = run.recording.inputs.get("position")

@@ -71,7 +71,7 @@ def dots(rec: rr.RecordingStream, at: str, names: str | Sequence[str], colour: p
 
 def channel_colours(count: int) -> list[list[int]]:
     """One colour for each thermometer, free end blue, motor side red."""
-    return coloured(np.arange(count), (0.0, max(count - 1.0, 1.0)))[:, :3].tolist()  # type: ignore[no-any-return]
+    return coloured(np.arange(count), (0.0, max(count - 1.0, 1.0)))[:, :3].tolist()
 
 
 def spaced(time_s: Array, values: Array, time_extent: Range, extent: Range) -> Indices:
