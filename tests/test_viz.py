@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rerun as rr
-from rerun.chunk import RrdReader
 from scipy.stats import chi2
 from viz_fake import fake_run
+from viz_read import fixed, rows, view_names
 
 from estimator.errors import InputError
-from estimator.record import Array
 from viz import accuracy, profile, screw
 from viz.moment import moment_of
 from viz.run import Run, first_stop_s
@@ -37,34 +36,6 @@ def saved(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     save(path, [run, replace(run, name="CS 2.5")], "# Summary\n\ngiven by the caller")
     yield path
     rr.set_strict_mode(False)
-
-
-def rows(path: Path, entity: str, component: str) -> tuple[Array, list[list]]:
-    """Times (n,) s and rows of one component of one entity, in order of time."""
-    times, values = [], []
-    for chunk in RrdReader(path).stream().filter(content=entity).to_chunks():
-        batch = chunk.to_record_batch()
-        if component in batch.schema.names and "time" in batch.schema.names:
-            times.append(batch.column("time").cast("int64").to_numpy() / 1e9)
-            values += batch.column(component).to_pylist()
-    at = np.concatenate(times)
-    return np.sort(at), [values[i] for i in np.argsort(at, kind="stable")]
-
-
-def fixed(path: Path, entity: str, component: str) -> list:
-    """What was logged once for an entity."""
-    for chunk in RrdReader(path).stream().filter(content=entity).to_chunks():
-        batch = chunk.to_record_batch()
-        if chunk.is_static and component in batch.schema.names:
-            return batch.column(component)[0].as_py()
-    raise AssertionError(f"{entity} has no {component}")
-
-
-def view_names(path: Path) -> list[str]:
-    reader = RrdReader(path)
-    batches = [chunk.to_record_batch() for chunk in reader.stream(store=reader.blueprints()[0]).to_chunks()]
-    key = "ViewBlueprint:display_name"
-    return [batch.column(key)[0].as_py()[0] for batch in batches if key in batch.schema.names]
 
 
 def test_filter_and_its_band_are_the_tracks(saved: Path, run: Run) -> None:

@@ -49,27 +49,30 @@ def render(
     """
     if not rrd.is_file():
         raise SetupError(f"pictures: {rrd}: no such file")
-    folder.mkdir(parents=True, exist_ok=True)
-    written = []
     moment = moment_of(rrd) if at_s is None else at_s
     if moment is None:
         raise SetupError(f"pictures: {rrd}: not written by ballscrew review; give --at")
+    folder.mkdir(parents=True, exist_ok=True)
     with _viewer(rrd, window) as client:
         client.set_time(paths.TIMELINE, duration=moment, play_state="paused")
         time.sleep(GREETING_S)
-        layout = {**client.get_blueprint().blueprint, "/top_panel": {"PanelBlueprint": {"state": "Hidden"}}}
-        for page in pages_of(layout):
-            if only and not {*only} & {*page.names}:
-                continue
-            page.show(layout)
-            client.set_blueprint(layout, store_id=client.get_state().active_recording)
-            time.sleep(1.0)
-            name = "-".join(_word(part) for part in page.names)
-            written.append(_write(client, folder / f"{name}.png", None))
-            for view, title in page.views(layout).items() if views else ():
-                written.append(_write(client, folder / f"{name}-{_word(title)}.png", view))
-            _complain(client, name)
-    return written
+        return list(_walk(client, folder, {*only}, views))
+
+
+def _walk(client: ViewerClient, folder: Path, only: set[str], views: bool) -> Iterator[Path]:
+    """Show one page after the other and write its pictures."""
+    layout = {**client.get_blueprint().blueprint, "/top_panel": {"PanelBlueprint": {"state": "Hidden"}}}
+    for page in pages_of(layout):
+        if only and not only & {*page.names}:
+            continue
+        page.show(layout)
+        client.set_blueprint(layout, store_id=client.get_state().active_recording)
+        time.sleep(1.0)
+        name = "-".join(_word(part) for part in page.names)
+        yield _write(client, folder / f"{name}.png", None)
+        for view, title in page.views(layout).items() if views else ():
+            yield _write(client, folder / f"{name}-{_word(title)}.png", view)
+        _complain(client, name)
 
 
 @contextmanager

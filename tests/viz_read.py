@@ -1,0 +1,39 @@
+"""Reading a saved file back with the reader of its format."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from rerun.chunk import RrdReader
+
+from estimator.record import Array
+
+
+def rows(path: Path, entity: str, component: str) -> tuple[Array, list[list]]:
+    """Times (n,) s and rows of one component of one entity, in order of time."""
+    times, values = [], []
+    for chunk in RrdReader(path).stream().filter(content=entity).to_chunks():
+        batch = chunk.to_record_batch()
+        if component in batch.schema.names and "time" in batch.schema.names:
+            times.append(batch.column("time").cast("int64").to_numpy() / 1e9)
+            values += batch.column(component).to_pylist()
+    at = np.concatenate(times)
+    return np.sort(at), [values[i] for i in np.argsort(at, kind="stable")]
+
+
+def fixed(path: Path, entity: str, component: str) -> list:
+    """What was logged once for an entity."""
+    for chunk in RrdReader(path).stream().filter(content=entity).to_chunks():
+        batch = chunk.to_record_batch()
+        if chunk.is_static and component in batch.schema.names:
+            return batch.column(component)[0].as_py()
+    raise AssertionError(f"{entity} has no {component}")
+
+
+def view_names(path: Path) -> list[str]:
+    """Names of the views in the layout that the file carries."""
+    reader = RrdReader(path)
+    batches = [chunk.to_record_batch() for chunk in reader.stream(store=reader.blueprints()[0]).to_chunks()]
+    key = "ViewBlueprint:display_name"
+    return [batch.column(key)[0].as_py()[0] for batch in batches if key in batch.schema.names]
