@@ -6,7 +6,7 @@ import dataclasses
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, TypeVar, get_origin, get_type_hints
 
 from estimator.errors import SetupError, nearest
 
@@ -54,4 +54,8 @@ def _value(value: Any, hint: Any, place: str) -> Any:
         return float(value)
     if hint in (int, str, bool, str | None) and not isinstance(value, (str if hint == str | None else hint)):
         raise SetupError(f"{place}: expected {getattr(hint, '__name__', 'str')}, got {value!r}")
-    return tuple(value) if isinstance(value, list) else value
+    if isinstance(value, list):
+        return tuple(value)
+    if get_origin(hint) is tuple:
+        raise SetupError(f"{place}: expected a list in [ ], got {value!r}")
+    return value
