@@ -78,9 +78,10 @@ class Axes:
             words(rec, f"{at}/y_title", self._shifted([self.x[0]], self.y[1], 0.05, -1.8), [y_title])
 
     def key(self, rec: rr.RecordingStream, at: str, entries: Sequence[tuple[str, paths.Colour]]) -> None:
-        """Log coloured words in a row above the frame."""
+        """Log coloured words in a row above the frame, each with room for its letters."""
         left, top = self.place(self.x[0], self.y[1])
-        xs = left + self.width * (0.06 + 0.17 * np.arange(len(entries)))
+        room = np.array([len(name) + 4.0 for name, _ in entries])
+        xs = left + self.width * (room.cumsum() - room / 2) / room.sum()
         rows = np.stack([xs, np.full(len(xs), top - 1.8 * self.line)], axis=-1)
         words(rec, at, rows, [name for name, _ in entries], [colour for _, colour in entries])
 
@@ -103,4 +104,4 @@ def colour_bar(rec: rr.RecordingStream, at: str, colours: Colours, labels: Seque
     image = np.repeat(np.asarray(colours)[::-1, None, :3], int(width), axis=1)
     rec.log(f"{at}/bar", rr.Image(np.ascontiguousarray(image), magnification_filter="Nearest"), static=True)
     ys = np.linspace(n, 0, len(labels)) - 0.03 * n
-    words(rec, f"{at}/labels", np.stack([np.full(len(ys), 2.6 * width), ys], axis=-1), labels)
+    words(rec, f"{at}/labels", np.stack([np.full(len(ys), 3.6 * width), ys], axis=-1), labels)

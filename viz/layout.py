@@ -15,7 +15,7 @@ from viz import accuracy, paths, profile, screw
 from viz.run import JUDGED, Run
 from viz.scale import Range, Scale
 
-LEGEND_ROOM = 1.45  # of the height: curves keep below the legend
+LEGEND_ROOM = 1.6  # of the height: curves keep below the legend
 
 
 def whole(extent: Range, room: float = 0.0) -> rrb.TimeAxis:
@@ -109,17 +109,17 @@ def _residuals(root: str, rig: Rig, scale: Scale) -> rrb.Container:
         None,
         False,
     )
-    nis = _plot(f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1]", scale, None, room=0.25)
+    nis = _plot(f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1]", scale, None, room=0.3)
     return rrb.Vertical(*maps, rrb.Horizontal(white, nis), row_shares=[3, 3, 2.4], name="Residuals")
 
 
 def _map(root: str, at: str, bar: str, name: str, scale: Scale, count: int) -> rrb.Container:
     rows = _plot(f"{root}/{at}", name, scale, (0.0, count + 1.0), False)
-    bounds = rrb.VisualBounds2D(x_range=[-12, 30], y_range=[-6, 70])
+    bounds = rrb.VisualBounds2D(x_range=[-6, 36], y_range=[-7, 75])
     colours = rrb.Spatial2DView(
         origin=f"{root}/{bar}", name="[K]", visual_bounds=bounds, background=list(paths.BACKGROUND)
     )
-    return rrb.Horizontal(rows, colours, column_shares=[10, 1])
+    return rrb.Horizontal(rows, colours, column_shares=[9, 1])
 
 
 def _channels(root: str, rig: Rig, scale: Scale) -> rrb.Container:

@@ -107,6 +107,9 @@ def _write(client: ViewerClient, path: Path, view: str | None) -> Path:
         time.sleep(0.5)
     picture = Image.open(io.BytesIO(now)).convert("RGB")
     picture = picture.crop((0, 0 if view else TOP_BAR, *picture.size))
+    picture = picture.quantize(
+        256, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE
+    )  # a third of the size
     picture.save(path, optimize=True)
     return path
 

@@ -30,7 +30,7 @@ def style(rec: rr.RecordingStream, root: str, rig: Rig, reference: str, dense: b
     band = rr.Measurements.from_fields(names="filter ±2 sd", units="µm", colors=paths.FILTER, widths=2.0)
     rec.log(f"{at}/filter", band, static=True)
     lines(rec, f"{at}/models", ["polyline [µm]", "open-loop [µm]"], [paths.POLYLINE, paths.OPEN_LOOP], 1.5)
-    dots(rec, f"{at}/readings", "displacement readings [µm]", paths.READING, 3.0)
+    dots(rec, f"{at}/readings", "readings [µm]", paths.READING, 3.0)
     if dense:
         lines(rec, f"{at}/reference", [f"{reference} [µm]"], [paths.REFERENCE], 1.0)
     else:
