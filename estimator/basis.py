@@ -42,5 +42,8 @@ def knots(rig: Rig) -> Array:
 
 
 def shapes(places_mm: Array, x_mm: Array) -> Array:
-    """The splines phi_j at x, (len(x), knots): 1 at their own knot, 0 at the others, flat at the ends of the screw."""
-    return CubicSpline(places_mm, np.eye(len(places_mm)), bc_type="clamped")(x_mm)
+    """The splines phi_j at x, (len(x), knots): 1 at their own knot, 0 at the others.
+
+    Their ends are free: whether heat crosses the end of the bar is for the network to say.
+    """
+    return CubicSpline(places_mm, np.eye(len(places_mm)), bc_type="not-a-knot")(x_mm)
