@@ -1,0 +1,140 @@
+"""What several test files share: rigs, drives without measurements, and recordings made by a model itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.virtual_rig import simulate
+from estimator.effects import CATALOGUE
+from estimator.effects.air import StillAir
+from estimator.effects.nut import NutBody, NutFriction
+from estimator.effects.readings import Displacement, Thermometers
+from estimator.effects.screw import Conduction
+from estimator.forcing import Forcing
+from estimator.model import Model, model_of
+from estimator.openloop import OpenLoop
+from estimator.record import Array, Recording
+from estimator.rig import Channel, Nut, Rig, Screw, Signal, load_rig
+from estimator.start import Start
+
+PAPER = Path(__file__).parents[1] / "recordings"
+FAST = 174.5  # rad/s: 20 m/min
+DRIFT_S = 0.15  # s by which the hold of a reading precedes the close of its tick
+
+
+@pytest.fixture(scope="session")
+def rig() -> Rig:
+    """The paper's rig."""
+    return load_rig(PAPER)
+
+
+@pytest.fixture(scope="session")
+def full() -> Model:
+    """Every effect of the catalogue, at its defaults."""
+    return model_of(list(CATALOGUE.values()), "full")
+
+
+@pytest.fixture(scope="session")
+def small() -> Rig:
+    """A bar of 200 mm with three knots, four thermometers, a nut and a displacement."""
+    screw = Screw(0, 200, 40, 17, cells=20, knots_mm=(0, 90, 200), span_from_mm=10, span_to_mm=190)
+    channels = {f"T{i}": Channel(at_mm=x) for i, x in enumerate((5.0, 60.0, 110.0, 195.0), start=1)}
+    channels["displacement"] = Channel(unit="um")
+    inputs = {name: Signal() for name in ("ambient", "nut", "probe", "bar", "board")}
+    inputs["position"] = Signal(unit="mm")
+    return Rig("small", 1.0, channels, inputs, screw, Nut(50, 150), folder=Path("small"))
+
+
+@pytest.fixture(scope="session")
+def small_model() -> Model:
+    """What heats and cools the small bar: four temperatures in all, nut included."""
+    model = model_of([Conduction, StillAir, NutFriction, NutBody, Thermometers, Displacement], "small")
+    return model.with_values({"displacement.zero_sd": 2.0, "thermometers.board": 0.004})
+
+
+def _driven(
+    rig: Rig,
+    seconds: int,
+    drive: tuple[int, int] = (20, 10**9),
+    omega: float = FAST,
+    stroke: tuple[float, float] = (0.0, 400.0),
+) -> Recording:
+    """Rest, a drive to and fro over the stroke (mm), rest: all inputs at 22 degC and no channel measured."""
+    time_s = np.arange(seconds) + 1.0
+    instants = time_s[:, None] - 1 + (np.arange(40) + 0.5) / 40
+    lo, hi = stroke
+    way = np.clip(instants - drive[0], 0, drive[1] - drive[0]) * omega / (2 * np.pi) * 12
+    position = lo + (hi - lo) - np.abs((hi - lo) - way % (2 * (hi - lo)))
+    centre = rig.nut.centre(position)
+    coverage = rig.screw.overlap(centre - rig.nut.length_mm / 2, centre + rig.nut.length_mm / 2).mean(axis=1)
+    inputs = {name: np.full(seconds, 22.0) for name in rig.inputs}
+    inputs["position"] = position[:, -1]
+    moving = (time_s > drive[0]) & (time_s <= drive[1])
+    gaps = np.full((seconds, len(rig.names)), np.nan)
+    return Recording("driven", time_s, gaps, np.zeros_like(gaps), inputs, np.where(moving, omega, 0.0), coverage)
+
+
+@pytest.fixture(scope="session")
+def driven() -> Callable[..., Recording]:
+    """driven(rig, seconds, drive, omega, stroke): the inputs of a run that is still to be lived."""
+    return _driven
+
+
+@dataclass(frozen=True)
+class Lived:
+    """A recording made by a model, with its true elongation (K,) um and temperatures of the states (K, n)."""
+
+    recording: Recording
+    elongation_um: Array
+    states: Array
+
+
+def _live(model: Model, rig: Rig, drive: Recording, seed: int | None = None, process: bool = False) -> Lived:
+    """Let the model live through the drive from 22 degC; with a seed its sensors scatter, and with `process` its heat.
+
+    A displacement reading comes every third tick, with an unknown zero of 5 um.
+    """
+    dice = np.random.default_rng(seed)
+    forcing = Forcing(model, rig, Start(22.0, 0.0, dict.fromkeys(rig.inputs, 0.0)))
+    ticks, readings = forcing.ticks(forcing.read(drive)), forcing.readings
+    start = np.full(forcing.place.size, 22.0)
+    run = OpenLoop(start, readings, rig.tick_s)
+    factor: dict[int, Array] = {}
+    states, channels = np.empty((len(drive), len(start))), np.empty_like(drive.channels)
+    zero = np.where(readings.zero_sd > 0, 5.0, 0.0)
+    for k, (regime, heat) in enumerate(zip(ticks.regime, ticks.heat, strict=True)):
+        if k:  # the first sample is the start
+            transition = forcing.transition(regime)
+            run.step(transition, heat)
+            if process:
+                if regime not in factor:
+                    factor[regime] = np.linalg.cholesky(transition.Q)
+                run.z = run.z + factor[regime] @ dice.standard_normal(len(start))
+                zero = zero + readings.zero_walk * dice.standard_normal(len(zero))
+        states[k] = run.z
+        spot = run.reading if not process else readings.rows @ run.z
+        channels[k] = spot + ticks.offset[k] + zero
+    if seed is not None:
+        channels += readings.sd * dice.standard_normal(channels.shape)
+    unread = np.arange(len(drive)) % 3 > 0
+    channels[np.ix_(unread, readings.zero_sd > 0)] = np.nan
+    screw = rig.screw
+    growth = screw.growth(*screw.span_mm) @ forcing.place.shapes[forcing.place.nodes["screw"]]
+    return Lived(replace(drive, channels=channels), (states - start) @ growth, states)
+
+
+@pytest.fixture(scope="session")
+def live() -> Callable[..., Lived]:
+    """live(model, rig, drive, seed, process): what the rig's channels would read if the model were the truth."""
+    return _live
+
+
+@pytest.fixture(scope="session")
+def fs20_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """FS-20 of the virtual rig, first drive and some of its stop, as a CAN log with its truth beside it."""
+    return simulate("FS-20", cycles=1, seconds=420.0).write(tmp_path_factory.mktemp("fs20") / "FS-20.log")

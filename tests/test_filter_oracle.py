@@ -1,0 +1,156 @@
+"""The filter against one large normal distribution of all states, noises and readings, conditioned by brute force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import block_diag
+
+from estimator.filter import Filter
+from estimator.forcing import Forcing
+from estimator.prior import prior
+from estimator.record import Array, Recording
+from estimator.start import read_start
+
+SAMPLES = 8
+
+
+@pytest.fixture(scope="module")
+def recording(small, small_model, driven, live) -> Recording:
+    """Eight samples with gaps: a thermometer silent, a tick without any channel, displacement now and then, late."""
+    drive = driven(small, SAMPLES, (2, 6), stroke=(0.0, 100.0))
+    inputs = {**drive.inputs, "ambient": 22 + 0.3 * np.arange(SAMPLES), "board": 22 + np.arange(SAMPLES) / 2}
+    lived = live(small_model, small, replace(drive, inputs=inputs), seed=3).recording
+    lived.channels[3:5, 1] = np.nan
+    lived.channels[5] = np.nan
+    lived.channels[7, 4] = lived.channels[6, 4] + 0.3
+    ages = np.zeros_like(lived.channels)
+    ages[:, 4] = 0.3
+    return replace(lived, ages_s=ages)
+
+
+@dataclass
+class Joint:
+    """Everything linear in the independent b ~ N(0, cov): x_k = A_k b + a_k, y_k = C_k b + c_k.
+
+    x holds the temperatures and the displacement's zero; b their start, all process noise and all measurement noise.
+    """
+
+    cov: Array
+    states: list[tuple[Array, Array]]
+    readings: list[tuple[Array, Array]]
+
+    def given(self, y: Array, ticks: int) -> tuple[Array, Array]:
+        """Mean and covariance of b when the readings of the first `ticks` ticks are known."""
+        known = np.isfinite(y[:ticks])
+        C = np.vstack([self.readings[k][0][known[k]] for k in range(ticks)])
+        c = np.concatenate([self.readings[k][1][known[k]] for k in range(ticks)])
+        gain = np.linalg.solve(C @ self.cov @ C.T, C @ self.cov).T
+        return gain @ (y[:ticks][known] - c), self.cov - gain @ C @ self.cov
+
+
+def lags(spots: Array, tau: Array, dt: float) -> Array:
+    """Reading minus spot of each channel at the ticks, the equation solved numerically: (K, m)."""
+    values, lagged = [np.zeros_like(spots[0])], spots[0]
+    slow = tau > 0
+    for a, b in pairwise(spots):
+        way = solve_ivp(
+            lambda t, s, a=a, b=b: np.where(slow, (a + (b - a) * t / dt - s) / np.where(slow, tau, 1.0), 0.0),
+            (0, dt), lagged, rtol=1e-12, atol=1e-12,
+        )  # fmt: skip
+        lagged = np.where(slow, way.y[:, -1], b)
+        values.append(lagged - b)
+    return np.array(values)
+
+
+def joint(model, rig, recording: Recording) -> Joint:
+    """Build the distribution from the matrices of every tick."""
+    first = recording.sample(0)
+    start = read_start(first, rig)
+    forcing = Forcing(model, rig, start)
+    ticks, readings = forcing.ticks(forcing.read(recording)), forcing.readings
+    n, m, K = forcing.place.size, len(rig.names), len(recording)
+    inputs = {name: value - start.zero_K[name] for name, value in first.inputs.items()}
+    mean, cov = prior(start, forcing.terms, forcing.place, inputs)
+    H = np.hstack([readings.rows, (readings.zero_sd > 0)[:, None].astype(float)])
+    zero = np.flatnonzero(readings.zero_sd > 0)[0]
+    moves = [forcing.transition(r) for r in ticks.regime]
+
+    def build(offset: Array, R: Array) -> Joint:
+        noises = [block_diag(move.Q, readings.zero_walk[zero] ** 2) for move in moves[1:]]
+        sizes = block_diag(cov, readings.zero_sd[zero] ** 2, *noises, *[np.diag(r) for r in R])
+        A, a = np.eye(n + 1, len(sizes)), np.append(mean, 0.0)
+        states, outputs = [], []
+        for k, (move, heat) in enumerate(zip(moves, ticks.heat, strict=True)):
+            if k:
+                A = block_diag(move.F, 1.0) @ A + np.eye(n + 1, len(sizes), k * (n + 1))
+                a = np.append(move.F @ a[:n] + move.J @ heat, a[n])
+            noise = np.eye(m, len(sizes), K * (n + 1) + k * m)
+            states.append((A, a))
+            outputs.append((H @ A + noise, H @ a + offset[k]))
+        return Joint(sizes, states, outputs)
+
+    alone = build(np.zeros((K, m)), np.tile(readings.sd**2, (K, 1)))
+    A, a = alone.states[0]
+    runs = [(A @ alone.given(recording.channels, 1)[0] + a)[:n]]
+    for move, heat in zip(moves[1:], ticks.heat[1:], strict=True):
+        runs.append(move.F @ runs[-1] + move.J @ heat)
+    spots = np.array(runs) @ readings.rows.T
+    lag = lags(spots, readings.tau, rig.tick_s)
+    late = np.vstack([np.zeros(m), -np.diff(spots, axis=0) * recording.ages_s[1:]])
+    offset = np.vstack([np.zeros(m), ticks.offset[1:]]) + lag + late
+    return build(offset, readings.sd**2 + (readings.lag_noise * lag) ** 2)
+
+
+@pytest.fixture(scope="module")
+def both(small, small_model, recording):
+    """The filter after the last sample, its track, and the joint distribution."""
+    filter_ = Filter(small_model, small)
+    track = filter_.run(recording)
+    return filter_, track, joint(small_model, small, recording)
+
+
+def test_the_recording_has_gaps_and_more_than_one_regime(both, recording):
+    filter_, track, _ = both
+    np.testing.assert_array_equal(track.fused, np.isfinite(recording.channels))
+    assert list(track.nis_channels) == [5, 4, 4, 4, 3, 0, 5, 5]
+    assert len(filter_._transitions) > 1
+
+
+def test_the_final_state_is_that_of_the_joint_distribution(both, recording):
+    filter_, _, whole = both
+    b, cov = whole.given(recording.channels, SAMPLES)
+    A, a = whole.states[-1]
+    np.testing.assert_allclose(filter_._kf.x[:5], A @ b + a, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(filter_._kf.P[:5, :5], A @ cov @ A.T, rtol=0, atol=1e-9)
+
+
+def test_elongation_and_sigma_are_those_of_the_growth_since_the_first_sample(both, small, recording):
+    filter_, track, whole = both
+    screw, place = small.screw, filter_.forcing.place
+    mm = np.clip(np.minimum(screw.edges_mm[1:], 190) - np.maximum(screw.edges_mm[:-1], 10), 0, None)
+    growth = 12e-6 * mm * 1e3 @ place.shapes[:20]
+    for ticks in (1, 4, 6, SAMPLES):
+        b, cov = whole.given(recording.channels, ticks)
+        (now, a), (before, a0) = whole.states[ticks - 1], whole.states[0]
+        row = growth @ (now - before)[:4]
+        assert track.elongation_um[ticks - 1] == pytest.approx(row @ b + growth @ (a - a0)[:4], abs=1e-9)
+        assert track.sigma_um[ticks - 1] == pytest.approx(np.sqrt(max(row @ cov @ row, 0)), abs=1e-6)
+
+
+def test_innovations_and_nis_are_those_of_each_reading_given_all_before(both, recording):
+    _, track, whole = both
+    for k in range(1, SAMPLES):
+        b, cov = whole.given(recording.channels, k)
+        C, c = whole.readings[k]
+        known = np.isfinite(recording.channels[k])
+        e, S = recording.channels[k] - (C @ b + c), C @ cov @ C.T
+        np.testing.assert_allclose(track.innovation[k][known], e[known], rtol=0, atol=1e-8)
+        np.testing.assert_allclose(track.innovation_sd[k], np.sqrt(np.diag(S)), rtol=0, atol=1e-8)
+        if known.any():
+            nis = e[known] @ np.linalg.solve(S[np.ix_(known, known)], e[known])
+            assert track.nis[k] == pytest.approx(nis, rel=1e-6)
