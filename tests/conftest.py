@@ -18,13 +18,13 @@ from estimator.effects.screw import Conduction
 from estimator.forcing import Forcing
 from estimator.model import Model, model_of
 from estimator.openloop import OpenLoop
+from estimator.prior import BODY_SD_K
 from estimator.record import Array, Recording
 from estimator.rig import Channel, Nut, Rig, Screw, Signal, load_rig
 from estimator.start import Start
 
 PAPER = Path(__file__).parents[1] / "recordings"
 FAST = 174.5  # rad/s: 20 m/min
-DRIFT_S = 0.15  # s by which the hold of a reading precedes the close of its tick
 
 
 @pytest.fixture(scope="session")
@@ -95,7 +95,7 @@ class Lived:
 
 
 def _live(model: Model, rig: Rig, drive: Recording, seed: int | None = None, process: bool = False) -> Lived:
-    """Let the model live through the drive from 22 degC; with a seed its sensors scatter, and with `process` its heat.
+    """Let the model live through the drive from 22 degC; with a seed its sensors scatter, with `process` its heat and bodies.
 
     A displacement reading comes every third tick, with an unknown zero of 5 um.
     """
@@ -103,6 +103,8 @@ def _live(model: Model, rig: Rig, drive: Recording, seed: int | None = None, pro
     forcing = Forcing(model, rig, Start(22.0, 0.0, dict.fromkeys(rig.inputs, 0.0)))
     ticks, readings = forcing.ticks(forcing.read(drive)), forcing.readings
     start = np.full(forcing.place.size, 22.0)
+    if process:
+        start[len(forcing.place.knots_mm) :] += BODY_SD_K * dice.standard_normal(len(forcing.place.bodies))
     run = OpenLoop(start, readings, rig.tick_s)
     factor: dict[int, Array] = {}
     states, channels = np.empty((len(drive), len(start))), np.empty_like(drive.channels)

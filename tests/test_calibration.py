@@ -1,0 +1,58 @@
+"""The filter's own sigma against what really happened, on rigs whose noise is exactly the model's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from estimator.filter import Filter
+
+
+def outcomes(small, model, driven, live, seeds: int, seconds: int):
+    """Errors of the elongation in sigma at a few late ticks, (seeds, ticks); NIS summed, and over how many readings."""
+    late = np.arange(seconds // 3, seconds, 10)
+    drive = driven(small, seconds, (10, seconds * 2 // 3), stroke=(0.0, 100.0))
+    errors, nis, count = [], 0.0, 0
+    for seed in range(seeds):
+        lived = live(model, small, drive, seed, process=True)
+        track = Filter(model, small).run(lived.recording)
+        errors.append(((track.elongation_um - lived.elongation_um) / np.maximum(track.sigma_um, 1e-9))[late])
+        nis, count = nis + np.nansum(track.nis[1:]), count + track.nis_channels[1:].sum()
+    return np.array(errors), nis, int(count)
+
+
+@pytest.fixture(scope="module")
+def exact(small_model):
+    """The small model without lag: then the filter's model of its own thermometers is exact."""
+    return small_model.with_values({"thermometers.tau": 0.0, "conduction.noise": 8.0, "displacement.zero_sd": 20.0})
+
+
+def judge(errors, nis: float, count: int, coverage: tuple[float, float]) -> None:
+    inside = (abs(errors) <= 2).mean()
+    assert coverage[0] <= inside <= coverage[1]
+    assert errors.std() == pytest.approx(1, abs=0.1)
+    lo, hi = chi2.ppf([0.001, 0.999], count)
+    assert lo <= nis <= hi
+
+
+def test_elongation_is_inside_two_sigma_as_often_as_it_should(small, exact, driven, live):
+    errors, nis, count = outcomes(small, exact, driven, live, seeds=80, seconds=90)
+    judge(errors, nis, count, (0.93, 0.97))
+
+
+@pytest.mark.study
+def test_elongation_is_inside_two_sigma_in_a_long_study(small, exact, driven, live):
+    errors, nis, count = outcomes(small, exact, driven, live, seeds=800, seconds=300)
+    judge(errors, nis, count, (0.94, 0.965))
+
+
+def test_a_filter_that_believes_too_little_noise_is_found_out(small, exact, driven, live):
+    """The same data under a model with a fifth of the noise: the test above would fail."""
+    drive = driven(small, 90, (10, 60), stroke=(0.0, 100.0))
+    nis, count = 0.0, 0
+    for seed in range(5):
+        lived = live(exact, small, drive, seed, process=True)
+        track = Filter(exact.with_values({"conduction.noise": 0.5}), small).run(lived.recording)
+        nis, count = nis + np.nansum(track.nis[1:]), count + track.nis_channels[1:].sum()
+    assert nis > chi2.ppf(0.999, count)

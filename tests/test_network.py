@@ -1,0 +1,179 @@
+"""Terms into matrices, and matrices into one tick: heat is kept, and the discretisation is exact."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from estimator import assemble
+from estimator.discretise import transition
+from estimator.effect import Effect
+from estimator.errors import SetupError
+from estimator.forcing import Forcing
+from estimator.inputs import Inputs
+from estimator.model import model_of
+from estimator.start import Start
+from estimator.terms import Chain, Heat, Link, Read, Store
+
+
+class Insulated(Effect):
+    """A bar and two bodies that exchange heat among each other only: g (T_a - T_b)."""
+
+    def terms(self, p, u, rig):
+        yield Store("b", 300.0, 0.5)
+        yield Store("a", 200.0, 0.5)
+        yield Store("screw", np.linspace(20, 30, rig.screw.cells), 0.1)
+        yield Chain("screw", np.linspace(3, 5, rig.screw.cells - 1))
+        yield Link("screw", "a", u.coverage)
+        yield Link("b", "screw", np.linspace(0, 1, rig.screw.cells))
+        yield Link("a", "b", 2.0)
+        yield Heat("screw", u.omega * u.coverage, noise=0.1 * u.coverage)
+
+
+class Leaking(Effect):
+    """The bar and one body of `insulated` lose heat to the air: g (T - T_air)."""
+
+    def terms(self, p, u, rig):
+        yield Link("screw", "ambient", np.linspace(0.1, 0.2, rig.screw.cells))
+        yield Link("ambient", "a", 0.7)
+
+
+def two_regimes(rig) -> Inputs:
+    coverage = rig.screw.overlap(np.array([20.0, 90.0]), np.array([70.0, 140.0]))
+    none = {name: np.zeros((2, 1)) for name in rig.inputs}
+    return Inputs(np.array([[0.0], [100.0]]), coverage, none, none)
+
+
+def assembled(rig, *effects, reduced: bool = True):
+    model, u = model_of(effects), two_regimes(rig)
+    place = assemble.layout(list(model.terms(u, rig)), rig, reduced)
+    return place, assemble.network(model, rig, place, u)
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["reduced", "cells"])
+def insulated(request, small):
+    return assembled(small, Insulated, reduced=request.param)
+
+
+def test_links_and_chains_only_move_heat(insulated):
+    _, network = insulated
+    np.testing.assert_allclose(network.conductance.sum(axis=1), 0, atol=1e-12)
+    np.testing.assert_allclose(network.conductance, network.conductance.transpose(0, 2, 1), atol=1e-12)
+    assert abs(network.conductance).max() > 1
+
+
+def test_total_heat_is_constant_without_a_boundary(insulated):
+    place, network = insulated
+    z = 20 + np.random.default_rng(1).standard_normal(place.size)
+    total = network.mass.sum(axis=0)
+    assert total.sum() == pytest.approx(300 + 200 + 20 * 25)
+    for regime in (0, 1):
+        moved = transition(network, regime, 7.0)
+        assert total @ moved.F @ z == pytest.approx(total @ z, rel=1e-12)
+        np.testing.assert_allclose(total @ moved.J, 7.0, rtol=1e-9)
+
+
+def test_what_leaves_the_network_leaves_through_the_boundaries(small):
+    place, network = assembled(small, Insulated, Leaking, reduced=False)
+    assert place.boundaries == ("ambient",)
+    np.testing.assert_allclose(network.conductance.sum(axis=1), network.inflow[:, :, 0], atol=1e-12)
+    np.testing.assert_allclose(network.inflow.sum(axis=(1, 2)), 20 * 0.15 + 0.7)
+
+
+def test_all_at_the_air_s_temperature_is_at_rest(small):
+    _, network = assembled(small, Insulated, Leaking)
+    np.testing.assert_allclose(network.conductance.sum(axis=2), network.inflow.sum(axis=2), atol=1e-12)
+
+
+def test_one_body_cools_as_the_formula_says(small):
+    class Cup(Effect):
+        """C dT/dt = -g (T - T_air)."""
+
+        def terms(self, p, u, rig):
+            yield Store("cup", 50.0, 3.0)
+            yield Link("cup", "ambient", 2.0)
+
+    _, network = assembled(small, Cup)
+    moved = transition(network, 0, 10.0)
+    keep = np.exp(-2 * 10 / 50)
+    assert moved.F[0, 0] == pytest.approx(keep, rel=1e-12)
+    assert moved.J[0, 0] == pytest.approx((1 - keep) / 2, rel=1e-12)
+    assert moved.Q[0, 0] == pytest.approx((3 / 50) ** 2 * (1 - keep**2) * 50 / (2 * 2), rel=1e-12)
+
+
+def test_discretisation_equals_its_integrals(small):
+    """F = e^(A dt);   J = integral of e^(A s) M^-1;   Q = integral of e^(A s) W e^(A's), by Gauss-Legendre."""
+    _, network = assembled(small, Insulated, Leaking)
+    inverse = np.linalg.inv(network.mass)
+    nodes, weights = np.polynomial.legendre.leggauss(30)
+    dt = 4.0
+    for regime in (0, 1):
+        A = -inverse @ network.conductance[regime]
+        W = inverse @ network.noise[regime] @ inverse.T
+        ways = [expm(A * dt * (node + 1) / 2) for node in nodes]
+        moved = transition(network, regime, dt)
+        J = sum(w * dt / 2 * way @ inverse for w, way in zip(weights, ways, strict=True))
+        Q = sum(w * dt / 2 * way @ W @ way.T for w, way in zip(weights, ways, strict=True))
+        np.testing.assert_allclose(moved.F, expm(A * dt), rtol=0, atol=1e-12)
+        np.testing.assert_allclose(moved.J, J, rtol=0, atol=1e-12 * abs(J).max() * 10)
+        np.testing.assert_allclose(moved.Q, Q, rtol=0, atol=1e-12 * abs(Q).max() * 10)
+        assert np.linalg.eigvalsh(moved.Q).min() > 0
+
+
+def test_noise_of_a_heat_is_in_step_over_all_cells(small):
+    place, network = assembled(small, Insulated, reduced=False)
+    coverage = two_regimes(small).coverage
+    cells = place.nodes["screw"]
+    expected = 0.01 * np.outer(coverage[1], coverage[1]) + 0.01 * np.eye(20)
+    np.testing.assert_allclose(network.noise[1][cells, cells], expected, atol=1e-15)
+    assert network.noise[1][place.nodes["a"], place.nodes["a"]] == 0.25
+
+
+def test_all_heat_arrives_on_the_reduced_mesh(small):
+    u, model = two_regimes(small), model_of([Insulated])
+    terms = list(model.terms(u, small))
+    place = assemble.layout(terms, small)
+    np.testing.assert_allclose(assemble.heat(terms, place, 2).sum(axis=1), [0, 100 * 5.0])
+
+
+def test_boundaries_push_with_their_own_temperature(small, driven):
+    """At rest, everything at 22 degC with air at 30: heat flows in by each link's conductance."""
+    drive = driven(small, 3, (9, 9))
+    drive = replace(drive, inputs={**drive.inputs, "ambient": np.full(3, 30.0)})
+    forcing = Forcing(model_of([Insulated, Leaking]), small, Start(22.0, 0.0, dict.fromkeys(small.inputs, 0.0)))
+    ticks = forcing.ticks(forcing.read(drive))
+    np.testing.assert_allclose(ticks.heat.sum(axis=1), 30 * (20 * 0.15 + 0.7))
+
+
+def error_of(small, terms) -> str:
+    class Wrong(Effect):
+        """Says something impossible: 1 = 2."""
+
+    Wrong.terms = lambda self, p, u, rig: iter(terms)
+    with pytest.raises(SetupError) as caught:
+        Forcing(model_of([Wrong]), small, Start(22.0, 0.0, dict.fromkeys(small.inputs, 0.0)))
+    return str(caught.value)
+
+
+def test_a_link_to_nowhere_names_what_was_meant(small):
+    text = error_of(small, [Store("cup", 5.0, 1.0), Link("cup", "ambiant", 1.0)])
+    assert text == (
+        "a Link ends at 'ambiant', which no effect stores and small does not measure; did you mean 'ambient'?"
+    )
+
+
+def test_a_node_is_stored_once(small):
+    text = error_of(small, [Store("cup", 5.0, 1.0), Store("cup", 6.0, 1.0)])
+    assert text == "node 'cup' is stored twice; one effect declares a node's Store"
+
+
+def test_a_reading_of_nothing_names_what_was_meant(small):
+    assert error_of(small, [Store("cup", 5.0, 1.0), Read("T1", {"cap": 1.0})]) == (
+        "channel 'T1' reads node 'cap'; did you mean 'cup'?"
+    )
+    assert error_of(small, [Store("cup", 5.0, 1.0), Read("T01", {"cup": 1.0})]) == (
+        "small/rig.toml: no channel 'T01'; did you mean 'T1'?"
+    )
