@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator import basis
-from estimator.errors import SetupError, nearest
+from estimator.errors import SetupError
 from estimator.inputs import Inputs
 from estimator.model import Model
 from estimator.record import Array
@@ -69,7 +69,7 @@ class Readings:
 
 
 def layout(terms: Sequence[Term], rig: Rig, reduced: bool = True) -> Layout:
-    """Find the nodes: whatever stores heat is a state, whatever else a link ends at must be an input of the rig."""
+    """Find the nodes: whatever stores heat is a state, whatever else a link ends at is an input of the rig."""
     nodes: dict[str, slice] = {}
     start = 0
     for term in sorted((t for t in terms if isinstance(t, Store)), key=lambda t: t.node != SCREW):
@@ -79,12 +79,6 @@ def layout(terms: Sequence[Term], rig: Rig, reduced: bool = True) -> Layout:
         nodes[term.node] = slice(start, start + size)
         start += size
     ends = {end for t in terms if isinstance(t, Link) for end in (t.a, t.b)} - set(nodes)
-    for end in sorted(ends):
-        if end not in rig.inputs:
-            raise SetupError(
-                f"a Link ends at '{end}', which no effect stores and {rig.name} does not measure; "
-                f"{nearest(end, [*nodes, *rig.inputs])}"
-            )
     places = basis.knots(rig) if SCREW in nodes else np.empty(0)
     return Layout(nodes, _shapes(places, nodes, start, rig, reduced), places, tuple(sorted(ends)))
 
@@ -184,8 +178,6 @@ def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
         if isinstance(term, Read):
             i = rig.index(term.channel)
             for node, weight in term.weights.items():
-                if node not in place.nodes:
-                    raise SetupError(f"channel '{term.channel}' reads node '{node}'; {nearest(node, place.nodes)}")
                 rows[i] += np.atleast_1d(weight) @ place.shapes[place.nodes[node]]
             sd[i], zero_sd[i], zero_walk[i] = term.sd, term.zero_sd, term.zero_walk
         elif isinstance(term, Lag):

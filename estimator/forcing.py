@@ -18,6 +18,7 @@ from estimator.record import Array, Recording
 from estimator.regime import Regimes
 from estimator.rig import Rig
 from estimator.start import Start
+from estimator.structure import checked_terms
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Forcing:
         self._regimes = Regimes(rig.tick_s)
         self._transitions: list[Transition] = []
         self._inflow: list[Array] = []
-        self.terms = list(model.terms(self._reader.nothing(), rig))
+        self.terms = checked_terms(model, self._reader.nothing(), rig)
         self.place = assemble.layout(self.terms, rig, reduced)
         self.readings = assemble.readings(self.terms, rig, self.place)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.errors import SetupError, nearest
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.start import Start
@@ -31,6 +32,11 @@ class Inputs:
         return len(self.omega)
 
     def __getitem__(self, name: str) -> Array:
+        if name not in self.values:
+            raise SetupError(
+                f"needs the input '{name}', which rig.toml has not in [inputs]; {nearest(name, self.values)}; add it "
+                "or leave the effect out"
+            )
         return self.values[name]
 
     def __contains__(self, name: str) -> bool:
@@ -52,7 +58,7 @@ class Drive:
 class InputReader:
     """Recordings into inputs: gaps held at the last known value, temperatures zeroed at a steady start.
 
-    Before an input was ever seen it is at the level of the thermometers, and has not risen.
+    Before an input was ever seen a temperature is at the level of the thermometers, anything else at zero.
     """
 
     def __init__(self, rig: Rig, start: Start) -> None:
@@ -75,7 +81,8 @@ class InputReader:
             if name not in self._first and len(seen):
                 self._first[name] = float(seen[0])
             self._last[name] = float(column[-1])
-            values[name] = np.where(np.isfinite(column), column, self._start.level_C)[:, None]
+            unseen = self._start.level_C if self._rig.inputs[name].unit == "degC" else 0.0
+            values[name] = np.where(np.isfinite(column), column, unseen)[:, None]
             rises[name] = np.nan_to_num(column - self._first.get(name, np.nan))[:, None]
         coverage = np.array(chunk.coverage, dtype=float)
         for k in np.flatnonzero(np.isnan(chunk.omega) | np.isnan(coverage).any(axis=1)):

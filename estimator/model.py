@@ -82,9 +82,21 @@ class Model:
 
     def terms(self, u: Inputs, rig: Rig) -> Iterator[Term]:
         """All terms of all effects."""
-        for name, effect in self.effects.items():
-            values = {key: self.values[f"{name}.{key}"].value for key in effect.params}
+        for name in self.effects:
+            yield from self.terms_of(name, u, rig)
+
+    def terms_of(self, name: str, u: Inputs, rig: Rig) -> Iterator[Term]:
+        """The terms of one effect; one that asks for what the rig has not is a SetupError that names the effect."""
+        effect = self.effects[name]
+        values = {key: self.values[f"{name}.{key}"].value for key in effect.params}
+        try:
             yield from effect.terms(effect.namespace(values), u, rig)
+        except SetupError as error:
+            raise SetupError(f"{self.name}: {name}: {error}") from error
+        except Exception as error:
+            if name not in self.use:
+                raise
+            raise SetupError(f"{self.name}: {name} ({self.use[name]}): {type(error).__name__}: {error}") from error
 
     def _known(self, name: str) -> None:
         if name not in self.effects:

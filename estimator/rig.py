@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from estimator import fields
 from estimator.errors import SetupError, nearest
 
 Vector = NDArray[Any]
+Part = TypeVar("Part")
 
 
 @dataclass(frozen=True)
@@ -211,6 +212,23 @@ class Rig:
         if name not in self.channels:
             raise SetupError(f"{self.folder / 'rig.toml'}: no channel '{name}'; {nearest(name, self.channels)}")
         return self.names.index(name)
+
+    def the_screw(self) -> Screw:
+        """The body along x, for an effect that needs one; without it a SetupError."""
+        return self._the("screw", self.screw)
+
+    def the_nut(self) -> Nut:
+        """The nut, likewise."""
+        return self._the("nut", self.nut)
+
+    def the_support(self, name: str) -> Support:
+        """A bearing by name, likewise."""
+        return self._the(f"supports.{name}", self.supports.get(name))
+
+    def _the(self, key: str, part: Part | None) -> Part:
+        if part is None:
+            raise SetupError(f"needs [{key}], which {self.name} has not; add it to rig.toml or leave the effect out")
+        return part
 
     def fingerprint(self) -> str:
         """Short hash of geometry and material, kept in fitted models."""

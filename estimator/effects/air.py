@@ -20,8 +20,7 @@ class StillAir(Effect):
     h = Param(8.0, "W/(m2 K)", lo=0.0, hi=25.0, null=0.0, source="7.8 - 8.4 measured on bare rods")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        assert rig.screw is not None
-        yield Link(SCREW, "ambient", p.h * rig.screw.surface)
+        yield Link(SCREW, "ambient", p.h * rig.the_screw().surface)
 
 
 class RotatingConvection(Effect):
@@ -34,6 +33,5 @@ class RotatingConvection(Effect):
     m = Param(0.67, "1", lo=0.4, hi=1.0, fixed=True, source="rotating cylinder, Nu ~ Re^(2/3)")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        assert rig.screw is not None
-        h = p.h * rig.screw.relative_speed(u.omega) ** p.m
-        yield Link(SCREW, "ambient", h * rig.screw.surface)
+        h = p.h * rig.the_screw().relative_speed(u.omega) ** p.m
+        yield Link(SCREW, "ambient", h * rig.the_screw().surface)

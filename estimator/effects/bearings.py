@@ -14,25 +14,22 @@ from estimator.terms import SCREW, Heat, Link, Store, Term
 
 def under_bearing(rig: Rig, support: str) -> Array:
     """Share of a heat put in by a bearing that falls to each cell, (cells,); sums to 1."""
-    assert rig.screw is not None
-    bearing = rig.supports[support]
-    width = rig.screw.overlap(bearing.at_mm - bearing.width_mm / 2, bearing.at_mm + bearing.width_mm / 2)
+    bearing = rig.the_support(support)
+    width = rig.the_screw().overlap(bearing.at_mm - bearing.width_mm / 2, bearing.at_mm + bearing.width_mm / 2)
     return width / width.sum()
 
 
 def friction(p: SimpleNamespace, u: Inputs, rig: Rig, support: str) -> Iterator[Term]:
     """Heat of one bearing into the screw, spread over the bearing's width."""
-    assert rig.screw is not None
-    q = p.power * rig.screw.relative_speed(u.omega) ** p.n * under_bearing(rig, support)
+    q = p.power * rig.the_screw().relative_speed(u.omega) ** p.n * under_bearing(rig, support)
     yield Heat(SCREW, q, noise=p.noise * q)
 
 
 def housing(p: SimpleNamespace, u: Inputs, rig: Rig, support: str) -> Iterator[Term]:
     """One housing: a body between the screw under the bearing and the base."""
-    assert rig.screw is not None
     node = f"{support}_housing"
     yield Store(node, p.capacity, p.noise, start=f"{support}_bracket")
-    yield Heat(node, p.power * rig.screw.relative_speed(u.omega) ** p.n)
+    yield Heat(node, p.power * rig.the_screw().relative_speed(u.omega) ** p.n)
     yield Link(SCREW, node, p.g * under_bearing(rig, support))
     yield Link(node, "base", p.g_base)
 

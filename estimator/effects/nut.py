@@ -14,9 +14,7 @@ from estimator.terms import SCREW, Heat, Link, Store, Term
 
 def under_nut(u: Inputs, rig: Rig) -> Array:
     """Share of a heat put in by the nut that falls to each cell, (ticks, cells); sums to 1 inside the screw."""
-    assert rig.nut is not None
-    assert rig.screw is not None
-    return u.coverage * (rig.screw.length * 1e3 / rig.nut.length_mm)
+    return u.coverage * (rig.the_screw().length * 1e3 / rig.the_nut().length_mm)
 
 
 class NutFriction(Effect):
@@ -34,8 +32,7 @@ class NutFriction(Effect):
     noise = Param(0.3, "sqrt(s)", lo=0.0, hi=10.0, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        assert rig.screw is not None
-        q = p.power * rig.screw.relative_speed(u.omega) ** p.n * under_nut(u, rig)
+        q = p.power * rig.the_screw().relative_speed(u.omega) ** p.n * under_nut(u, rig)
         yield Heat(SCREW, q, noise=p.noise * q)
 
 
@@ -53,8 +50,7 @@ class NutBody(Effect):
     noise = Param(1.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        assert rig.screw is not None
         yield Store("nut", p.capacity, p.noise, start="nut")
-        yield Heat("nut", p.power * rig.screw.relative_speed(u.omega) ** p.n)
+        yield Heat("nut", p.power * rig.the_screw().relative_speed(u.omega) ** p.n)
         yield Link(SCREW, "nut", p.g * under_nut(u, rig))
         yield Link("nut", "ambient", p.g_air)

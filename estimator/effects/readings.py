@@ -31,8 +31,7 @@ class Thermometers(Effect):
         for name in rig.thermometers:
             channel = rig.channels[name]
             if channel.at_mm is not None:
-                assert rig.screw is not None
-                yield Read(name, {SCREW: rig.screw.at(channel.at_mm)}, p.sd, offset)
+                yield Read(name, {SCREW: rig.the_screw().at(channel.at_mm)}, p.sd, offset)
                 yield Lag(name, p.tau, p.lag_noise)
             elif channel.node is not None:
                 yield Read(name, {channel.node: 1.0}, p.sd, offset)
@@ -53,7 +52,6 @@ class Displacement(Effect):
     zero_walk = Param(0.002, "um/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        assert rig.screw is not None
         offset = p.probe * u.rise("probe") - p.bar * u.rise("bar")
-        growth = rig.screw.growth(*rig.screw.span_mm)
+        growth = rig.the_screw().growth(*rig.the_screw().span_mm)
         yield Read("displacement", {SCREW: growth}, p.sd, offset, zero_sd=p.zero_sd, zero_walk=p.zero_walk)

@@ -26,8 +26,7 @@ class Conduction(Effect):
     noise = Param(2.0, "W/sqrt(Hz m)", lo=0.01, hi=100.0, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        screw = rig.screw
-        assert screw is not None
+        screw = rig.the_screw()
         capacity = screw.density * screw.heat_capacity * screw.area * screw.length
         yield Store(SCREW, capacity, p.noise * np.sqrt(screw.length))
         yield Chain(SCREW, p.scale * screw.conductivity * screw.area / screw.length)
