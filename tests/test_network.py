@@ -161,7 +161,8 @@ def error_of(small, terms) -> str:
 def test_a_link_to_nowhere_names_what_was_meant(small):
     text = error_of(small, [Store("cup", 5.0, 1.0), Link("cup", "ambiant", 1.0)])
     assert text == (
-        "a Link ends at 'ambiant', which no effect stores and small does not measure; did you mean 'ambient'?"
+        "model: wrong: a Link ends at 'ambiant', which no effect of the model stores and small/rig.toml has not in "
+        "[inputs]; did you mean 'ambient'?"
     )
 
 
@@ -172,8 +173,8 @@ def test_a_node_is_stored_once(small):
 
 def test_a_reading_of_nothing_names_what_was_meant(small):
     assert error_of(small, [Store("cup", 5.0, 1.0), Read("T1", {"cap": 1.0})]) == (
-        "channel 'T1' reads node 'cap'; did you mean 'cup'?"
+        "model: wrong: channel 'T1' reads 'cap', which no effect of the model stores; did you mean 'cup'?"
     )
     assert error_of(small, [Store("cup", 5.0, 1.0), Read("T01", {"cup": 1.0})]) == (
-        "small/rig.toml: no channel 'T01'; did you mean 'T1'?"
+        "model: wrong: reads 'T01', which small/rig.toml has not in [channels]; did you mean 'T1'?"
     )
