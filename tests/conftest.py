@@ -95,8 +95,9 @@ class Lived:
 
 
 def _live(model: Model, rig: Rig, drive: Recording, seed: int | None = None, process: bool = False) -> Lived:
-    """Let the model live through the drive from 22 degC; with a seed its sensors scatter, with `process` its heat and bodies.
+    """Let the model live through the drive from 22 degC; with a seed its sensors scatter.
 
+    With `process` the heat scatters too, and the bodies are not quite as warm as the screw at the start.
     A displacement reading comes every third tick, with an unknown zero of 5 um.
     """
     dice = np.random.default_rng(seed)
