@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+import numpy as np
 
 from ballscrew.options import logs_argument, output_options, rig_options
 from ballscrew.terminal import Terminal
@@ -54,7 +55,8 @@ def _print(terminal: Terminal, found: Fit) -> None:
     ]
     terminal.table("", ["parameter", "before", "fitted", "+- sd", "unit", ""], rows)
     (k0, um0), (k1, um1) = found.before, found.after
-    terminal.say(f"open-loop misfit, rms: thermometers {k0:.3f} -> {k1:.3f} K, displacement {um0:.2f} -> {um1:.2f} um")
+    lengths = f", displacement {um0:.2f} -> {um1:.2f} um" if np.isfinite(um1) else ""
+    terminal.say(f"open-loop misfit, rms: thermometers {k0:.3f} -> {k1:.3f} K{lengths}")
     if not found.converged:
         terminal.say(f"not converged after {found.evaluations} runs: the best so far was kept; fit again from it")
 

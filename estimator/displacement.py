@@ -1,6 +1,7 @@
 """The paper's processing of the displacement readings, for display and as a reference, never for the filter.
 
-Readings come at the stroke centre while the table moves (peak hold), directly at rest. Five corrections: the half sum
+Readings come at the stroke centre while the table moves (peak hold), directly at rest (from the same channel where a
+rig has no input of its own for it). Five corrections: the half sum
 of the four probes less its value at the start; the expansion of probes and bar taken out; readings at the stroke
 centre only; the half stroke before the first held value and after the last one; the direct reading at rest joined to
 the stop. The half strokes look into the future, so a filter must not use them.
@@ -22,7 +23,7 @@ def joined(recording: Recording, rig: Rig, model: Model) -> Array:
     """Measured elongation since the start, (K,) um: held values while driving, the direct reading at rest, else NaN."""
     expansion = jig_expansion(recording, model)
     held = recording.channels[:, rig.index("displacement")] - expansion
-    direct = recording.inputs.get("displacement_direct", np.full(len(recording), np.nan)) - expansion
+    direct = recording.inputs["displacement_direct"] - expansion if "displacement_direct" in recording.inputs else held
     read_at = recording.time_s - recording.ages_s[:, rig.index("displacement")]
     out, value = np.full(len(recording), np.nan), 0.0
     for driving, ticks in phases(recording):

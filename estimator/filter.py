@@ -145,14 +145,15 @@ class Filter:
     def _report(self, sample: Sample, compared: Comparison, nis: float) -> Step:
         n, x, P = self._state.n, self._kf.x, self._kf.P
         c, profile = self._state.elongation, self.view.profile
+        um = 1.0 if self.view.has_span else float("nan")  # without a screw nothing grows
         table, table_sd = self._table_error(sample)
         open_rise = self.open_loop.z - self._start_z if self.started else np.zeros(n)
         return Step(
             time_s=sample.time_s,
             mode=self._mode(compared.fuse),
-            elongation_um=float(c @ x),
-            sigma_um=float(np.sqrt(max(c @ P @ c, 0.0))),
-            open_loop_um=float(self.view.growth @ open_rise),
+            elongation_um=float(um * (c @ x)),
+            sigma_um=float(um * np.sqrt(max(c @ P @ c, 0.0))),
+            open_loop_um=float(um * (self.view.growth @ open_rise)),
             profile_C=profile @ x[:n],
             profile_sd_K=np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", profile, P[:n, :n], profile), 0.0)),
             bodies_C=x[n - len(self.view.bodies) : n].copy(),

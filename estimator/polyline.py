@@ -18,8 +18,7 @@ from estimator.rig import Rig
 
 def weights(rig: Rig, names: Sequence[str]) -> Array:
     """um of elongation per K of each named thermometer's rise, (len(names),)."""
-    screw = rig.screw
-    assert screw is not None
+    screw = rig.the_screw()
     places = np.array([rig.channels[name].at_mm for name in names], dtype=float)
     lo, hi = screw.span_mm
     order = np.argsort(places)
@@ -28,17 +27,24 @@ def weights(rig: Rig, names: Sequence[str]) -> Array:
     return np.asarray(screw.expansion * 1e3 * np.trapezoid(hats, grid, axis=1))
 
 
+def along_screw(rig: Rig, names: Sequence[str]) -> list[str]:
+    """Those of the named channels that have a place on the screw."""
+    return [name for name in names if rig.channels[name].at_mm is not None]
+
+
 def elongation(recording: Recording, rig: Rig, names: Sequence[str] | None = None) -> Array:
     """Elongation since the first sample by the polyline through the named thermometers, (K,) um.
 
     A thermometer silent in a tick is left out of that tick's polyline; NaN where fewer than two were read.
     """
-    used = [name for name in (names or rig.thermometers) if rig.channels[name].at_mm is not None]
+    used = along_screw(rig, names or rig.thermometers)
     readings = recording.channels[:, [rig.index(name) for name in used]]
     first = np.array([column[np.isfinite(column)][:1].sum() for column in readings.T])
     rises = readings - first
     known = np.isfinite(rises)
     out = np.full(len(recording), np.nan)
+    if len(used) < 2:
+        return out
     for pattern in np.unique(known, axis=0):
         if pattern.sum() >= 2:
             ticks = (known == pattern).all(axis=1)

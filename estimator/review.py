@@ -24,9 +24,10 @@ class Review:
 
     estimates     elongation by name: filter, open_loop, polyline, polyline_7, polyline_joined, last_reading
     errors        reference minus estimate, by the same names
-    reference     truth where there is one, else the displacement readings as the paper joins them
+    reference     truth where there is one, else the displacement readings as the paper joins them; NaN without either
     sigma         the filter's own standard deviation of each error
     cooling       (K,) bool: within 60 min after a stop
+    one_step_K    rms of thermometer minus prediction before its use; open_loop_K: minus what the model alone says
     """
 
     recording: Recording
@@ -39,6 +40,8 @@ class Review:
     sigma: Array
     cooling: Array
     polyline_channels: int
+    one_step_K: float
+    open_loop_K: float
 
     def accuracy(self, name: str) -> Accuracy:
         """Accuracy of one estimate on this recording."""
@@ -83,9 +86,21 @@ def review(
     if truth_um is None and "displacement" in rig.channels:
         errors["filter"], sigma = _before_use(track, rig, errors["filter"])
     return Review(
-        recording, track, estimates, errors, reference, "readings" if truth_um is None else "truth", readings, sigma,
-        cooling(recording), len(used),
+        recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, sigma,
+        cooling(recording), len(polyline.along_screw(rig, used)), *_temperature_errors(track, rig),
     )  # fmt: skip
+
+
+def _temperature_errors(track: Track, rig: Rig) -> tuple[float, float]:
+    heat = np.isin(rig.names, rig.thermometers)
+    errors = track.innovation[1:, heat], (track.measured - track.open_loop)[1:, heat]
+    return accuracy(errors[0]).rms_um, accuracy(errors[1]).rms_um
+
+
+def _reference_name(rig: Rig, truth_um: Array | None) -> str:
+    if truth_um is not None:
+        return "truth"
+    return "readings" if "displacement" in rig.channels else "none"
 
 
 def _before_use(track: Track, rig: Rig, error: Array) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ PLACES = 99
 class View:
     """Weights that turn the states z of one layout into lengths and profiles.
 
-    growth   (n,) um/K of the measured span
+    growth   (n,) um/K of the measured span; zeros where the model has no screw (`has_span`)
     x_mm     (x,) places of the profile; `profile` (x, n) its weights
     """
 
@@ -25,6 +25,7 @@ class View:
         self.bodies = place.bodies
         screw = rig.screw if SCREW in place.nodes else None
         self._screw = screw
+        self.has_span = screw is not None
         if screw is None:
             self.x_mm, self.profile = np.empty(0), np.empty((0, place.size))
             self.growth = np.zeros(place.size)
