@@ -11,12 +11,11 @@ from scipy.linalg import expm
 from estimator import assemble
 from estimator.discretise import transition
 from estimator.effect import Effect
-from estimator.errors import SetupError
 from estimator.forcing import Forcing
 from estimator.inputs import Inputs
 from estimator.model import model_of
 from estimator.start import Start
-from estimator.terms import Chain, Heat, Link, Read, Store
+from estimator.terms import Chain, Heat, Link, Store
 
 
 class Insulated(Effect):
@@ -146,35 +145,3 @@ def test_boundaries_push_with_their_own_temperature(small, driven):
     forcing = Forcing(model_of([Insulated, Leaking]), small, Start(22.0, 0.0, dict.fromkeys(small.inputs, 0.0)))
     ticks = forcing.ticks(forcing.read(drive))
     np.testing.assert_allclose(ticks.heat.sum(axis=1), 30 * (20 * 0.15 + 0.7))
-
-
-def error_of(small, terms) -> str:
-    class Wrong(Effect):
-        """Says something impossible: 1 = 2."""
-
-    Wrong.terms = lambda self, p, u, rig: iter(terms)
-    with pytest.raises(SetupError) as caught:
-        Forcing(model_of([Wrong]), small, Start(22.0, 0.0, dict.fromkeys(small.inputs, 0.0)))
-    return str(caught.value)
-
-
-def test_a_link_to_nowhere_names_what_was_meant(small):
-    text = error_of(small, [Store("cup", 5.0, 1.0), Link("cup", "ambiant", 1.0)])
-    assert text == (
-        "model: wrong: a Link ends at 'ambiant', which no effect of the model stores and small/rig.toml has not in "
-        "[inputs]; did you mean 'ambient'?"
-    )
-
-
-def test_a_node_is_stored_once(small):
-    text = error_of(small, [Store("cup", 5.0, 1.0), Store("cup", 6.0, 1.0)])
-    assert text == "node 'cup' is stored twice; one effect declares a node's Store"
-
-
-def test_a_reading_of_nothing_names_what_was_meant(small):
-    assert error_of(small, [Store("cup", 5.0, 1.0), Read("T1", {"cap": 1.0})]) == (
-        "model: wrong: channel 'T1' reads 'cap', which no effect of the model stores; did you mean 'cup'?"
-    )
-    assert error_of(small, [Store("cup", 5.0, 1.0), Read("T01", {"cup": 1.0})]) == (
-        "model: wrong: reads 'T01', which small/rig.toml has not in [channels]; did you mean 'T1'?"
-    )
