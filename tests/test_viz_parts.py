@@ -7,20 +7,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rerun.chunk import RrdReader
+from viz_fake import fake_run
 
 from estimator.errors import SetupError
 from viz import pages, pictures, viewer
 from viz.axes import Axes
 from viz.events import clock
 from viz.residuals import consistency, whiteness
-from viz.save import picture_ticks
-from viz.scale import DIVERGING, coloured, minutes, rounded, symmetric, ticks_of
+from viz.save import picture_ticks, save
+from viz.scale import DIVERGING, coloured, minutes, rounded, symmetric, ticks_of, widened
 from viz.series import spaced
 
 
 def test_ranges_are_rounded_outwards_to_ticks() -> None:
     assert rounded((-0.3, 52.1)) == (-5.0, 55.0)
     assert rounded((3.0, 3.0))[1] > 3.0
+    assert widened((22.0, 22.1), 1.0) == pytest.approx((21.55, 22.55))
     np.testing.assert_allclose(ticks_of((-5.0, 55.0), 7), [0, 10, 20, 30, 40, 50])
 
 
@@ -115,3 +118,10 @@ def test_no_viewer_without_a_screen(monkeypatch: pytest.MonkeyPatch, tmp_path: P
 
 def test_the_viewer_that_came_with_the_package_is_there() -> None:
     assert viewer.executable().is_file()
+
+
+def test_no_chunk_is_empty(tmp_path: Path) -> None:
+    """The viewer panics at a chunk without rows; one tick leaves nothing to say in several views."""
+    save(tmp_path / "short.rrd", [fake_run("short", 1)], "")
+    chunks = RrdReader(tmp_path / "short.rrd").stream().to_chunks()
+    assert all(chunk.to_record_batch().num_rows for chunk in chunks)

@@ -68,7 +68,10 @@ def figure_of(runs: Sequence[Run]) -> Figure:
 
 
 def send(rec: rr.RecordingStream, runs: Sequence[Run]) -> None:
-    """Log the figures and the table of all runs, once."""
+    """Log the figures and the table of all runs that can be judged, once."""
+    runs = [run for run in runs if run.is_judged]
+    if not runs:
+        return
     figure, reference = figure_of(runs), _reference(runs)
     for estimate in JUDGED:
         at, by = f"{paths.ACCURACY}/{estimate}", f"elongation by the {estimate} [µm]"

@@ -28,7 +28,8 @@ def whole(extent: Range, room: float = 0.0) -> rrb.TimeAxis:
 def blueprint(runs: Sequence[Run], scales: Sequence[Scale], tab: int | str = 0) -> rrb.Blueprint:
     """The layout of a saved file."""
     pages = [pages_of(paths.root(run.name), run.rig, scale) for run, scale in zip(runs, scales, strict=True)]
-    common = [_summary(), _accuracy(accuracy.figure_of(runs).bounds)]
+    judged = [run for run in runs if run.is_judged]
+    common = [_summary(), *([_accuracy(accuracy.figure_of(judged).bounds)] if judged else [])]
     if len(runs) == 1:
         tabs = [*pages[0], *reversed(common)]
     else:
@@ -62,22 +63,25 @@ def _accuracy(bounds: tuple[Range, Range]) -> rrb.Container:
 
 
 def _overview(root: str, rig: Rig, scale: Scale) -> rrb.Container:
-    lo, hi = scale.elongation_um
-    elongation = _plot(f"{root}/{paths.ELONGATION}", "Elongation [µm]", scale, (lo, lo + LEGEND_ROOM * (hi - lo)))
-    lo, hi = scale.error_um
-    error = _plot(
-        f"{root}/{paths.ERROR}", "Error: reference − estimate [µm]", scale, (lo, lo + LEGEND_ROOM * (hi - lo))
-    )
+    curves: list[rrb.View] = [
+        _below_legend(f"{root}/{paths.ELONGATION}", "Elongation [µm]", scale, scale.elongation_um)
+    ]
+    if scale.error_um:
+        name = "Error: reference − estimate [µm]"
+        curves.append(_below_legend(f"{root}/{paths.ERROR}", name, scale, scale.error_um))
     hidden = rrb.encodings.TimelineColumn(paths.TIMELINE, visible=False)  # the text says the time in full
     columns = rrb.TextLogColumns(timeline_columns=[hidden], text_log_columns=["LogLevel", "Body"])
     events = rrb.TextLogView(origin=f"{root}/{paths.EVENTS}", name="Events", columns=columns)
-    right = rrb.Vertical(elongation, error, events, row_shares=[4, 3, 2])
+    right = rrb.Vertical(*curves, events, row_shares=[*(4, 3)[: len(curves)], 2])
     if rig.screw is None:
         return rrb.Horizontal(right, name="Overview")
-    place = _flat(
-        f"{root}/{paths.PROFILE}", "Temperature along the screw [°C over mm]", profile.axes_of(rig, scale).bounds
-    )
+    name = f"Temperature along the {_body(rig)} [°C over mm]"
+    place = _flat(f"{root}/{paths.PROFILE}", name, profile.axes_of(rig, scale).bounds)
     return rrb.Horizontal(rrb.Vertical(place, _screw(root, rig, scale), row_shares=[5, 4]), right, name="Overview")
+
+
+def _body(rig: Rig) -> str:
+    return "screw" if rig.nut else "body"
 
 
 def _screw(root: str, rig: Rig, scale: Scale) -> rrb.Spatial3DView:
@@ -88,7 +92,7 @@ def _screw(root: str, rig: Rig, scale: Scale) -> rrb.Spatial3DView:
     )
     return rrb.Spatial3DView(
         origin=f"{root}/{paths.SCREW}",
-        name=f"Screw: temperature [°C] as colour, growth × {screw.exaggeration(rig, scale):g}",
+        name=f"{_body(rig).capitalize()}: temperature [°C] as colour, growth × {screw.exaggeration(rig, scale):g}",
         background=list(paths.BACKGROUND),
         line_grid=rrb.LineGrid3D(visible=False),
         eye_controls=eye,
@@ -143,6 +147,11 @@ def _plot(
         axis_y=rrb.ScalarAxis(range=extent, zoom_lock=False) if extent else None,
         plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend),
     )
+
+
+def _below_legend(origin: str, name: str, scale: Scale, extent: Range) -> rrb.TimeSeriesView:
+    """A plot whose curves keep below its legend."""
+    return _plot(origin, name, scale, (extent[0], extent[0] + LEGEND_ROOM * (extent[1] - extent[0])))
 
 
 def _flat(origin: str, name: str, bounds: tuple[Range, Range]) -> rrb.Spatial2DView:

@@ -37,8 +37,9 @@ def axes_of(rig: Rig, scale: Scale) -> Axes:
 def style(rec: rr.RecordingStream, root: str, rig: Rig, scale: Scale, truth: bool) -> None:
     """Log axes, key, bearings and the looks of lines and points, once."""
     at, points, axes = f"{root}/{paths.PROFILE}", rr.Radius.ui_points, axes_of(rig, scale)
-    axes.draw(rec, f"{at}/axes", "place along the screw [mm]", y_unit=" °C", x_pieces=12)
-    axes.key(rec, f"{at}/axes/key", KEY[: None if truth else -1])
+    axes.draw(rec, f"{at}/axes", "place x [mm]", y_unit=" °C", x_pieces=12)
+    absent = {"nut": rig.nut is None, "bearings": not rig.supports, "truth": not truth}
+    axes.key(rec, f"{at}/axes/key", [entry for entry in KEY if not absent.get(entry[0])])
     line = rr.LineStrips2D.from_fields(
         radii=points([1.8, 0.6, 0.6]), colors=[paths.FILTER, paths.BAND_EDGE, paths.BAND_EDGE], draw_order=2.0
     )

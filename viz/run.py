@@ -51,6 +51,11 @@ class Run:
         return self.reference_um - self.errors_um[estimate]
 
     @property
+    def is_judged(self) -> bool:
+        """Whether there is a reference at all."""
+        return bool(np.isfinite(self.reference_um).any())
+
+    @property
     def thermometers(self) -> Indices:
         """Columns of the thermometers among the channels, in order."""
         return np.array([self.rig.index(name) for name in self.rig.thermometers], dtype=np.intp)

@@ -62,8 +62,9 @@ def send(rec: rr.RecordingStream, run: Run, scale: Scale) -> None:
     root = paths.root(run.name)
     _curves(rec, root, run, scale)
     _residuals(rec, root, run, scale)
-    if run.rig.screw is not None and len(run.track.x_mm):
-        _pictures(rec, root, run, scale)
+    shown = picture_ticks(run.track.time_s, run.track.profile_C)
+    if run.rig.screw is not None and len(shown):
+        _pictures(rec, root, run, scale, shown)
     events.send(rec, root, events.events_of(run))
 
 
@@ -113,9 +114,8 @@ def _residuals(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> No
     series.send(rec, f"{root}/{paths.NIS}/bounds", middle, bounds)
 
 
-def _pictures(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> None:
+def _pictures(rec: rr.RecordingStream, root: str, run: Run, scale: Scale, shown: Indices) -> None:
     rig, track, axes = run.rig, run.track, profile.axes_of(run.rig, scale)
-    shown = picture_ticks(track.time_s, track.profile_C)
     time_s = track.time_s[shown]
     profile.style(rec, root, rig, scale, run.truth_C_rise is not None)
     profile.send(rec, root, axes, time_s, track.x_mm, track.profile_C[shown], track.profile_sd_K[shown])
@@ -129,12 +129,13 @@ def _pictures(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> Non
     position = run.recording.inputs.get("position")
     if rig.nut is not None and position is not None:
         known = shown[np.isfinite(position[shown])]
-        profile.send_nut(rec, root, axes, rig, track.time_s[known], position[known])
-        screw.send_nut(rec, root, rig, track.time_s[known], position[known])
+        if len(known):
+            profile.send_nut(rec, root, axes, rig, track.time_s[known], position[known])
+            screw.send_nut(rec, root, rig, track.time_s[known], position[known])
 
 
 def picture_ticks(time_s: Array, profile_C: Array) -> Indices:
     """Indices of the first tick with a profile in each 10 s."""
-    known = np.flatnonzero(np.isfinite(profile_C).all(axis=1))
+    known = np.flatnonzero(np.isfinite(profile_C).all(axis=1) & (profile_C.shape[1] > 0))
     first = np.unique(np.floor(time_s[known] / PICTURE_S), return_index=True)[1]
     return known[first]

@@ -24,7 +24,7 @@ class Scale:
     time_s: Range
     temperature_C: Range
     elongation_um: Range
-    error_um: Range
+    error_um: Range | None  # None: nothing to judge the estimates by
     innovation_K: Range
     open_loop_K: Range
 
@@ -32,13 +32,14 @@ class Scale:
 def scale_of(run: Run) -> Scale:
     """Ranges that hold a whole run."""
     track, heat = run.track, run.thermometers
+    begin, end = extent_of(track.time_s)
     lengths = (track.elongation_um, track.open_loop_um, run.polyline_um, run.readings_um, run.reference_um)
     measured = track.measured[:, heat]
     return Scale(
-        time_s=extent_of(track.time_s),
-        temperature_C=rounded(extent_of(measured, track.profile_C)),
-        elongation_um=rounded(extent_of(*lengths)),
-        error_um=rounded(extent_of(*(run.errors_um[name] for name in JUDGED))),
+        time_s=(begin, max(end, begin + 1.0)),  # the viewer does not bear an axis without length
+        temperature_C=rounded(widened(extent_of(measured, track.profile_C), 1.0)),
+        elongation_um=rounded(widened(extent_of(*lengths), 1.0)),
+        error_um=rounded(extent_of(*(run.errors_um[name] for name in JUDGED))) if run.is_judged else None,
         innovation_K=symmetric(minutes(track.time_s, track.innovation[:, heat])[1]),
         open_loop_K=symmetric(minutes(track.time_s, measured - track.open_loop[:, heat])[1]),
     )
@@ -49,6 +50,12 @@ def extent_of(*arrays: Array) -> Range:
     values = np.concatenate([np.asarray(array, dtype=float).ravel() for array in arrays])
     values = values[np.isfinite(values)]
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+
+
+def widened(extent: Range, least: float) -> Range:
+    """The extent, or as much as `least` around its middle: noise shall not fill a plot."""
+    more = max(least - (extent[1] - extent[0]), 0.0) / 2
+    return extent[0] - more, extent[1] + more
 
 
 def step_of(span: float, pieces: int = 5) -> float:

@@ -75,14 +75,14 @@ def _bar(rec: rr.RecordingStream, at: str, rig: Rig, scale: Scale) -> None:
     assert rig.screw is not None
     lo, hi = scale.temperature_C
     length, pieces = rig.screw.to_mm - rig.screw.from_mm, 48
-    left, width, z = rig.screw.from_mm + 0.25 * length, 0.5 * length, -8.0 * rig.screw.outer_mm / 2
+    left, width, z = rig.screw.from_mm + 0.25 * length, 0.5 * length, -0.163 * length
     middles = left + width * (np.arange(pieces) + 0.5) / pieces
     centers = np.stack([middles, np.zeros(pieces), np.full(pieces, z)], axis=-1)
     colours = coloured(np.linspace(lo, hi, pieces), scale.temperature_C)
-    half = [[width / pieces / 2, 1.0, 9.0]]
+    half = [[width / pieces / 2, 1.0, 0.009 * length]]
     rec.log(f"{at}/bar", rr.Boxes3D(centers=centers, half_sizes=half, fill_mode="solid", colors=colours), static=True)
     ticks = np.linspace(lo, hi, 3)
-    places = [[left + width * (tick - lo) / (hi - lo), 0, z - 12.0] for tick in ticks]
+    places = [[left + width * (tick - lo) / (hi - lo), 0, z - 0.012 * length] for tick in ticks]
     labels = [f"{tick:g} °C" for tick in ticks]
     words = rr.Points3D(places, labels=labels, show_labels=True, radii=0.0, colors=paths.TEXT)
     rec.log(f"{at}/bar_labels", words, static=True)

@@ -89,7 +89,9 @@ def spaced(time_s: Array, values: Array, time_extent: Range, extent: Range) -> I
 
 
 def send(rec: rr.RecordingStream, at: str, time_s: Array, values: Array) -> None:
-    """Log n rows of one group: times (n,) s, values (n, m)."""
+    """Log n rows of one group, if there are any: times (n,) s, values (n, m). An empty chunk makes the viewer panic."""
+    if not len(time_s):
+        return
     index = [rr.TimeColumn(paths.TIMELINE, duration=time_s)]
     rec.send_columns(at, indexes=index, columns=rr.Scalars.columns(scalars=values))
 
@@ -97,8 +99,7 @@ def send(rec: rr.RecordingStream, at: str, time_s: Array, values: Array) -> None
 def send_known(rec: rr.RecordingStream, at: str, time_s: Array, values: Array) -> None:
     """Log one series (n,) where it is known."""
     known = np.isfinite(values)
-    if known.any():
-        send(rec, at, time_s[known], values[known])
+    send(rec, at, time_s[known], values[known])
 
 
 def send_band(rec: rr.RecordingStream, at: str, time_s: Array, mean: Array, sd: Array) -> None:
