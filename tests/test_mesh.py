@@ -1,0 +1,125 @@
+"""What the reduced mesh and the regimes cost: against 500 cells, and against a regime of its own for every tick."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_matrix, diags_array
+from scipy.sparse.linalg import splu
+
+from estimator import assemble, basis, regime
+from estimator.augment import Augmented
+from estimator.filter import Filter
+from estimator.forcing import Forcing
+from estimator.inputs import Inputs
+from estimator.openloop import OpenLoop
+from estimator.rig import Channel, Nut, Rig, Screw, Signal
+from estimator.start import Start
+
+STEPS = 20  # of the fine integration in a tick
+RUNS = {
+    "FS-20": ((20, 242), 174.5, (0.0, 400.0)),
+    "ES-20": ((20, 420), 174.5, (202.0, 315.0)),
+    "FS-2.5": ((20, 480), 21.8, (0.0, 400.0)),
+}
+
+
+def start(rig) -> Start:
+    return Start(22.0, 0.0, dict.fromkeys(rig.inputs, 0.0))
+
+
+def reduced(model, rig, drive):
+    """What the channels would read without lag, (K, m), on the filter's own mesh; and how many regimes it took."""
+    forcing = Forcing(model, rig, start(rig))
+    run, out = OpenLoop(np.full(forcing.place.size, 22.0), forcing.readings, rig.tick_s), []
+    for begin in range(0, len(drive), 25):
+        ticks = forcing.ticks(forcing.read(drive.rows(slice(begin, begin + 25))))
+        for r, heat in zip(ticks.regime, ticks.heat, strict=True):
+            run.step(forcing.transition(r), heat)
+            out.append(forcing.readings.rows @ run.z)
+    return np.array(out), int(max(ticks.regime)) + 1
+
+
+def fine(model, rig, drive):
+    """The same on every cell: the network of each regime, solved implicitly (trapezoids, 20 steps a tick)."""
+    forcing = Forcing(model, rig, start(rig), reduced=False)
+    read = forcing.read(drive)
+    place, terms = forcing.place, list(model.terms(read.inputs, rig))
+    outside = np.hstack([read.inputs[name] for name in place.boundaries])
+    heat, dt = assemble.heat(terms, place, len(drive)), rig.tick_s / STEPS
+    solvers: dict[int, tuple] = {}
+    z, out = np.full(place.size, 22.0), []
+    for r, q, air in zip(read.regime, heat, outside, strict=True):
+        if r not in solvers:
+            none = {name: np.zeros((1, 1)) for name in rig.inputs}
+            omega, coverage = forcing._regimes.omega[r], forcing._regimes.coverage[r]
+            u = Inputs(np.array([[omega]]), coverage[None], none, none)
+            network = assemble.network(model, rig, place, u)
+            mass, g = diags_array(np.diag(network.mass)).tocsc(), csc_matrix(network.conductance[0])
+            solvers[r] = splu(mass + dt / 2 * g), mass - dt / 2 * g, network.inflow[0]
+        ahead, behind, inflow = solvers[r]
+        for _ in range(STEPS):
+            z = ahead.solve(behind @ z + dt * (q + inflow @ air))
+        out.append(forcing.readings.rows @ z)
+    return np.array(out)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_reduced_mesh_agrees_with_500_cells(name, full, rig, driven):
+    when, omega, stroke = RUNS[name]
+    exact = replace(rig, screw=replace(rig.screw, cells=500))
+    true = fine(full, exact, driven(exact, 600, when, omega, stroke))
+    ours, _ = reduced(full, rig, driven(rig, 600, when, omega, stroke))
+    error = abs(ours - true).max(axis=0)
+    assert true[:, 15].max() - true[0, 15] > 10
+    assert error[15] <= 0.05
+    assert error[:15].max() <= 0.1
+
+
+def test_the_filter_has_at_most_32_states(full, rig, driven, live):
+    filter_ = Filter(full, rig)
+    filter_.step(live(full, rig, driven(rig, 1)).recording.sample(0))
+    assert isinstance(filter_._state, Augmented)
+    assert filter_._state.size <= 32
+    assert filter_._kf.x.shape == (filter_._state.size,)
+
+
+@pytest.mark.parametrize(("name", "um"), [("FS-2.5", 0.02), ("ES-20", 0.02), ("FS-20", 0.05)])
+def test_what_regimes_cost(name, um, full, rig, driven, monkeypatch):
+    """Against conductances that follow speed and coverage in every tick: 0.010, 0.013 and 0.042 um in 330 s."""
+    _, omega, stroke = RUNS[name]
+    drive = driven(rig, 330, (10, 270), omega, stroke)
+    ours, few = reduced(full, rig, drive)
+    monkeypatch.setattr(regime, "SPEED_STEP", 0.0)
+    monkeypatch.setattr(regime, "COVERAGE_STEP", 0.0)
+    monkeypatch.setattr(regime, "WINDOW_S", rig.tick_s)
+    true, many = reduced(full, rig, drive)
+    assert few <= 20
+    assert many > 250
+    error = abs(ours - true).max(axis=0)
+    assert 0 < error[15] < um
+    assert error[:15].max() < 0.03
+
+
+def test_shapes_are_one_at_their_knot_and_sum_to_one():
+    places = np.array([0.0, 40, 90, 200])
+    np.testing.assert_allclose(basis.shapes(places, places), np.eye(4), atol=1e-12)
+    np.testing.assert_allclose(basis.shapes(places, np.linspace(0, 200, 77)).sum(axis=1), 1, atol=1e-12)
+
+
+def test_knots_stand_at_thermometers_bearings_and_ends(rig):
+    knots = basis.knots(rig)
+    assert (np.diff(knots) > 0).all()
+    assert (np.diff(knots) <= basis.WIDEST_MM + 1e-9).all()
+    wanted = [c.at_mm for c in rig.channels.values() if c.at_mm is not None]
+    for place in [*wanted, -50.0, 1030.0, 72.5, 889.0]:
+        assert abs(knots - place).min() < 1e-9
+
+
+def test_chosen_knots_are_kept_and_a_bare_bar_has_some():
+    bar = Rig("bar", 1.0, {"A": Channel(at_mm=100.0)}, {"ambient": Signal()}, Screw(0, 300, 20), Nut(10, 0))
+    assert list(basis.knots(bar)) == [0, 50, 100, *(100 + 200 / 3 * np.array([1, 2, 3]))]
+    chosen = replace(bar, screw=replace(bar.screw, knots_mm=(300.0, 0.0, 120.0)))
+    assert list(basis.knots(chosen)) == [0, 120, 300]
