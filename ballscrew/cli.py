@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 
 import click
@@ -50,6 +51,7 @@ def root() -> None:
 def main() -> None:
     """Entry point: exit 0 done, 1 an input could not be used, 2 wrong usage, rig or model, 130 Ctrl-C."""
     debug = "--debug" in sys.argv
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads cost more than they save on 30 states
     try:
         status = root.main(json_apart(sys.argv[1:]), standalone_mode=False)
     except click.ClickException as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,49 +15,53 @@ from estimator.review import Review, overall
 TITLES = {
     "filter": "filter",
     "open_loop": "model alone (open loop)",
-    "polyline": "polyline through the thermometers",
-    "polyline_7": "polyline through the rig's seven",
-    "polyline_joined": "polyline joined to the last reading",
-    "last_reading": "last displacement reading held",
+    "polyline": "polyline, all thermometers",
+    "polyline_7": "polyline, the rig's seven",
+    "polyline_joined": "polyline from the last reading",
+    "last_reading": "last reading held",
 }
-COLUMNS = [
-    "reference - estimate",
-    "lowest, um",
-    "highest, um",
-    "band, um",
-    "rms, um",
-    "60 min after stops, um",
-    "in 2 sd",
-]
+SHORT = ("filter", "model", "polyline", "seven", "joined", "held")
+COLUMNS = ("reference - estimate, um", "lowest", "highest", "band", "rms", "cooldown", "in 2 sd")
 
 
 def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequence[bool]) -> None:
     """A table for each of a few recordings, or a line for each of many; then all together, and those not fitted."""
     many = len(reviews) > 2
     if many:
-        columns = ["band, um", *(name for name in TITLES), "in 2 sd", "NIS"]
-        terminal.table("", columns, [_line(r) for r in reviews])
-    for review in reviews:
-        _print_one(terminal, review, table=not many)
+        terminal.table("", ["band, um", *SHORT, "in 2 sd", "NIS"], [_line(r) for r in reviews])
+    else:
+        for review in reviews:
+            _print_one(terminal, review)
     if len(reviews) > 1:
-        terminal.table("\nall recordings together", COLUMNS, _rows(reviews))
+        terminal.say("\nall recordings together")
+        terminal.table("", COLUMNS, _rows(reviews))
     rest = [r for r, was_fitted in zip(reviews, fitted, strict=True) if not was_fitted]
     if rest and len(rest) < len(reviews):
-        terminal.table(f"\nthe {len(rest)} that the model was not fitted to", COLUMNS, _rows(rest))
+        terminal.say(f"\nthe {len(rest)} that the model was not fitted to")
+        terminal.table("", COLUMNS, _rows(rest))
+    terminal.say("\nband: highest minus lowest; cooldown: largest error in the 60 min after a stop")
+    terminal.say("in 2 sd: share of errors inside the filter's own two standard deviations, 95 % when it is honest")
+    _print_unused(terminal, reviews)
 
 
-def _print_one(terminal: Terminal, review: Review, table: bool) -> None:
+def _print_one(terminal: Terminal, review: Review) -> None:
     r = review.recording
-    if table:
-        head = (
-            f"{r.name}: {duration(r.time_s[-1])}, {len(r)} ticks, {r.frames} frames; reference: {review.reference_name}"
-        )
-        terminal.table(f"\n{head}", COLUMNS, _rows([review]))
-        terminal.say(f"NIS {review.nis_mean:.2f} per channel (1 when the filter's noise is right)")
-    for note in r.notes:
-        terminal.say(f"{r.name}: {note}")
-    if r.skipped:
-        terminal.say(f"{r.name}: not used: " + ", ".join(f"{count} x {reason}" for reason, count in r.skipped.items()))
+    length = f"{duration(r.time_s[-1])}, {len(r)} ticks, {r.frames} frames"
+    terminal.say(f"\n{r.name}: {length}; reference: {review.reference_name}")
+    terminal.table("", COLUMNS, _rows([review]))
+    terminal.say(f"NIS {review.nis_mean:.2f} per channel, 1 when the filter's noise is right")
+
+
+def _print_unused(terminal: Terminal, reviews: Sequence[Review]) -> None:
+    """What was dropped, by reason over all recordings, and every note with its place."""
+    counts: Counter[str] = Counter()
+    for review in reviews:
+        counts.update(review.recording.skipped)
+    if counts:
+        terminal.say("not used: " + ", ".join(f"{count} x {reason}" for reason, count in counts.most_common()))
+    for review in reviews:
+        for note in review.recording.notes:
+            terminal.say(f"{review.recording.name}: {note}")
 
 
 def _line(review: Review) -> list[str]:
@@ -92,11 +97,12 @@ def markdown(reviews: Sequence[Review]) -> str:
     lines += ["| " + " | ".join(row) + " |" for row in _rows(reviews)]
     lines += ["", "The least-squares line Y = aX + b of reference Y against estimate X, and the band around it:", ""]
     for name in ("filter", "polyline"):
-        found = [r for r in reviews if name in r.estimates]
-        a, b, band = least_squares_line(
-            np.concatenate([r.reference - r.errors[name] for r in found]), np.concatenate([r.reference for r in found])
-        )
-        lines.append(f"- {TITLES[name]}: Y = {a:.4f} X {b:+.2f} um, {band[0]:+.2f} .. {band[1]:+.2f} um")
+        found = [r for r in reviews if name in r.errors]
+        reference = np.concatenate([r.reference for r in found])
+        estimate = reference - np.concatenate([r.errors[name] for r in found])
+        a, b, band = least_squares_line(estimate, reference)
+        if np.isfinite(a):
+            lines.append(f"- {TITLES[name]}: Y = {a:.4f} X {b:+.2f} um, {band[0]:+.2f} .. {band[1]:+.2f} um")
     for r in reviews:
         used = f"{r.recording.frames} frames, reference: {r.reference_name}, NIS {r.nis_mean:.2f}"
         lines += ["", f"**{r.recording.name}**: {duration(r.recording.time_s[-1])}, {used}"]

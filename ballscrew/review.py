@@ -14,9 +14,10 @@ from ballscrew.report import as_json, markdown, print_reviews
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import Loaded, load, open_model, open_rig
 from estimator.errors import InputError
-from estimator.model import Model
+from estimator.record import Array
 from estimator.review import Review, review
 from estimator.rig import Rig
+from viz.run import Run, first_stop_s
 
 
 @click.command("review")
@@ -54,36 +55,55 @@ def command(
     for one in loaded:
         began = time.perf_counter()
         mute = muted(one.recording, rig, names, no_displacement, spans)
-        reviews.append(_review(terminal, one, rig, model, mute, names))
+        truth = _truth(terminal, one, failed)
+        with terminal.progress(one.recording.name, len(one.recording)) as update:
+            reviews.append(review(one.recording, rig, model, truth, mute, names, update))
         seconds.append(time.perf_counter() - began)
     known = set(model.about.get("fitted_on", {}).values())
     fitted = [r.recording.fingerprint in known for r in reviews]
     print_reviews(terminal, reviews, fitted)
     terminal.json(as_json(reviews, fitted, seconds))
     if rrd is not None:
-        _save(terminal, rrd, rig, reviews, view)
+        _save(terminal, rrd, _runs(rig, loaded, reviews), markdown(reviews), view)
     return InputError.exit_code if failed else 0
 
 
-def _review(terminal: Terminal, one: Loaded, rig: Rig, model: Model, mute, names) -> Review:  # type: ignore[no-untyped-def]
-    with terminal.progress(one.recording.name, len(one.recording)) as update:
-        return review(one.recording, rig, model, one.truth_um(), mute, names, update)
+def _truth(terminal: Terminal, one: Loaded, failed: list[str]) -> Array | None:
+    """True elongation at the ticks, (K,) um; a malformed truth file is reported, and the readings serve instead."""
+    try:
+        return one.truth.at(one.recording.time_s) if one.truth else None
+    except InputError as error:
+        terminal.error(str(error))
+        failed.append(str(error))
+        one.truth = None
+        return None
 
 
-def _save(terminal: Terminal, path: Path, rig: Rig, reviews: Sequence[Review], view: bool) -> None:
-    from viz.run import Run, first_stop_s
-    from viz.save import save
+def _runs(rig: Rig, loaded: Sequence[Loaded], reviews: Sequence[Review]) -> list[Run]:
+    return [
+        Run(
+            name=one.path.stem,
+            rig=rig,
+            recording=r.recording,
+            track=r.track,
+            polyline_um=r.estimates["polyline"],
+            readings_um=r.readings,
+            reference_um=r.reference,
+            reference_name=r.reference_name,
+            errors_um=r.errors,
+            error_sd_um=r.sigma,
+            truth_C_rise=one.truth.rises(rig.thermometers, r.recording.time_s) if one.truth else None,
+        )
+        for one, r in zip(loaded, reviews, strict=True)
+    ]
+
+
+def _save(terminal: Terminal, path: Path, runs: Sequence[Run], summary: str, view: bool) -> None:
+    from viz.save import save  # rerun takes half a second to import
     from viz.viewer import open_viewer
 
-    runs = [
-        Run(
-            r.recording.name, rig, r.recording, r.track, r.estimates["polyline"], r.readings, r.reference,
-            r.reference_name, r.errors, r.sigma,
-        )
-        for r in reviews
-    ]  # fmt: skip
     with terminal.progress(f"writing {path}", len(runs)) as update:
-        save(path, runs, markdown(reviews), update)
+        save(path, runs, summary, update)
     terminal.say(f"views: {path}   (open with: rerun --bind 127.0.0.1 {path})")
     if view and not open_viewer(path, first_stop_s(runs[0])):
         terminal.say("no screen here: the viewer was not started")

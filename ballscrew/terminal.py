@@ -34,6 +34,10 @@ class Terminal:
         """One line on stderr, also when quiet."""
         self.err.print(f"note: {text}", markup=False)
 
+    def error(self, text: str) -> None:
+        """One line on stderr: an input that could not be used."""
+        self.err.print(f"error: {text}", markup=False)
+
     def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], prose: int = -1) -> None:
         """A table: first a name, then numbers with their unit in the header; the column `prose` holds text."""
         table = Table(
@@ -54,7 +58,9 @@ class Terminal:
             TextColumn("{task.fields[detail]}"),
             TimeElapsedColumn(),
         )
-        with Progress(*columns, console=self.err, transient=True, disable=self.quiet or not self.err.is_terminal) as bar:
+        with Progress(
+            *columns, console=self.err, transient=True, disable=self.quiet or not self.err.is_terminal
+        ) as bar:
             task = bar.add_task(label, total=total, detail="")
             yield lambda done, detail="": bar.update(task, completed=done, detail=detail)
 

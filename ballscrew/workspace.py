@@ -4,31 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
 
 from ballscrew.terminal import Terminal
 from drivers.recordings import find_recordings, read_recording
-from drivers.truth import read_truth
+from drivers.truth import Truth, read_truth
 from estimator.errors import InputError, SetupError
 from estimator.model import Model, load_model
-from estimator.record import Array, Recording
+from estimator.record import Recording
 from estimator.rig import Rig, load_rig
 
 BUILT_IN = Path(str(files("recordings")))
 
 
-@dataclass(frozen=True)
+@dataclass
 class Loaded:
     """A recording, and where it came from."""
 
     path: Path
     recording: Recording
 
-    def truth_um(self) -> Array | None:
-        """True elongation at the recording's ticks, (K,) um, from the truth file beside it; None without one."""
-        truth = read_truth(self.path)
-        return truth.at(self.recording.time_s) if truth else None
+    @cached_property
+    def truth(self) -> Truth | None:
+        """The truth beside the recording, None without one: opened only by who prints errors."""
+        return read_truth(self.path)
 
 
 def open_rig(logs: Sequence[Path], rig_path: Path | None, terminal: Terminal) -> Rig:
@@ -70,5 +71,5 @@ def load(logs: Sequence[Path], rig: Rig, terminal: Terminal) -> tuple[list[Loade
             except InputError as error:
                 failed.append(str(error))
     for message in failed:
-        terminal.err.print(f"error: {message}", markup=False)
+        terminal.error(message)
     return loaded, failed

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,6 +31,12 @@ class Truth:
     def at(self, time_s: Array) -> Array:
         """Elongation at other instants, (n,) um: NaN outside."""
         return np.interp(time_s, self.time_s, self.elongation_um, left=np.nan, right=np.nan)
+
+    def rises(self, names: Sequence[str], time_s: Array) -> Array:
+        """True rises of these thermometers at other instants, (n, names) K: NaN for one the truth does not hold."""
+        silent = np.full(len(self.time_s), np.nan)
+        columns = [np.interp(time_s, self.time_s, self.channels.get(name, silent)) for name in names]
+        return np.stack(columns, axis=-1)
 
 
 def truth_path(path: Path) -> Path:

@@ -48,8 +48,11 @@ def accuracy(error: Array, sigma: Array | None = None, cooling: Array | None = N
 
 
 def least_squares_line(estimate: Array, reference: Array) -> tuple[float, float, tuple[float, float]]:
-    """a, b of reference = a estimate + b (um), and the band of what remains."""
+    """a, b of reference = a estimate + b (um), and the band of what remains; NaN with fewer than two points."""
     known = np.isfinite(estimate) & np.isfinite(reference)
+    if known.sum() < 2:
+        nan = float("nan")
+        return nan, nan, (nan, nan)
     a, b = np.polyfit(estimate[known], reference[known], 1)
     rest = reference[known] - (a * estimate[known] + b)
     return float(a), float(b), (float(rest.min()), float(rest.max()))

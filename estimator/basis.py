@@ -18,8 +18,8 @@ from estimator.rig import Rig
 
 WIDEST_MM = 75.0
 CLOSEST_MM = 8.0
-NEAR_BEARING_MM = 50.0  # within this distance the profile is steep ...
-NEAR_WIDEST_MM = 31.0  # ... and the knots stand this close
+AT_BEARING_MM = 28.0  # the profile is steepest at a bearing: gaps start this wide there ...
+GRADING = 0.5  # ... and may grow by half the distance from it
 
 
 def knots(rig: Rig) -> Array:
@@ -35,10 +35,15 @@ def knots(rig: Rig) -> Array:
             places = sorted([*places, bearing.at_mm])
     filled = [places[0]]
     for lo, hi in pairwise(places):
-        near = any(lo - NEAR_BEARING_MM < b.at_mm < hi + NEAR_BEARING_MM for b in rig.supports.values())
-        pieces = int(np.ceil((hi - lo) / (NEAR_WIDEST_MM if near else WIDEST_MM)))
+        pieces = int(np.ceil((hi - lo) / _widest(lo, hi, rig)))
         filled.extend(lo + (hi - lo) * np.arange(1, pieces + 1) / pieces)
     return np.array(filled)
+
+
+def _widest(lo: float, hi: float, rig: Rig) -> float:
+    """The widest gap allowed between lo and hi, mm."""
+    away = [max(lo - b.at_mm, b.at_mm - hi, 0.0) for b in rig.supports.values()]
+    return min([WIDEST_MM, *(AT_BEARING_MM + GRADING * distance for distance in away)])
 
 
 def shapes(places_mm: Array, x_mm: Array) -> Array:

@@ -100,7 +100,7 @@ class Filter:
         self._start_z = self._kf.x[: place.size].copy()
         self.open_loop = OpenLoop(self._start_z, readings, self.rig.tick_s)
         self.started = True
-        return self._report(sample, compared, nis=np.nan)
+        return self._report(sample, compared, self.open_loop.reading, nis=np.nan)
 
     def _advance(self, sample: Sample, ticks: Ticks, k: int) -> Step:
         regime, heat = int(ticks.regime[k]), ticks.heat[k]
@@ -112,7 +112,7 @@ class Filter:
         offset = ticks.offset[k] + lag + self.open_loop.late(sample.ages_s)
         compared = self._compare(sample, offset, R)
         nis = self._update(sample.channels - offset, compared, R)
-        return self._report(sample, compared, nis)
+        return self._report(sample, compared, self.open_loop.reading + ticks.offset[k], nis)
 
     def _transition(self, regime: int) -> Transition:
         if regime not in self._transitions:
@@ -123,7 +123,7 @@ class Filter:
         rows, P = self._state.rows, self._kf.P
         predicted = rows @ self._kf.x + offset
         innovation = sample.channels - predicted
-        sd = np.sqrt(np.einsum("ij,jk,ik->i", rows, P, rows) + R)
+        sd = np.sqrt(_variances(rows, P) + R)
         wild = np.abs(innovation) > IMPLAUSIBLE_SD * sd
         self._rejected = np.where(wild, self._rejected + 1, 0)
         why = np.full(len(sd), "", dtype=object)
@@ -142,20 +142,19 @@ class Filter:
         self._kf.P = (self._kf.P + self._kf.P.T) / 2
         return float(self._kf.y @ self._kf.SI @ self._kf.y)
 
-    def _report(self, sample: Sample, compared: Comparison, nis: float) -> Step:
+    def _report(self, sample: Sample, compared: Comparison, open_loop: Array, nis: float) -> Step:
         n, x, P = self._state.n, self._kf.x, self._kf.P
         c, profile = self._state.elongation, self.view.profile
         um = 1.0 if self.view.has_span else float("nan")  # without a screw nothing grows
         table, table_sd = self._table_error(sample)
-        open_rise = self.open_loop.z - self._start_z if self.started else np.zeros(n)
         return Step(
             time_s=sample.time_s,
             mode=self._mode(compared.fuse),
             elongation_um=float(um * (c @ x)),
             sigma_um=float(um * np.sqrt(max(c @ P @ c, 0.0))),
-            open_loop_um=float(um * (self.view.growth @ open_rise)),
+            open_loop_um=float(um * (self.view.growth @ (self.open_loop.z - self._start_z))),
             profile_C=profile @ x[:n],
-            profile_sd_K=np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", profile, P[:n, :n], profile), 0.0)),
+            profile_sd_K=np.sqrt(_variances(profile, P[:n, :n])),
             bodies_C=x[n - len(self.view.bodies) : n].copy(),
             error_at_table_um=table,
             error_at_table_sd_um=table_sd,
@@ -166,7 +165,7 @@ class Filter:
             innovation_sd=compared.sd,
             fused=compared.fuse,
             why=compared.why,
-            open_loop=self.open_loop.reading if self.started else compared.predicted,
+            open_loop=open_loop,
             nis=nis,
             nis_channels=int(compared.fuse.sum()),
         )
@@ -176,12 +175,10 @@ class Filter:
         if weights is None:
             return float("nan"), float("nan")
         n = self._state.n
-        rise = self._kf.x[:n] - (self._start_z if self.started else self._kf.x[:n])
-        return float(weights @ rise), float(np.sqrt(weights @ self._kf.P[:n, :n] @ weights))
+        growth = weights @ (self._kf.x[:n] - self._start_z)
+        return float(growth), float(np.sqrt(weights @ self._kf.P[:n, :n] @ weights))
 
     def _mode(self, fuse: Array) -> Mode:
-        if not self.started:
-            return Mode.INIT
         thermometers = sum(bool(fuse[self.rig.index(name)]) for name in self.rig.thermometers)
         if fuse.any() and fuse.sum() > thermometers:
             return Mode.UPDATE
@@ -195,3 +192,8 @@ class Filter:
             sample.time_s, Mode.INIT, nan, nan, nan, empty, empty, empty, nan, nan, self.rig.names, sample.channels,
             gap, gap, gap, np.zeros(m, dtype=bool), ("waiting for a thermometer",) * m, gap, nan, 0,
         )  # fmt: skip
+
+
+def _variances(rows: Array, P: Array) -> Array:
+    """Diagonal of rows P rows', never below 0."""
+    return np.maximum(((rows @ P) * rows).sum(axis=1), 0.0)

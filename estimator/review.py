@@ -104,10 +104,14 @@ def _reference_name(rig: Rig, truth_um: Array | None) -> str:
 
 
 def _before_use(track: Track, rig: Rig, error: Array) -> tuple[Array, Array]:
-    """Where a reading was fused the error is its innovation: it is compared with the prediction made before it."""
+    """Where a reading was fused the error is its innovation: it is compared with the prediction made before it.
+
+    The first reading only tells the unknown zero: it has no error.
+    """
     i = rig.index("displacement")
     fused = track.fused[:, i]
-    return np.where(fused, track.innovation[:, i], error), np.where(fused, track.innovation_sd[:, i], track.sigma_um)
+    before = np.where(np.cumsum(fused) > 1, track.innovation[:, i], np.nan)
+    return np.where(fused, before, error), np.where(fused, track.innovation_sd[:, i], track.sigma_um)
 
 
 def cooling(recording: Recording) -> Array:
