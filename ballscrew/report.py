@@ -26,21 +26,23 @@ COLUMNS = ("reference - estimate, um", "lowest", "highest", "band", "rms", "cool
 
 def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequence[bool]) -> None:
     """A table for each of a few recordings, or a line for each of many; then all together, and those not fitted."""
-    many = len(reviews) > 2
+    judged = any(map(_judged, reviews))
+    many = judged and len(reviews) > 2
     if many:
         terminal.table("", ["band, um", *SHORT, "in 2 sd", "NIS"], [_line(r) for r in reviews])
     else:
         for review in reviews:
             _print_one(terminal, review)
-    if len(reviews) > 1:
+    if judged and len(reviews) > 1:
         terminal.say("\nall recordings together")
         terminal.table("", COLUMNS, _rows(reviews))
     rest = [r for r, was_fitted in zip(reviews, fitted, strict=True) if not was_fitted]
-    if rest and len(rest) < len(reviews):
+    if judged and rest and len(rest) < len(reviews):
         terminal.say(f"\nthe {len(rest)} that the model was not fitted to")
         terminal.table("", COLUMNS, _rows(rest))
-    terminal.say("\nband: highest minus lowest; cooldown: largest error in the 60 min after a stop")
-    terminal.say("in 2 sd: share of errors inside the filter's own two standard deviations, 95 % when it is honest")
+    if judged:
+        terminal.say("\nband: highest minus lowest; cooldown: largest error in the 60 min after a stop")
+        terminal.say("in 2 sd: share of errors inside the filter's own two standard deviations, 95 % when it is honest")
     _print_unused(terminal, reviews)
 
 
@@ -48,8 +50,17 @@ def _print_one(terminal: Terminal, review: Review) -> None:
     r = review.recording
     length = f"{duration(r.time_s[-1])}, {len(r)} ticks, {r.frames} frames"
     terminal.say(f"\n{r.name}: {length}; reference: {review.reference_name}")
-    terminal.table("", COLUMNS, _rows([review]))
+    if _judged(review):
+        terminal.table("", COLUMNS, _rows([review]))
+    else:
+        terminal.say("elongation not judged: neither a displacement channel nor a truth file")
+    heat = f"{review.one_step_K:.3f} K one tick ahead, {review.open_loop_K:.3f} K by the model alone"
+    terminal.say(f"thermometers minus prediction, rms: {heat}")
     terminal.say(f"NIS {review.nis_mean:.2f} per channel, 1 when the filter's noise is right")
+
+
+def _judged(review: Review) -> bool:
+    return bool(np.isfinite(review.reference).any())
 
 
 def _print_unused(terminal: Terminal, reviews: Sequence[Review]) -> None:
@@ -74,8 +85,8 @@ def _rows(reviews: Sequence[Review]) -> list[list[str]]:
 
 
 def _row(title: str, a: Accuracy) -> list[str]:
-    band = [f"{a.band_um[0]:+.2f}", f"{a.band_um[1]:+.2f}", f"{a.width_um:.2f}"]
-    return [title, *band, _number(a.rms_um), _number(a.cooldown_max_um), _percent(a)]
+    ends = [f"{end:+.2f}" if np.isfinite(end) else "" for end in a.band_um]
+    return [title, *ends, _number(a.width_um), _number(a.rms_um), _number(a.cooldown_max_um), _percent(a)]
 
 
 def _number(value: float) -> str:
@@ -118,6 +129,7 @@ def as_json(reviews: Sequence[Review], fitted: Sequence[bool], seconds: Sequence
         recording = r.recording
         recordings.append({
             "name": recording.name, "reference": r.reference_name, **_errors([r]), "nis_mean": r.nis_mean,
+            "temperature_K": {"one_step": r.one_step_K, "open_loop": r.open_loop_K},
             "ticks": len(recording), "frames": recording.frames, "skipped": dict(recording.skipped),
             "notes": list(recording.notes), "seconds": took,
         })  # fmt: skip
