@@ -26,9 +26,11 @@ check: $(READY)
 bench: $(READY) $(LOGS)
 	$(BIN)/python -m benchmarks
 
-pictures: $(READY) recordings/FS-20.blf
+pictures: $(READY) $(LOGS)
 	$(BIN)/ballscrew review recordings/FS-20.blf --quiet --save demo.rrd
-	$(BIN)/python -m viz.pictures demo.rrd docs/pictures
+	$(BIN)/python -m viz.pictures demo.rrd docs/pictures --window 1280x800 --only Overview --only Residuals
+	$(BIN)/ballscrew review $(LOGS) --quiet --save twelve.rrd
+	$(BIN)/python -m viz.pictures twelve.rrd docs/pictures --window 1280x800 --only Accuracy
 
 recordings: $(LOGS)
 
@@ -44,4 +46,4 @@ $(READY): pyproject.toml constraints.txt
 	touch $@
 
 clean:
-	rm -rf $(VENV) build *.egg-info demo.rrd
+	rm -rf $(VENV) build *.egg-info *.rrd
