@@ -122,6 +122,18 @@ def test_discretisation_equals_its_integrals(small):
         assert np.linalg.eigvalsh(moved.Q).min() > 0
 
 
+def test_many_short_ticks_make_a_long_one(small):
+    """Also where a mode dies out within the tick: 600 s against 600 times 1 s."""
+    _, network = assembled(small, Insulated, Leaking, reduced=False)
+    short, long = transition(network, 1, 1.0), transition(network, 1, 600.0)
+    F, J, Q = np.eye(22), np.zeros((22, 22)), np.zeros((22, 22))
+    for _ in range(600):
+        F, J, Q = short.F @ F, short.F @ J + short.J, short.F @ Q @ short.F.T + short.Q
+    for whole, parts in ((long.F, F), (long.J, J), (long.Q, Q)):
+        np.testing.assert_allclose(whole, parts, rtol=0, atol=1e-9 * abs(parts).max())
+    assert np.linalg.eigvalsh(long.Q).min() > 0
+
+
 def test_noise_of_a_heat_is_in_step_over_all_cells(small):
     place, network = assembled(small, Insulated, reduced=False)
     coverage = two_regimes(small).coverage
