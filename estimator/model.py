@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -32,7 +33,7 @@ class Value:
 class Model:
     """Effects by name, and the values of their parameters as "effect.param".
 
-    `use` keeps where a user's own effect came from; `about` what the values were fitted to.
+    `use` keeps where a user's own effect came from, seen from `folder`; `about` what the values were fitted to.
     """
 
     effects: Mapping[str, Effect]
@@ -40,6 +41,7 @@ class Model:
     use: Mapping[str, str] = field(default_factory=dict)
     about: Mapping[str, Any] = field(default_factory=dict)
     name: str = "model"
+    folder: Path | None = None
 
     def __add__(self, effect: type[Effect]) -> Model:
         """The model with one more effect, at its defaults."""
@@ -131,11 +133,11 @@ def load_model(path: Path) -> Model:
             raise SetupError(f"{path}: {name}: the effect's name is '{effect.name}'; call the table so")
         model = model + effect
         model = model.with_values(_values(effect, entry, f"{path}: {name}"))
-    return replace(model, use=use)
+    return replace(model, use=use, folder=path.parent)
 
 
 def save_model(model: Model, path: Path) -> None:
-    """Write a model TOML that `load_model` reads back unchanged, with units as comments."""
+    """Write a model TOML that `load_model` reads back unchanged, in any folder, with units as comments."""
     document = tomlkit.document()
     if model.about:
         document.add("about", tomlkit.item(dict(model.about)))
@@ -143,13 +145,21 @@ def save_model(model: Model, path: Path) -> None:
         table = tomlkit.table()
         table.comment(effect.sentence())
         if name in model.use:
-            table.add("use", model.use[name])
+            table.add("use", _seen_from(path.parent, model, name))
         for key, param in effect.params.items():
             item = _item(model.values[f"{name}.{key}"], param)
             table.add(key, item)
             item.comment(param.unit)
         document.add(name, table)
     path.write_text(tomlkit.dumps(document))
+
+
+def _seen_from(folder: Path, model: Model, name: str) -> str:
+    """Where an own effect is, for a model file in `folder`."""
+    file, _, cls = model.use[name].partition(":")
+    if model.folder is None:
+        return model.use[name]
+    return f"{Path(os.path.relpath(model.folder / file, folder)).as_posix()}:{cls}"
 
 
 def _item(value: Value, param: Param) -> tomlkit.items.Item:
