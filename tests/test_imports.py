@@ -1,0 +1,86 @@
+"""Imports go one way: the application uses everything, drivers and views only what the estimator measures and says."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+OURS = {"ballscrew", "drivers", "viz", "estimator", "recordings"}
+TYPES = {"record", "rig", "step", "errors"}  # what an estimator is told and what it says
+FILES = sorted(path for top in OURS for path in (ROOT / top).rglob("*.py"))
+
+
+def imported(path: Path) -> set[str]:
+    """Every module that a file imports, with dots; `from x import y` counts as x.y too where x is a package of ours."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            found.add(node.module)
+            package = ROOT / node.module.replace(".", "/")
+            found |= {f"{node.module}.{a.name}" for a in node.names if package.is_dir()}
+    return found
+
+
+def top(module: str) -> str:
+    return module.partition(".")[0]
+
+
+def files(*parts: str) -> list[Path]:
+    inside = ROOT.joinpath(*parts)
+    found = [path for path in FILES if path.is_relative_to(inside)]
+    assert len(found) > 3
+    return found
+
+
+def name(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("path", files("estimator"), ids=name)
+def test_the_estimator_needs_numbers_and_toml_only(path):
+    allowed = {"numpy", "scipy", "filterpy", "tomlkit", "estimator"} | sys.stdlib_module_names
+    assert {top(module) for module in imported(path)} <= allowed
+
+
+@pytest.mark.parametrize("path", files("estimator"), ids=name)
+def test_the_estimator_has_no_clock_thread_or_print(path):
+    worldly = {"time", "datetime", "threading", "asyncio", "multiprocessing", "subprocess", "socket", "logging"}
+    assert not {top(module) for module in imported(path)} & worldly
+    calls = [node.func for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)]
+    assert not [call for call in calls if isinstance(call, ast.Name) and call.id in ("print", "input", "exec", "eval")]
+
+
+@pytest.mark.parametrize("path", files("drivers", "virtual_rig"), ids=name)
+def test_the_virtual_rig_shares_nothing_with_what_is_judged_on_it(path):
+    ours = {module for module in imported(path) if top(module) in OURS}
+    assert {module for module in ours if not module.startswith("drivers.virtual_rig")} == set()
+
+
+@pytest.mark.parametrize("path", files("drivers"), ids=name)
+def test_drivers_know_the_estimator_s_types_only(path):
+    ours = {module for module in imported(path) if top(module) in OURS - {"drivers"}}
+    assert {top(module) for module in ours} <= {"estimator"}
+    assert {module.split(".")[1] for module in ours if "." in module} <= TYPES
+
+
+@pytest.mark.parametrize("path", files("viz"), ids=name)
+def test_views_know_the_estimator_s_types_only(path):
+    ours = {module for module in imported(path) if top(module) in OURS - {"viz"}}
+    assert {top(module) for module in ours} <= {"estimator"}
+    assert {module.split(".")[1] for module in ours if "." in module} <= TYPES
+
+
+def test_nobody_imports_the_application():
+    users = {name(path) for path in FILES if "ballscrew" in {top(module) for module in imported(path)}}
+    assert {Path(user).parts[0] for user in users} == {"ballscrew"}
+
+
+def test_the_filter_uses_filterpy():
+    assert "filterpy.kalman" in imported(ROOT / "estimator" / "filter.py")
