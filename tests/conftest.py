@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
 
+from ballscrew.cli import main
 from drivers.virtual_rig import simulate
 from estimator.effects import CATALOGUE
 from estimator.effects.air import StillAir
@@ -135,6 +140,16 @@ def _live(model: Model, rig: Rig, drive: Recording, seed: int | None = None, pro
 def live() -> Callable[..., Lived]:
     """live(model, rig, drive, seed, process): what the rig's channels would read if the model were the truth."""
     return _live
+
+
+def ballscrew(*words: object) -> tuple[int, str, str]:
+    """Exit status, stdout and stderr of `ballscrew WORDS`."""
+    out, err = io.StringIO(), io.StringIO()
+    command = mock.patch.object(sys, "argv", ["ballscrew", *map(str, words)])
+    ended = pytest.raises(SystemExit)
+    with command, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), ended as status:
+        main()
+    return status.value.code or 0, out.getvalue(), err.getvalue()
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,157 @@
+"""What a command works on: rig folders, models, recordings; and that a fit never sees the truth."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tomllib
+from pathlib import Path
+from unittest import mock
+
+import pytest
+from conftest import ballscrew as run
+
+from estimator.model import load_model
+
+PAPER = Path(__file__).parents[1] / "recordings"
+FREE = {"nut_friction.power", "anchor_friction.power"}
+
+
+@pytest.fixture
+def folder(fs20_log, tmp_path) -> Path:
+    """A rig folder: rig, model with two free parameters, and FS-20 with its truth in a folder below."""
+    shutil.copy(PAPER / "rig.toml", tmp_path)
+    model = load_model(PAPER / "model.toml")
+    lines = [
+        f'[{name}]\n' + "".join(
+            f"{key} = {{value = {model[path]}, fixed = {str(path not in FREE).lower()}}}\n"
+            for key, path in ((key, f"{name}.{key}") for key in effect.params)
+        )
+        for name, effect in model.effects.items()
+    ]  # fmt: skip
+    (tmp_path / "model.toml").write_text("\n".join(lines))
+    (tmp_path / "logs").mkdir()
+    for path in (fs20_log, fs20_log.with_name("FS-20.truth.csv")):
+        shutil.copy(path, tmp_path / "logs")
+    return tmp_path
+
+
+def test_without_a_rig_file_above_the_built_in_rig_is_used_and_named(fs20_log):
+    status, out, _ = run("review", fs20_log)
+    assert status == 0
+    assert "no rig.toml at or above" in out
+    assert "using the built-in rig, the paper's ball screw" in out
+
+
+def test_the_nearest_rig_folder_is_used(folder):
+    rig = folder / "rig.toml"
+    rig.write_text(rig.read_text().replace('subset_7 = ["T02", ', 'subset_7 = ["T01", '))
+    status, out, err = run("review", folder / "logs", "--json")
+    assert status == 0
+    assert "built-in" not in out + err
+    nearest = json.loads(out)["recordings"][0]["polyline_7"]
+    named = [json.loads(run("review", folder / "logs", "--rig", path, "--json")[1]) for path in (rig, folder, PAPER)]
+    assert [found["recordings"][0]["polyline_7"] == nearest for found in named] == [True, True, False]
+
+
+def test_a_folder_means_its_recordings_and_never_the_truth(folder):
+    status, out, _ = run("review", folder / "logs", "--json")
+    assert status == 0
+    assert [r["name"] for r in json.loads(out)["recordings"]] == ["FS-20.log"]
+    status, _, err = run("review", folder / "logs" / "FS-20.truth.csv")
+    assert status == 1
+    assert "no recordings in there" in err
+
+
+def test_wrong_rig_and_model_end_with_2(folder):
+    log = folder / "logs" / "FS-20.log"
+    (folder / "model.toml").write_text("[nut_friction]\npowr = 3\n")
+    status, _, err = run("review", log)
+    assert status == 2
+    assert err.strip() == f"error: {folder.resolve() / 'model.toml'}: nut_friction has no 'powr'; did you mean 'power'?"
+    (folder / "model.toml").unlink()
+    assert run("review", log)[0] == 2
+    assert run("review", log, "--model", PAPER / "model.toml")[0] == 0
+    (folder / "rig.toml").write_text("name = 3")
+    assert run("review", log)[0] == 2
+    assert run("review", log, "--rig", folder / "none")[0] == 2
+
+
+def test_a_model_of_another_geometry_is_said(folder):
+    text = (folder / "rig.toml").read_text()
+    (folder / "rig.toml").write_text(text.replace("conductivity = 46.0", "conductivity = 45.0"))
+    _, _, err = run("review", folder / "logs", "--model", PAPER / "model.toml")
+    assert "was fitted to another geometry or material than" in err
+    (folder / "rig.toml").write_text(text)
+    assert "another geometry" not in run("review", folder / "logs", "--model", PAPER / "model.toml")[2]
+
+
+def test_a_spoilt_truth_is_said_and_the_readings_serve(folder):
+    (folder / "logs" / "FS-20.truth.csv").write_text("time_s,elongation_um\n0,x\n")
+    status, out, err = run("review", folder / "logs", "--json")
+    assert status == 1
+    assert "FS-20.truth.csv: cannot be read as a truth file" in err
+    assert json.loads(out)["recordings"][0]["reference"] == "readings"
+
+
+def test_fit_writes_a_model_that_review_calls_fitted(folder):
+    out = folder / "new.toml"
+    status, text, _ = run("fit", folder / "logs", "-o", out, "--json")
+    told = json.loads(text)
+    assert status == 0
+    assert set(told["parameters"]) == FREE
+    assert told["converged"]
+    assert told["open_loop"]["after"]["temperature_K"] < told["open_loop"]["before"]["temperature_K"]
+    model = load_model(out)
+    for path in FREE:
+        assert model[path] == pytest.approx(told["parameters"][path]["value"], rel=1e-4)
+    assert list(model.about["fitted_on"]) == ["FS-20.log"]
+    copy = folder / "logs" / "copy.log"
+    shutil.copy(folder / "logs" / "FS-20.log", copy)
+    assert json.loads(run("review", copy, "--model", out, "--json")[1])["held_out"] is None
+    assert json.loads(run("review", copy, "--json")[1])["held_out"] is not None
+
+
+def test_fit_never_opens_the_truth(folder):
+    opened = []
+    real = Path.open
+    spy = mock.patch.object(Path, "open", lambda self, *a, **k: opened.append(self.name) or real(self, *a, **k))
+    with spy:
+        assert run("fit", folder / "logs", "-o", folder / "with.toml")[0] == 0
+        assert "FS-20.truth.csv" not in opened
+        assert run("review", folder / "logs")[0] == 0
+        assert "FS-20.truth.csv" in opened
+    (folder / "logs" / "FS-20.truth.csv").write_bytes(b"\xff not a table")
+    assert run("fit", folder / "logs", "-o", folder / "spoilt.toml")[0] == 0
+    assert (folder / "with.toml").read_text() == (folder / "spoilt.toml").read_text()
+
+
+def test_fit_without_free_parameters_ends_with_2(folder):
+    text = (folder / "model.toml").read_text()
+    (folder / "model.toml").write_text(text.replace("fixed = false", "fixed = true"))
+    status, _, err = run("fit", folder / "logs", "-o", folder / "m.toml")
+    assert status == 2
+    assert "every parameter is fixed; nothing to fit" in err
+    assert not (folder / "m.toml").exists()
+
+
+def test_show_prints_every_effect_with_equation_values_and_units(full):
+    status, out, _ = run("show", PAPER / "model.toml")
+    assert status == 0
+    for name, effect in full.effects.items():
+        assert name in out
+        assert effect.equation().splitlines()[0] in out
+        assert all(param.unit in out for param in effect.params.values())
+    assert "fitted on FS-20.blf, FS-5.blf, CS-10.blf, ES-2.5.blf" in out
+
+
+def test_show_as_json_is_the_model_file(full):
+    told = json.loads(run("show", PAPER / "model.toml", "--json")[1])
+    table = tomllib.loads((PAPER / "model.toml").read_text())
+    assert told["about"] == table.pop("about")
+    assert list(told["effects"]) == list(table)
+    for name, effect in told["effects"].items():
+        for key, parameter in effect["parameters"].items():
+            entry = table[name][key]
+            assert parameter["value"] == pytest.approx(entry["value"] if isinstance(entry, dict) else entry)
+            assert parameter["unit"] == full.param(f"{name}.{key}").unit
