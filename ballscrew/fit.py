@@ -11,7 +11,7 @@ from ballscrew.options import logs_argument, output_options, rig_options
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import load, open_model, open_rig
 from estimator.errors import InputError
-from estimator.fit import Fit, fit
+from estimator.fit import Fit, Fitted, fit
 from estimator.model import save_model
 
 
@@ -50,7 +50,7 @@ def command(
 
 def _print(terminal: Terminal, found: Fit) -> None:
     rows = [
-        [f.path, f"{f.before:.4g}", f"{f.value:.4g}", f"{f.sd:.2g}", f.unit, "at its bound" if f.at_bound else ""]
+        [f.path, f"{f.before:.4g}", f"{f.value:.4g}", f"{f.sd:.2g}" if np.isfinite(f.sd) else "", f.unit, _remark(f)]
         for f in found.parameters
     ]
     terminal.table("", ["parameter", "before", "fitted", "+- sd", "unit", ""], rows)
@@ -59,6 +59,12 @@ def _print(terminal: Terminal, found: Fit) -> None:
     terminal.say(f"open-loop misfit, rms: thermometers {k0:.3f} -> {k1:.3f} K{lengths}")
     if not found.converged:
         terminal.say(f"not converged after {found.evaluations} runs: the best so far was kept; fit again from it")
+
+
+def _remark(f: Fitted) -> str:
+    if not np.isfinite(f.sd):
+        return "without influence"
+    return "at its bound" if f.at_bound else ""
 
 
 def _as_json(found: Fit) -> dict[str, object]:

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from estimator.coarse import coarse
+from estimator.effect import Param
 from estimator.errors import InputError, SetupError
 from estimator.filter import Filter
 from estimator.forcing import Forcing
@@ -35,7 +36,7 @@ Progress = Callable[[int, float], None]
 
 @dataclass(frozen=True)
 class Fitted:
-    """One fitted parameter: value and standard deviation in `unit`; whether it ended at a bound."""
+    """One fitted parameter: value and sd in `unit` (NaN: it has no influence); whether it ended at a bound."""
 
     path: str
     before: float
@@ -126,14 +127,12 @@ def fit(model: Model, rig: Rig, recordings: Sequence[Recording], each: Progress 
     bounds = np.array([p.lo for p in params]) / unit, np.array([p.hi for p in params]) / unit
     inside = np.clip(start / unit, bounds[0] + 1e-6, bounds[1] - 1e-6)
     found = least_squares(residual, inside, bounds=bounds, x_scale="jac", xtol=1e-4, ftol=1e-5, diff_step=1e-4)
-    sd = _sd(found.jac, found.fun, _blocks(runs)) * unit
+    sd = _sd(found.jac, found.fun, _blocks(runs), BLOCK_S / runs[0].forcing.rig.tick_s) * unit
     fitted = tuple(
-        Fitted(
-            path, old, float(x * u), float(s), p.unit, bool(min(x * u - p.lo, p.hi - x * u) < AT_BOUND * (p.hi - p.lo))
-        )
+        Fitted(path, old, float(x * u), float(s), p.unit, _at_bound(x * u, p))
         for path, old, x, u, s, p in zip(free, start, found.x, unit, sd, params, strict=True)
     )
-    better = model.with_values({f.path: Value(f.value, f.sd) for f in fitted})
+    better = model.with_values({f.path: Value(f.value, f.sd if np.isfinite(f.sd) else None) for f in fitted})
     about = {"rig": rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in recordings}}
     better = replace(better, about={**model.about, **about})
     return Fit(better, fitted, misfit(model, runs), misfit(better, runs), found.status > 0, count)
@@ -161,16 +160,28 @@ def _size(value: float, lo: float, hi: float) -> float:
     return abs(value) if value else min(1.0, 0.1 * (hi - lo))
 
 
-def _sd(jacobian: Array, residual: Array, block: Array) -> Array:
+def _at_bound(value: float, p: Param) -> bool:
+    width = p.hi - p.lo if np.isfinite(p.hi - p.lo) else abs(value)
+    return bool(min(value - p.lo, p.hi - value) < AT_BOUND * width)
+
+
+def _sd(jacobian: Array, residual: Array, block: Array, steps: float) -> Array:
     """Standard deviations A^-1 B A^-1 with A = J'J and B summed over blocks of time.
 
     Residuals of an open-loop run stay alike for minutes, so that neighbours are no independent evidence: what sums up
-    inside a block of ten minutes counts once. Rows beyond the blocks are priors: they add to A only.
+    inside a block of `steps` steps counts once. Rows beyond the blocks are priors: they add to A only. At the best fit
+    the blocks sum up to zero, so that few of them say nothing: then each counts as one reading with the mean misfit.
+    NaN for a parameter without influence.
     """
     bread = np.linalg.pinv(jacobian.T @ jacobian)
-    sums = np.zeros((block.max() + 1, jacobian.shape[1]))
-    np.add.at(sums, block, jacobian[: len(block)] * residual[: len(block), None])
-    return np.sqrt(np.maximum(np.diag(bread @ (sums.T @ sums) @ bread), 0.0))
+    blocks, parameters = block.max() + 1, jacobian.shape[1]
+    rows, rest = jacobian[: len(block)], residual[: len(block)]
+    sums = np.zeros((blocks, parameters))
+    np.add.at(sums, block, rows * rest[:, None])
+    few = blocks <= 2 * parameters
+    middle = np.mean(rest**2) * steps * rows.T @ rows if few else sums.T @ sums
+    sd = np.sqrt(np.maximum(np.diag(bread @ middle @ bread), 0.0))
+    return np.where(np.any(rows != 0, axis=0), sd, np.nan)
 
 
 def _blocks(runs: Sequence[Run]) -> Array:
