@@ -109,6 +109,13 @@ def test_shapes_are_one_at_their_knot_and_sum_to_one():
     np.testing.assert_allclose(basis.shapes(places, np.linspace(0, 200, 77)).sum(axis=1), 1, atol=1e-12)
 
 
+def test_shapes_follow_any_cubic_up_to_the_ends():
+    """Also one that is steep at an end, as where a bar is chilled there."""
+    places, x = np.array([0.0, 40, 90, 140, 200]), np.linspace(0, 200, 50)
+    cubic = np.polynomial.Polynomial([3.0, -0.2, 2e-3, -7e-6])
+    np.testing.assert_allclose(basis.shapes(places, x) @ cubic(places), cubic(x), atol=1e-9)
+
+
 def test_knots_stand_at_thermometers_bearings_and_ends(rig):
     knots = basis.knots(rig)
     assert (np.diff(knots) > 0).all()

@@ -1,0 +1,111 @@
+"""Inputs: gaps are held, temperatures of a steady rig zeroed, and pieces are the whole."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimator.errors import SetupError
+from estimator.inputs import InputReader
+from estimator.regime import Regimes
+from estimator.start import Start, read_start
+
+NAN = np.nan
+
+
+@pytest.fixture
+def run(small, driven):
+    """Eight ticks: air read from the third on with a gap, probe never, position with a gap."""
+    drive = driven(small, 8, (2, 6), stroke=(0.0, 100.0))
+    ambient = np.array([NAN, NAN, 21.0, 21.5, NAN, NAN, 23.0, NAN])
+    inputs = {**drive.inputs, "ambient": ambient, "probe": np.full(8, NAN)}
+    inputs["position"] = np.array([NAN, 40.0, 50, NAN, 60, 70, 80, 90])
+    return replace(drive, inputs=inputs)
+
+
+@pytest.fixture
+def start():
+    return Start(22.0, 0.0, {"ambient": -1.0, "probe": 0.0, "nut": 0.5, "bar": 0.0, "board": 0.0, "position": 0.0})
+
+
+def test_gaps_hold_the_last_value_and_nothing_has_risen_before(small, run, start):
+    u = InputReader(small, start).read(run)
+    np.testing.assert_array_equal(u["ambient"][:, 0], [22, 22, 22, 22.5, 22.5, 22.5, 24, 24])  # zeroed by -1 K
+    np.testing.assert_array_equal(u.rise("ambient")[:, 0], [0, 0, 0, 0.5, 0.5, 0.5, 2, 2])
+    np.testing.assert_array_equal(u["position"][:, 0], [0, 40, 50, 50, 60, 70, 80, 90])
+    assert (u["probe"] == 22).all()
+    assert (u.rise("probe") == 0).all()
+    assert (u["nut"] == 21.5).all()
+    assert (u.rise("no such input") == 0).all()
+    assert ("bar" in u, "no such input" in u, len(u)) == (True, False, 8)
+
+
+def test_a_silent_drive_stands_still_where_the_nut_was(small, run, start):
+    silent = replace(run, omega=run.omega.copy(), coverage=run.coverage.copy())
+    silent.omega[4] = NAN
+    silent.coverage[5] = NAN
+    u = InputReader(small, start).read(silent)
+    np.testing.assert_array_equal(u.omega[:, 0], [0, 0, *run.omega[2:4], 0, run.omega[5], 0, 0])
+    np.testing.assert_array_equal(u.coverage[[4, 5]], run.coverage[[3, 3]])
+    np.testing.assert_array_equal(np.delete(u.coverage, [4, 5], 0), np.delete(run.coverage, [4, 5], 0))
+
+
+@pytest.mark.parametrize("cut", [1, 3, 5])
+def test_pieces_are_the_whole(small, run, start, cut):
+    run.omega[3] = NAN
+    run.coverage[5] = NAN
+    whole, reader = InputReader(small, start).read(run), InputReader(small, start)
+    pieces = [reader.read(run.rows(slice(k, min(k + cut, 8)))) for k in range(0, 8, cut)]
+    for name in small.inputs:
+        np.testing.assert_array_equal(np.vstack([u[name] for u in pieces]), whole[name])
+        np.testing.assert_array_equal(np.vstack([u.rise(name) for u in pieces]), whole.rise(name))
+    np.testing.assert_array_equal(np.vstack([u.coverage for u in pieces]), whole.coverage)
+    np.testing.assert_array_equal(np.vstack([u.omega for u in pieces]), whole.omega)
+
+
+def test_an_unknown_input_names_what_was_meant(small, run, start):
+    with pytest.raises(SetupError, match=r"^needs the input 'ambiant', .* did you mean 'ambient'\?"):
+        InputReader(small, start).read(run)["ambiant"]
+
+
+def first(small, driven, channels, omega=0.0, **inputs):
+    sample = driven(small, 1).sample(0)
+    return replace(sample, channels=np.array(channels), omega=omega, inputs={**sample.inputs, **inputs})
+
+
+def test_a_steady_rig_zeroes_the_temperatures_near_it(small, driven):
+    found = read_start(first(small, driven, [22, 22.1, 22.05, NAN, 7], ambient=21.05, nut=24.0, bar=NAN), small)
+    assert (found.level_C, found.spread_K) == pytest.approx((22.05, 0.1))
+    expected = {"ambient": -1.0, "nut": 0.0, "probe": -0.05, "bar": 0.0, "board": -0.05, "position": 0.0}
+    assert found.zero_K == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("channels", "omega"), [([22, 22.5, 22, 22, NAN], 0.0), ([22, 22, 22, 22, NAN], 50.0)])
+def test_a_warm_or_turning_rig_is_taken_as_it_is(small, driven, channels, omega):
+    found = read_start(first(small, driven, channels, omega, ambient=21.0), small)
+    assert set(found.zero_K.values()) == {0.0}
+
+
+def test_without_a_thermometer_there_is_no_start(small, driven):
+    assert read_start(first(small, driven, [NAN, NAN, NAN, NAN, 7.0]), small) is None
+
+
+def test_a_regime_holds_while_speed_and_place_hold():
+    regimes, here, there = Regimes(1.0), np.array([1.0, 1, 0, 0]), np.array([0.0, 0, 1, 1])
+    assert [regimes.index(0.0, here), regimes.index(0.0, here), regimes.index(0.0, there)] == [0, 0, 1]
+    assert [regimes.index(100.0, here), regimes.index(103.0, here), regimes.index(100.0, here)] == [2, 2, 2]
+    assert regimes.index(0.3, here) == 0  # slower than 5 rpm is at rest
+    assert regimes.index(160.0, here) == 3
+    assert regimes.omega == [0.0, 0.0, 100.0, 160.0]
+
+
+def test_a_moving_regime_is_the_mean_of_the_last_minute():
+    regimes = Regimes(1.0)
+    here, there = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+    for k in range(200):
+        last = regimes.index(100.0, here if k < 60 else there)
+    np.testing.assert_allclose(regimes.coverage[last], there, atol=0.11)
+    np.testing.assert_array_equal(regimes.coverage[0], here)
+    assert 8 <= len(regimes.omega) <= 12
