@@ -19,7 +19,7 @@ from estimator.inputs import Inputs
 from estimator.model import Model
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.terms import SCREW, Chain, Heat, Lag, Link, Read, Store, Term
+from estimator.terms import ELONGATION, SCREW, Chain, Expand, Heat, Lag, Link, Read, Store, Term
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def network(model: Model, rig: Rig, place: Layout, u: Inputs) -> Network:
             _couple(g, cells[:-1], cells[1:], term.g)
         elif isinstance(term, Link):
             _link(g, inflow, place, term)
-        elif isinstance(term, Heat):
+        elif isinstance(term, Heat) and term.node in place.nodes:
             rank_one = np.zeros((regimes, size), dtype)
             rank_one[:, place.nodes[term.node]] = term.noise
             noise += rank_one[:, :, None] * rank_one[:, None, :]
@@ -152,12 +152,18 @@ def heat(terms: Sequence[Term], place: Layout, ticks: int) -> Array:
     """V'q: heat put in, projected on the states, (ticks, n) W."""
     total = np.zeros((ticks, place.size))
     for term in terms:
-        if isinstance(term, Heat):
-            total = (
-                total
-                + np.broadcast_to(term.q, (ticks, _width(term.node, place))) @ place.shapes[place.nodes[term.node]]
-            )
+        if isinstance(term, Heat) and term.node in place.nodes:
+            q = np.broadcast_to(term.q, (ticks, _width(term.node, place)))
+            total = total + q @ place.shapes[place.nodes[term.node]]
     return total
+
+
+def growth(terms: Sequence[Term], rig: Rig, place: Layout, from_mm: float, to_mm: float) -> Array:
+    """Weights (n,) um/K: growth of the screw between two places; zeros without a screw."""
+    if rig.screw is None or SCREW not in place.nodes:
+        return np.zeros(place.size)
+    share = 1.0 + sum(term.error for term in terms if isinstance(term, Expand))
+    return np.asarray(share * rig.screw.growth(from_mm, to_mm) @ place.shapes[place.nodes[SCREW]])
 
 
 def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
@@ -172,15 +178,23 @@ def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
 def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
     """H, scatter, lags and zeros of the channels; one that no effect reads has a row of zeros and sd inf."""
     m = len(rig.names)
-    rows, sd = np.zeros((m, place.size)), np.full(m, np.inf)
+    rows, variance, known = np.zeros((m, place.size)), np.zeros(m), np.zeros(m, dtype=bool)
     tau, lag_noise, zero_sd, zero_walk = np.zeros((4, m))
     for term in terms:
         if isinstance(term, Read):
             i = rig.index(term.channel)
-            for node, weight in term.weights.items():
-                rows[i] += np.atleast_1d(weight) @ place.shapes[place.nodes[node]]
-            sd[i], zero_sd[i], zero_walk[i] = term.sd, term.zero_sd, term.zero_walk
+            rows[i] += sum((_row(node, weight, terms, rig, place) for node, weight in term.weights.items()), 0.0)
+            variance[i] += term.sd**2
+            known[i] = True
+            zero_sd[i], zero_walk[i] = np.hypot(zero_sd[i], term.zero_sd), np.hypot(zero_walk[i], term.zero_walk)
         elif isinstance(term, Lag):
             i = rig.index(term.channel)
-            tau[i], lag_noise[i] = term.tau, term.noise
-    return Readings(rows, sd, tau, lag_noise, zero_sd, zero_walk)
+            tau[i], lag_noise[i] = tau[i] + term.tau, np.hypot(lag_noise[i], term.noise)
+    return Readings(rows, np.where(known, np.sqrt(variance), np.inf), tau, lag_noise, zero_sd, zero_walk)
+
+
+def _row(node: str, weight: Array | float, terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
+    """What one weight of a Read adds to its row, (n,)."""
+    if node == ELONGATION:
+        return weight * growth(terms, rig, place, *rig.the_screw().span_mm)
+    return np.atleast_1d(weight) @ place.shapes[place.nodes[node]]

@@ -88,7 +88,7 @@ class Filter:
         self.forcing = Forcing(self.model, self.rig, start)
         self._ticks(collect("", [sample]))
         place, readings = self.forcing.place, self.forcing.readings
-        self.view = View(self.rig, place)
+        self.view = View(self.rig, place, self.forcing.terms)
         self._state = Augmented(readings, self.view.growth)
         self._kf = KalmanFilter(dim_x=self._state.size, dim_z=len(self.rig.names))
         inputs = {name: value - start.zero_K[name] for name, value in sample.inputs.items()}

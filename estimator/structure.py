@@ -11,7 +11,7 @@ from estimator.errors import SetupError, nearest
 from estimator.inputs import Inputs
 from estimator.model import Model
 from estimator.rig import Rig
-from estimator.terms import Chain, Heat, Lag, Link, Read, Store, Term
+from estimator.terms import ELONGATION, Chain, Heat, Lag, Link, Read, Store, Term
 
 
 def checked_terms(model: Model, u: Inputs, rig: Rig) -> list[Term]:
@@ -38,12 +38,12 @@ def _words(terms: Iterable[Term], stored: set[str], rig: Rig) -> Iterator[tuple[
         if isinstance(term, Link):
             for end in (term.a, term.b):
                 yield end, stored | {*rig.inputs}, f"a Link ends at '{end}', {unstored} and {file} has not in [inputs]"
-        elif isinstance(term, (Heat, Chain)):
+        elif isinstance(term, Chain) or (isinstance(term, Heat) and not term.spare):
             yield term.node, stored, f"a {type(term).__name__} is in '{term.node}', {unstored}"
         elif isinstance(term, (Read, Lag)):
             yield term.channel, {*rig.channels}, f"reads '{term.channel}', which {file} has not in [channels]"
             for node in term.weights if isinstance(term, Read) else ():
-                yield node, stored, f"channel '{term.channel}' reads '{node}', {unstored}"
+                yield node, stored | {ELONGATION}, f"channel '{term.channel}' reads '{node}', {unstored}"
 
 
 def _alike(terms: Sequence[Term], others: Sequence[Term]) -> bool:

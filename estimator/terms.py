@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 SCREW = "screw"
+ELONGATION = "elongation"  # in the weights of a Read: growth of the measured span, um
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,19 +52,21 @@ class Heat:
     """q W put into the node (per cell for the screw).
 
     noise  W/sqrt(Hz), same shape as q: the part of this heat that scatters, in step over all cells
+    spare  where no effect stores the node the heat leaves the rig unseen; else that is an error
     """
 
     node: str
     q: Any
     noise: Any = 0.0
+    spare: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Read:
     """A channel reads sum(w T) + offset: degC, or um for the displacement.
 
-    weights    node -> weight (1, or (cells,) for the screw)
-    sd         scatter of one reading, in the channel's unit
+    weights    node -> weight (1, or (cells,) for the screw), or ELONGATION -> 1
+    sd         scatter of one reading, in the channel's unit; a channel's several Reads add, their scatter in squares
     offset     what the reading shows beside the temperatures, in the channel's unit
     zero_sd    above 0: the reading's zero is unknown and becomes a state, with this sd at the start ...
     zero_walk  ... that wanders, in unit/sqrt(s)
@@ -89,4 +92,11 @@ class Lag:
     noise: Any = 0.0
 
 
-Term = Store | Chain | Link | Heat | Read | Lag
+@dataclass(frozen=True, eq=False)
+class Expand:
+    """The screw expands by (1 + error) times what the rig file says."""
+
+    error: Any
+
+
+Term = Store | Chain | Link | Heat | Read | Lag | Expand

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from estimator import basis
-from estimator.assemble import Layout
+from estimator.assemble import Layout, growth
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.terms import SCREW
+from estimator.terms import SCREW, Term
 
 PLACES = 99
 
@@ -20,8 +22,8 @@ class View:
     x_mm     (x,) places of the profile; `profile` (x, n) its weights
     """
 
-    def __init__(self, rig: Rig, place: Layout) -> None:
-        self.rig, self.place = rig, place
+    def __init__(self, rig: Rig, place: Layout, terms: Sequence[Term]) -> None:
+        self.rig, self.place, self._terms = rig, place, terms
         self.bodies = place.bodies
         screw = rig.screw if SCREW in place.nodes else None
         self._screw = screw
@@ -30,8 +32,7 @@ class View:
             self.x_mm, self.profile = np.empty(0), np.empty((0, place.size))
             self.growth = np.zeros(place.size)
             return
-        self._cells = place.shapes[place.nodes[SCREW]]
-        self.growth = screw.growth(*screw.span_mm) @ self._cells
+        self.growth = growth(terms, rig, place, *screw.span_mm)
         self.x_mm = np.linspace(screw.from_mm, screw.to_mm, PLACES)
         self.profile = np.zeros((PLACES, place.size))
         knots = len(place.knots_mm)
@@ -46,4 +47,4 @@ class View:
         if self._screw is None or rig.nut is None or "anchor" not in rig.supports or not np.isfinite(position_mm):
             return None
         nut, anchor = float(rig.nut.centre(np.array(position_mm))), rig.supports["anchor"].at_mm
-        return self._screw.growth(min(nut, anchor), max(nut, anchor)) @ self._cells
+        return growth(self._terms, rig, self.place, min(nut, anchor), max(nut, anchor))

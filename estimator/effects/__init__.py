@@ -7,7 +7,7 @@ from estimator.effects.air import RotatingConvection, StillAir
 from estimator.effects.bearings import AnchorFriction, AnchorHousing, FreeFriction, FreeHousing
 from estimator.effects.nut import NutBody, NutFriction
 from estimator.effects.readings import Displacement, Thermometers
-from estimator.effects.screw import Conduction
+from estimator.effects.screw import Conduction, ExpansionError
 
 CATALOGUE: dict[str, type[Effect]] = {
     effect.name: effect
@@ -23,5 +23,6 @@ CATALOGUE: dict[str, type[Effect]] = {
         FreeHousing,
         Thermometers,
         Displacement,
+        ExpansionError,
     )
 }

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from estimator.effect import Effect, Param
 from estimator.inputs import Inputs
 from estimator.rig import Rig
-from estimator.terms import SCREW, Lag, Read, Term
+from estimator.terms import ELONGATION, SCREW, Lag, Read, Term
 
 
 class Thermometers(Effect):
@@ -40,7 +40,7 @@ class Thermometers(Effect):
 class Displacement(Effect):
     """The probes read the growth of the measured span, and their own and the bar's expansion.
 
-    y = integral of rho T dx + probe (T_probe - T_probe(0)) - bar (T_bar - T_bar(0)) + zero
+    y = elongation + probe (T_probe - T_probe(0)) - bar (T_bar - T_bar(0)) + zero
 
     The zero is unknown, since the peak hold of the turning screw has no reading at rest to compare with.
     """
@@ -53,5 +53,4 @@ class Displacement(Effect):
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         offset = p.probe * u.rise("probe") - p.bar * u.rise("bar")
-        growth = rig.the_screw().growth(*rig.the_screw().span_mm)
-        yield Read("displacement", {SCREW: growth}, p.sd, offset, zero_sd=p.zero_sd, zero_walk=p.zero_walk)
+        yield Read("displacement", {ELONGATION: 1.0}, p.sd, offset, zero_sd=p.zero_sd, zero_walk=p.zero_walk)
