@@ -44,6 +44,13 @@ def test_the_half_stroke_before_the_first_held_value(run, rig, full):
     assert joined(run, rig, full) == pytest.approx({6: 3.0, 10: 9.0, 14: 13.0, 18: 16.0, 22: 18.0})
 
 
+@pytest.mark.parametrize(("first", "share"), [(5, 0.25), (7, 0.75), (12, 1.0)])
+def test_a_first_value_that_comes_early_or_late_counts_by_its_time(first, share, run, rig, full):
+    """A share of the next stroke's growth, but never more than the whole."""
+    held(run, {first: 100.0, first + 4: 108.0, 22: 110.0})
+    assert joined(run, rig, full)[first] == pytest.approx(8.0 * share)
+
+
 def test_the_half_stroke_after_the_last_and_the_join_at_the_stop(run, rig, full):
     """From the last centre (22 s) to the stop (24 s) half of the last stroke's growth; direct readings join there."""
     held(run, {6: 100.0, 10: 106.0, 14: 110.0, 18: 113.0, 22: 115.0})

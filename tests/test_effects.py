@@ -65,7 +65,10 @@ def test_invisible_at_null(effect, full, rig, drive):
     assert nulls
     without = open_loop(full - effect.name, rig, drive)
     np.testing.assert_allclose(open_loop(full.with_values(nulls), rig, drive), without, rtol=0, atol=1e-9)
-    assert abs(open_loop(full, rig, drive) - without).max() > 0.01
+    for path, null in nulls.items():
+        param = full.param(path)
+        seen = full.with_values({**nulls, path: param.hi if param.value == null else param.value})
+        assert abs(open_loop(seen, rig, drive) - without).max() > 0.001, path
 
 
 class Ideal(Effect):
@@ -78,10 +81,6 @@ class Ideal(Effect):
 
 def test_thermometers_at_null_read_their_spot(full, rig, drive):
     nulls = {"thermometers.tau": 0.0, "thermometers.board": 0.0}
-    assert {key: p.null for key, p in CATALOGUE["thermometers"].params.items() if p.null is not None} == {
-        "tau": 0.0,
-        "board": 0.0,
-    }
     ideal = open_loop((full - "thermometers") + Ideal, rig, drive)[:, :15]
     np.testing.assert_allclose(open_loop(full.with_values(nulls), rig, drive)[:, :15], ideal, rtol=0, atol=1e-9)
     for path, other in (("thermometers.tau", 8.0), ("thermometers.board", 0.01)):
@@ -113,8 +112,8 @@ def numbers(term) -> Iterator[tuple[str, Array]]:
     for f in fields(term):
         value = getattr(term, f.name)
         if f.name == "weights":
-            yield from value.items()
-        elif not isinstance(value, (str, type(None))):
+            yield from ((node, np.asarray(weight)) for node, weight in value.items())
+        elif not isinstance(value, (str, bool, type(None))):
             yield f.name, np.asarray(value)
 
 
@@ -197,13 +196,12 @@ def terms_of(full, effect: str, rig, u):
     return list(own().terms(own().namespace({}), u, rig))
 
 
-@pytest.mark.parametrize(
-    ("effect", "watts"), [("nut_friction", 60.0), ("anchor_friction", 30.0), ("free_friction", 15.0)]
-)
-def test_friction_gives_its_power_at_the_reference_speed(effect, watts, full, rig, u):
-    (heat,) = terms_of(full, effect, rig, replace(u, omega=np.full((3, 1), 1667 * 2 * np.pi / 60)))
+@pytest.mark.parametrize("effect", ["nut_friction", "anchor_friction", "free_friction"])
+def test_friction_gives_its_power_at_the_reference_speed(effect, full, rig, u):
+    terms = terms_of(full, effect, rig, replace(u, omega=np.full((3, 1), 1667 * 2 * np.pi / 60)))
+    (heat,) = (term for term in terms if term.node == "screw")
     assert isinstance(heat, Heat)
-    np.testing.assert_allclose(np.sum(heat.q, axis=1), watts, rtol=1e-9)
+    np.testing.assert_allclose(np.sum(heat.q, axis=1), full[f"{effect}.power"], rtol=1e-9)
 
 
 def test_heat_stops_with_the_screw(full, rig, u):
@@ -216,10 +214,10 @@ def test_heat_stops_with_the_screw(full, rig, u):
 def test_the_air_cools_the_whole_surface(full, rig, u):
     (still,) = terms_of(full, "still_air", rig, u)
     assert (still.a, still.b) == ("screw", "ambient")
-    assert still.g * rig.screw.cells == pytest.approx(8.0 * np.pi * 0.04 * 1.08)
+    assert still.g * rig.screw.cells == pytest.approx(full["still_air.h"] * np.pi * 0.04 * 1.08)
     (rotating,) = terms_of(full, "rotating_convection", rig, u)
     assert rotating.g[0, 0] == 0
-    assert rotating.g[1, 0] / rotating.g[2, 0] == pytest.approx((60 / 174.5) ** 0.67)
+    assert rotating.g[1, 0] / rotating.g[2, 0] == pytest.approx((60 / 174.5) ** full["rotating_convection.m"])
 
 
 def test_only_conduction_and_bodies_store_heat(full, rig, u):
@@ -237,7 +235,8 @@ def test_every_thermometer_is_read_once_and_lags(full, rig, u):
 
 def test_a_warm_probe_adds_and_a_warm_bar_takes_away(full, rig, u):
     (reading,) = terms_of(full, "displacement", rig, u)
-    np.testing.assert_allclose(reading.offset[:, 0], (0.1 - 0.5) * np.array([0.5, 1, 2]))
+    added = full["displacement.probe"] - full["displacement.bar"]
+    np.testing.assert_allclose(reading.offset[:, 0], added * np.array([0.5, 1, 2]))
 
 
 def test_default_outside_its_bounds_is_refused():
