@@ -58,7 +58,10 @@ class Network:
 
 @dataclass(frozen=True)
 class Readings:
-    """What the channels read: rows (m, n) of H, scatter sd (m,), lag tau (m,) s with its noise, the unknown zeros."""
+    """What the channels read: rows (m, n) of H, scatter sd (m,), lag tau (m,) s with its noise, the unknown zeros.
+
+    spans  (m,) how much of the elongation a channel reads: 1 for the displacement, 0 for thermometers
+    """
 
     rows: Array
     sd: Array
@@ -66,6 +69,7 @@ class Readings:
     lag_noise: Array
     zero_sd: Array
     zero_walk: Array
+    spans: Array
 
 
 def layout(terms: Sequence[Term], rig: Rig, reduced: bool = True) -> Layout:
@@ -179,18 +183,19 @@ def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
     """H, scatter, lags and zeros of the channels; one that no effect reads has a row of zeros and sd inf."""
     m = len(rig.names)
     rows, variance, known = np.zeros((m, place.size)), np.zeros(m), np.zeros(m, dtype=bool)
-    tau, lag_noise, zero_sd, zero_walk = np.zeros((4, m))
+    tau, lag_noise, zero_sd, zero_walk, spans = np.zeros((5, m))
     for term in terms:
         if isinstance(term, Read):
             i = rig.index(term.channel)
             rows[i] += sum((_row(node, weight, terms, rig, place) for node, weight in term.weights.items()), 0.0)
+            spans[i] += term.weights.get(ELONGATION, 0.0)
             variance[i] += term.sd**2
             known[i] = True
             zero_sd[i], zero_walk[i] = np.hypot(zero_sd[i], term.zero_sd), np.hypot(zero_walk[i], term.zero_walk)
         elif isinstance(term, Lag):
             i = rig.index(term.channel)
             tau[i], lag_noise[i] = tau[i] + term.tau, np.hypot(lag_noise[i], term.noise)
-    return Readings(rows, np.where(known, np.sqrt(variance), np.inf), tau, lag_noise, zero_sd, zero_walk)
+    return Readings(rows, np.where(known, np.sqrt(variance), np.inf), tau, lag_noise, zero_sd, zero_walk, spans)
 
 
 def _row(node: str, weight: Array | float, terms: Sequence[Term], rig: Rig, place: Layout) -> Array:

@@ -1,8 +1,10 @@
-"""The filter's full state x = (z, zeros, growth at the start) around the model's states z.
+"""The filter's full state x = (z, zeros, error of the expansion coefficient, growth at the start) around z.
 
-zeros  of readings whose zero is unknown: constant but for a slow random walk
-start  c z at the first sample, constant: kept as a state, so that the elongation c z - start knows how much of its
-       uncertainty both share
+zeros      of readings whose zero is unknown: constant but for a slow random walk
+expansion  by which share the screw expands more than the model says: constant, known within the rig's tolerance; it
+           acts on the open-loop growth, so that the system stays linear
+start      c z at the first sample, constant: kept as a state, so that the elongation c z - start knows how much of its
+           uncertainty both share
 """
 
 from __future__ import annotations
@@ -17,25 +19,37 @@ from estimator.record import Array
 class Augmented:
     """Sizes and matrices of the full state, for n model states and m channels."""
 
-    def __init__(self, readings: Readings, growth: Array) -> None:
+    def __init__(self, readings: Readings, growth: Array, expansion_tolerance: float) -> None:
         self.n = readings.rows.shape[1]
         self.growth = growth
-        self.zeros = np.flatnonzero(readings.zero_sd > 0)
-        self.size = self.n + len(self.zeros) + 1
-        at = self.n + np.arange(len(self.zeros))
-        self.rows = np.zeros((len(readings.rows), self.size))
-        self.rows[:, : self.n] = readings.rows
-        self.rows[self.zeros, at] = 1.0
-        self.elongation = np.concatenate([growth, np.zeros(len(self.zeros)), [-1.0]])
-        self._zero_var = readings.zero_sd[self.zeros] ** 2
-        self._walk_var = readings.zero_walk[self.zeros] ** 2
+        self._zeros = np.flatnonzero(readings.zero_sd > 0)
+        self._zero_at = self.n + np.arange(len(self._zeros))
+        self.size = self.n + len(self._zeros) + 2
+        self._rows = np.zeros((len(readings.rows), self.size))
+        self._rows[:, : self.n] = readings.rows
+        self._rows[self._zeros, self._zero_at] = 1.0
+        self._spans = readings.spans
+        self._variance = np.append(readings.zero_sd[self._zeros], expansion_tolerance) ** 2
+        self._walk = np.append(readings.zero_walk[self._zeros], 0.0) ** 2
+
+    def rows(self, grown_um: float) -> Array:
+        """H (m, size) when the model alone has grown by `grown_um` since the start."""
+        rows = self._rows.copy()
+        rows[:, -2] = self._spans * grown_um
+        return rows
+
+    def elongation(self, grown_um: float) -> Array:
+        """Weights (size,) of the elongation: growth now, and by another coefficient, minus growth at the start."""
+        weights = np.zeros(self.size)
+        weights[: self.n], weights[-2], weights[-1] = self.growth, grown_um, -1.0
+        return weights
 
     def prior(self, mean: Array, cov: Array) -> tuple[Array, Array]:
         """Full mean (size,) and covariance (size, size) from those of z, before the first update."""
         x, P = np.zeros(self.size), np.zeros((self.size, self.size))
         x[: self.n], P[: self.n, : self.n] = mean, cov
         at = np.arange(self.n, self.size - 1)
-        P[at, at] = self._zero_var
+        P[at, at] = self._variance
         return x, P
 
     def remember_growth(self, x: Array, P: Array) -> None:
@@ -50,5 +64,5 @@ class Augmented:
         J = np.zeros((self.size, self.n))
         F[: self.n, : self.n], Q[: self.n, : self.n], J[: self.n] = z.F, z.Q, z.J
         at = np.arange(self.n, self.size - 1)
-        Q[at, at] = self._walk_var * dt
+        Q[at, at] = self._walk * dt
         return Transition(F, J, Q)

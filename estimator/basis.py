@@ -16,10 +16,10 @@ from scipy.interpolate import CubicSpline
 from estimator.record import Array
 from estimator.rig import Rig
 
-WIDEST_MM = 75.0
+WIDEST_MM = 85.0
 CLOSEST_MM = 8.0
 AT_BEARING_MM = 28.0  # the profile is steepest at a bearing: gaps start this wide there ...
-GRADING = 0.5  # ... and may grow by half the distance from it
+GRADING = 0.56  # ... and may grow by half the distance from it
 
 
 def knots(rig: Rig) -> Array:

@@ -4,9 +4,9 @@
     compare   e = y - H x - d           S = H P H' + R
     update    x <- x + K e              K = P H' S^-1
 
-x holds the temperatures of knots and bodies (degC), the unknown zeros of readings (um) and the span's growth at the
-start (um). d holds what the inputs add to a reading, the lag of each thermometer as the open-loop run has it, and what
-a reading taken before the tick's close had not yet seen.
+x holds the temperatures of knots and bodies (degC), the unknown zeros of readings (um), the error of the expansion
+coefficient (a share) and the span's growth at the start (um). d holds what the inputs add to a reading, the lag of each
+thermometer as the open-loop run has it, and what a reading taken before the tick's close had not yet seen.
 """
 
 from __future__ import annotations
@@ -37,8 +37,9 @@ Mute = Callable[[float], Array]
 
 @dataclass(frozen=True)
 class Comparison:
-    """Readings against predictions at one tick, each (m,): innovation, its sd, whether to fuse and why not."""
+    """Readings against predictions at one tick, each (m,): innovation, its sd, whether to fuse, why not. rows: H."""
 
+    rows: Array
     predicted: Array
     innovation: Array
     sd: Array
@@ -89,7 +90,7 @@ class Filter:
         self._ticks(collect("", [sample]))
         place, readings = self.forcing.place, self.forcing.readings
         self.view = View(self.rig, place, self.forcing.terms)
-        self._state = Augmented(readings, self.view.growth)
+        self._state = Augmented(readings, self.view.growth, self.rig.expansion_tolerance)
         self._kf = KalmanFilter(dim_x=self._state.size, dim_z=len(self.rig.names))
         inputs = {name: value - start.zero_K[name] for name, value in sample.inputs.items()}
         self._kf.x, self._kf.P = self._state.prior(*prior(start, self.forcing.terms, place, inputs))
@@ -120,7 +121,7 @@ class Filter:
         return self._transitions[regime]
 
     def _compare(self, sample: Sample, offset: Array, R: Array) -> Comparison:
-        rows, P = self._state.rows, self._kf.P
+        rows, P = self._state.rows(self._grown_um()), self._kf.P
         predicted = rows @ self._kf.x + offset
         innovation = sample.channels - predicted
         sd = np.sqrt(_variances(rows, P) + R)
@@ -131,20 +132,20 @@ class Filter:
         why[self._mute(sample.time_s)] = "muted"
         why[~np.isfinite(R)] = "no model"
         why[~np.isfinite(sample.channels)] = "not measured"
-        return Comparison(predicted, innovation, sd, why == "", tuple(why))
+        return Comparison(rows, predicted, innovation, sd, why == "", tuple(why))
 
     def _update(self, reading: Array, compared: Comparison, R: Array) -> float:
         """Fuse the channels that were found good; returns NIS = e' S^-1 e, NaN without channels."""
         fuse = compared.fuse
         if not fuse.any():
             return float("nan")
-        self._kf.update(reading[fuse], R=np.diag(R[fuse]), H=self._state.rows[fuse])
+        self._kf.update(reading[fuse], R=np.diag(R[fuse]), H=compared.rows[fuse])
         self._kf.P = (self._kf.P + self._kf.P.T) / 2
         return float(self._kf.y @ self._kf.SI @ self._kf.y)
 
     def _report(self, sample: Sample, compared: Comparison, open_loop: Array, nis: float) -> Step:
         n, x, P = self._state.n, self._kf.x, self._kf.P
-        c, profile = self._state.elongation, self.view.profile
+        c, profile = self._state.elongation(self._grown_um()), self.view.profile
         um = 1.0 if self.view.has_span else float("nan")  # without a screw nothing grows
         table, table_sd = self._table_error(sample)
         return Step(
@@ -152,7 +153,7 @@ class Filter:
             mode=self._mode(compared.fuse),
             elongation_um=float(um * (c @ x)),
             sigma_um=float(um * np.sqrt(max(c @ P @ c, 0.0))),
-            open_loop_um=float(um * (self.view.growth @ (self.open_loop.z - self._start_z))),
+            open_loop_um=um * self._grown_um(),
             profile_C=profile @ x[:n],
             profile_sd_K=np.sqrt(_variances(profile, P[:n, :n])),
             bodies_C=x[n - len(self.view.bodies) : n].copy(),
@@ -170,13 +171,18 @@ class Filter:
             nis_channels=int(compared.fuse.sum()),
         )
 
+    def _grown_um(self) -> float:
+        """Growth since the start by the model alone, um."""
+        return float(self.view.growth @ (self.open_loop.z - self._start_z)) if self.started else 0.0
+
     def _table_error(self, sample: Sample) -> tuple[float, float]:
         weights = self.view.table_error(sample.inputs.get("position", np.nan))
         if weights is None:
             return float("nan"), float("nan")
-        n = self._state.n
-        growth = weights @ (self._kf.x[:n] - self._start_z)
-        return float(growth), float(np.sqrt(weights @ self._kf.P[:n, :n] @ weights))
+        n, x, P = self._state.n, self._kf.x, self._kf.P
+        growth = weights @ (x[:n] - self._start_z)
+        variance = weights @ P[:n, :n] @ weights + growth**2 * P[-2, -2]
+        return float(growth * (1.0 + x[-2])), float(np.sqrt(variance))
 
     def _mode(self, fuse: Array) -> Mode:
         thermometers = sum(bool(fuse[self.rig.index(name)]) for name in self.rig.thermometers)

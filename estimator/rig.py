@@ -73,6 +73,7 @@ class Screw:
     heat_capacity: float = 470.0  # J/(kg K)
     conductivity: float = 46.0  # W/(m K)
     expansion: float = 12e-6  # 1/K
+    expansion_tolerance: float = 0.01  # standard deviation of the coefficient, as a share of it
     span_from_mm: float | None = None
     span_to_mm: float | None = None
     reference_rpm: float = 1667.0  # speed at which friction powers are given
@@ -201,6 +202,11 @@ class Rig:
     def names(self) -> tuple[str, ...]:
         """Channel names in order, (m,)."""
         return tuple(self.channels)
+
+    @property
+    def expansion_tolerance(self) -> float:
+        """How well the expansion coefficient is known, as a share of it; 0 without a screw."""
+        return self.screw.expansion_tolerance if self.screw else 0.0
 
     @cached_property
     def thermometers(self) -> tuple[str, ...]:
