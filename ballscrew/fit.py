@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from ballscrew.options import logs_argument, output_options, rig_options
+from ballscrew.options import logs_argument, output_options, rig_options, writable
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import load, open_model, open_rig
 from estimator.errors import InputError
@@ -19,7 +19,13 @@ from estimator.model import save_model
 @logs_argument
 @rig_options
 @click.option(
-    "-o", "out", type=click.Path(path_type=Path), required=True, metavar="MODEL", help="Write the model here."
+    "-o",
+    "out",
+    type=click.Path(path_type=Path),
+    required=True,
+    callback=writable,
+    metavar="MODEL",
+    help="Write the model here.",
 )
 @output_options
 def command(

@@ -43,7 +43,7 @@ def muted(
     def mute(time_s: float) -> np.ndarray:
         now = always.copy()
         for channels, begin, end in parsed:
-            if begin < time_s <= end:
+            if begin <= time_s <= end:
                 now |= channels
         return now
 
@@ -55,7 +55,11 @@ def _span(text: str, recording: Recording, rig: Rig) -> tuple[np.ndarray, float,
     if not colon or not times:
         raise SetupError(f"--mute {text}: write NAME:FROM or NAME:FROM-TO, like telemeter:stop1-9000")
     begin, dash, end = times.partition("-")
-    return _named(name, rig), _time(begin, text, recording), _time(end, text, recording) if dash else np.inf
+    since = _time(begin, text, recording)
+    until = _time(end, text, recording) if dash else np.inf
+    if until <= since:
+        raise SetupError(f"--mute {text}: ends at {until:g} s, before it begins at {since:g} s")
+    return _named(name, rig), since, until
 
 
 def _named(name: str, rig: Rig) -> np.ndarray:

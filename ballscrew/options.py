@@ -8,6 +8,8 @@ from typing import Any
 
 import click
 
+from estimator.errors import SetupError
+
 STDOUT = "-"
 INPUTS = {".log", ".blf", ".asc", ".trc", ".mf4", ".csv", ".toml"}
 
@@ -17,9 +19,16 @@ def json_apart(arguments: Sequence[str]) -> list[str]:
     apart = list(arguments)
     for i, word in enumerate(apart[:-1]):
         following = Path(apart[i + 1])
-        if word == "--json" and following.suffix != ".json" and (following.suffix in INPUTS or following.exists()):
+        if word == "--json" and following.suffix != ".json" and (following.suffix in INPUTS or following.is_dir()):
             apart[i] = f"--json={STDOUT}"
     return apart
+
+
+def writable(ctx: click.Context, param: click.Parameter, value: Path | str | None) -> Path | str | None:
+    """An output file whose folder exists: asked before the work, not after it."""
+    if value is not None and value != STDOUT and not Path(value).parent.is_dir():
+        raise SetupError(f"{value}: there is no folder {Path(value).parent}")
+    return value
 
 
 def rig_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -40,7 +49,7 @@ def output_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """--json, --quiet and --debug, the same on every command."""
     options = (
         click.option(
-            "--json", "json_path", is_flag=False, flag_value=STDOUT, metavar="[FILE]",
+            "--json", "json_path", is_flag=False, flag_value=STDOUT, metavar="[FILE]", callback=writable,
             help="Write the result as JSON; to stdout without FILE, and the tables then go to stderr.",
         ),
         click.option("--quiet", is_flag=True, help="No tables, no progress; errors only."),

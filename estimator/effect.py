@@ -46,7 +46,8 @@ class Effect:
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
-        cls.params = {key: value for key, value in vars(cls).items() if isinstance(value, Param)}
+        own = {key: value for key, value in vars(cls).items() if isinstance(value, Param)}
+        cls.params = {**cls.params, **own}
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
         if not (cls.__doc__ or "").strip():
             raise SetupError(f"effect {cls.__name__}: the docstring with its equation is missing")

@@ -6,7 +6,7 @@ import dataclasses
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar, get_origin, get_type_hints
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from estimator.errors import SetupError, nearest
 
@@ -54,8 +54,13 @@ def _value(value: Any, hint: Any, place: str) -> Any:
         return float(value)
     if hint in (int, str, bool, str | None) and not isinstance(value, (str if hint == str | None else hint)):
         raise SetupError(f"{place}: expected {getattr(hint, '__name__', 'str')}, got {value!r}")
-    if isinstance(value, list):
-        return tuple(value)
     if get_origin(hint) is tuple:
+        return items(value, get_args(hint)[0], place)
+    return tuple(value) if isinstance(value, list) else value
+
+
+def items(value: Any, kind: type, place: str) -> tuple[Any, ...]:
+    """A TOML list whose entries are all of one kind, as a tuple."""
+    if not isinstance(value, list):
         raise SetupError(f"{place}: expected a list in [ ], got {value!r}")
-    return value
+    return tuple(_value(entry, kind, place) for entry in value)

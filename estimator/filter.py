@@ -64,7 +64,7 @@ class Filter:
         """Take one tick: start from the first sample with a thermometer in it; then predict, compare, update."""
         if self.started:
             return self._advance(sample, self._ticks(collect("", [sample])), 0)
-        start = read_start(sample, self.rig)
+        start = read_start(sample, self.rig, self._mute(sample.time_s))
         return self._begin(sample, start) if start else self._waiting(sample)
 
     def run(self, recording: Recording, each: Callable[[int], None] = lambda _: None) -> Track:

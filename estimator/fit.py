@@ -3,7 +3,7 @@
     minimise  sum over runs, ticks, channels of ((y - y_open_loop(p)) / s)^2 / N  +  sum ((p - p0) / sd_prior)^2
 
 The open-loop run never sees a measurement after the start, so that no process noise can hide a misfit. s is the misfit
-that a good model leaves, not the sensors' scatter: 0.1 K for a thermometer, 0.5 um for the displacement. Such a misfit
+that a good model leaves, not the sensors' scatter: 0.05 K for a thermometer, 0.2 um for the displacement. Such a misfit
 stays alike for minutes: a block of ten, N steps, weighs as much as one independent reading.
 """
 
@@ -26,7 +26,7 @@ from estimator.openloop import OpenLoop
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 
-GOOD_K, GOOD_UM = 0.1, 0.5
+GOOD_K, GOOD_UM = 0.05, 0.2
 EVERY = 5  # ticks in one step of the open-loop run
 BLOCK_S = 600.0
 AT_BOUND = 1e-3  # of the width between the bounds

@@ -120,6 +120,8 @@ def load_model(path: Path) -> Model:
     """
     table = fields.load(path)
     about = table.pop("about", {})
+    if not isinstance(about, Mapping) or not isinstance(about.get("fitted_on", {}), Mapping):
+        raise SetupError(f"{path}: 'about' is what a fit writes: a table, with a table 'fitted_on'")
     model = Model({}, {}, about=about, name=path.name)
     use = {}
     for name, entry in table.items():
@@ -218,7 +220,7 @@ def _own_effect(use: str, folder: Path) -> type[Effect]:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise SetupError(f"{path}: {type(error).__name__}: {error}") from error
     found = {k: v for k, v in vars(module).items() if isinstance(v, type) and issubclass(v, Effect) and v is not Effect}
     if cls not in found:

@@ -15,6 +15,8 @@ import numpy as np
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 
+FIRST_TICKS = 10
+
 
 def weights(rig: Rig, names: Sequence[str]) -> Array:
     """um of elongation per K of each named thermometer's rise, (len(names),)."""
@@ -35,12 +37,12 @@ def along_screw(rig: Rig, names: Sequence[str]) -> list[str]:
 def elongation(recording: Recording, rig: Rig, names: Sequence[str] | None = None) -> Array:
     """Elongation since the first sample by the polyline through the named thermometers, (K,) um.
 
-    A thermometer silent in a tick is left out of that tick's polyline; NaN where fewer than two were read.
+    A thermometer silent in a tick is left out of that tick's polyline, and one silent in the first ten ticks of all of
+    them, since its rise is not known; NaN where fewer than two are left.
     """
     used = along_screw(rig, names or rig.thermometers)
     readings = recording.channels[:, [rig.index(name) for name in used]]
-    first = np.array([column[np.isfinite(column)][:1].sum() for column in readings.T])
-    rises = readings - first
+    rises = readings - np.array([_first(column[:FIRST_TICKS]) for column in readings.T])
     known = np.isfinite(rises)
     out = np.full(len(recording), np.nan)
     if len(used) < 2:
@@ -52,3 +54,9 @@ def elongation(recording: Recording, rig: Rig, names: Sequence[str] | None = Non
                 rig, [n for n, k in zip(used, pattern, strict=True) if k]
             )
     return out
+
+
+def _first(column: Array) -> float:
+    """First known value of a column, NaN without one."""
+    known = column[np.isfinite(column)]
+    return float(known[0]) if len(known) else float("nan")

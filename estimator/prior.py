@@ -11,7 +11,7 @@ from estimator.record import Array
 from estimator.start import Start
 from estimator.terms import Store, Term
 
-LEVEL_SD_K = 5.0
+LEVEL_SD_K = 0.3
 BODY_SD_K = 0.3
 UNKNOWN_BODY_SD_K = 2.0
 SMOOTH_MM = 200.0

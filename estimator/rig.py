@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
@@ -19,6 +19,7 @@ from estimator import fields
 from estimator.errors import SetupError, nearest
 
 Vector = NDArray[Any]
+NOT_GEOMETRY = {"expansion_tolerance", "cells", "knots_mm"}
 Part = TypeVar("Part")
 
 
@@ -237,8 +238,9 @@ class Rig:
         return part
 
     def fingerprint(self) -> str:
-        """Short hash of geometry and material, kept in fitted models."""
-        return hashlib.sha256(repr((self.screw, self.nut, sorted(self.supports.items()))).encode()).hexdigest()[:12]
+        """Short hash of geometry and material, kept in fitted models; not of the mesh or of how well they are known."""
+        screw = self.screw and {k: v for k, v in asdict(self.screw).items() if k not in NOT_GEOMETRY}
+        return hashlib.sha256(repr((screw, self.nut, sorted(self.supports.items()))).encode()).hexdigest()[:12]
 
 
 def load_rig(folder: Path) -> Rig:
@@ -263,7 +265,7 @@ def load_rig(folder: Path) -> Rig:
         nut=_optional(Nut, table, "nut", path),
         supports=_records(Support, table.get("supports", {}), f"{path}: supports"),
         log=_optional(Log, table, "log", path) or Log(),
-        subset_7=tuple(table.get("subset_7", ())),
+        subset_7=fields.items(table.get("subset_7", []), str, f"{path}: subset_7"),
         folder=folder,
     )
     for wrong in _contradictions(rig):

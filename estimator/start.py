@@ -7,20 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.record import Sample
+from estimator.record import Array, Sample
 from estimator.regime import AT_REST
 from estimator.rig import Rig
 
 UNIFORM_K = 0.2  # a rig whose thermometers agree so well at rest has been waiting long enough to be steady
 SENSOR_K = 1.5  # the most that other thermometers of a steady rig can differ from the screw's by their own error
+ODD_K, ODD_TIMES = 1.0, 9.0  # a thermometer further than both from the median (times the median distance) is odd
 
 
 @dataclass(frozen=True)
 class Start:
     """What the first sample says.
 
-    level_C   mean of the thermometers
-    spread_K  highest minus lowest
+    level_C   median of the thermometers
+    spread_K  highest minus lowest of those that are plausible beside the others
     zero_K    what is taken off each temperature input: in a steady rig all are in equilibrium with the screw, so that a
               difference is either a sensor's error or a flow that has been there all along; 0 otherwise
     """
@@ -30,13 +31,17 @@ class Start:
     zero_K: Mapping[str, float]
 
 
-def read_start(sample: Sample, rig: Rig) -> Start | None:
-    """Start from this sample, or None while no thermometer has been read."""
-    temperatures = sample.channels[[rig.index(name) for name in rig.thermometers]]
-    known = temperatures[np.isfinite(temperatures)]
+def read_start(sample: Sample, rig: Rig, muted: Array | None = None) -> Start | None:
+    """Start from this sample, or None while no thermometer has been read. `muted` (m,) bool: channels to leave out."""
+    muted = np.zeros(len(rig.names), dtype=bool) if muted is None else muted
+    at = np.array([rig.index(name) for name in rig.thermometers], dtype=int)
+    known = sample.channels[at][np.isfinite(sample.channels[at]) & ~muted[at]]
     if not len(known):
         return None
-    level, spread = float(known.mean()), float(np.ptp(known))
+    level = float(np.median(known))
+    apart = np.abs(known - level)
+    plausible = known[apart <= max(ODD_K, ODD_TIMES * float(np.median(apart)))]
+    spread = float(np.ptp(plausible))
     steady = spread <= UNIFORM_K and not sample.omega > AT_REST
     zero = {}
     for name, signal in rig.inputs.items():
