@@ -52,7 +52,8 @@ class Bits:
         plain = (word >> np.uint64(self.shift)) & np.uint64((1 << self.length) - 1)
         if self.real:
             bits, kind = {16: ("<u2", "<f2"), 32: ("<u4", "<f4"), 64: ("<u8", "<f8")}[self.length]
-            return plain.astype(bits).view(kind).astype(float)
+            with np.errstate(invalid="ignore"):  # a signalling NaN is a NaN
+                return plain.astype(bits).view(kind).astype(float)
         return plain
 
     def physical(self, raw: NDArray[Any]) -> NDArray[np.float64]:
