@@ -99,10 +99,13 @@ class Lived:
     states: Array
 
 
-def _live(model: Model, rig: Rig, drive: Recording, seed: int | None = None, process: bool = False) -> Lived:
+def _live(
+    model: Model, rig: Rig, drive: Recording, seed: int | None = None, process: bool = False, expansion: float = 0.0
+) -> Lived:
     """Let the model live through the drive from 22 degC; with a seed its sensors scatter.
 
-    With `process` the heat scatters too, and the bodies are not quite as warm as the screw at the start.
+    With `process` the heat scatters too, and the bodies are not quite as warm as the screw at the start. The screw
+    grows by a share `expansion` of the model's open-loop growth more, as far as a thermometer can tell unseen.
     A displacement reading comes every third tick, with an unknown zero of 5 um.
     """
     dice = np.random.default_rng(seed)
@@ -114,11 +117,16 @@ def _live(model: Model, rig: Rig, drive: Recording, seed: int | None = None, pro
     run = OpenLoop(start, readings, rig.tick_s)
     factor: dict[int, Array] = {}
     states, channels = np.empty((len(drive), len(start))), np.empty_like(drive.channels)
+    screw = rig.screw
+    growth = screw.growth(*screw.span_mm) @ forcing.place.shapes[forcing.place.nodes["screw"]]
+    alone, more = start.copy(), np.zeros(len(drive))
     zero = np.where(readings.zero_sd > 0, 5.0, 0.0)
     for k, (regime, heat) in enumerate(zip(ticks.regime, ticks.heat, strict=True)):
         if k:  # the first sample is the start
             transition = forcing.transition(regime)
             run.step(transition, heat)
+            alone = transition.F @ alone + transition.J @ heat
+            more[k] = expansion * growth @ (alone - start)
             if process:
                 if regime not in factor:
                     factor[regime] = np.linalg.cholesky(transition.Q)
@@ -126,19 +134,17 @@ def _live(model: Model, rig: Rig, drive: Recording, seed: int | None = None, pro
                 zero = zero + readings.zero_walk * dice.standard_normal(len(zero))
         states[k] = run.z
         spot = run.reading if not process else readings.rows @ run.z
-        channels[k] = spot + ticks.offset[k] + zero
+        channels[k] = spot + ticks.offset[k] + zero + readings.spans * more[k]
     if seed is not None:
         channels += readings.sd * dice.standard_normal(channels.shape)
     unread = np.arange(len(drive)) % 3 > 0
     channels[np.ix_(unread, readings.zero_sd > 0)] = np.nan
-    screw = rig.screw
-    growth = screw.growth(*screw.span_mm) @ forcing.place.shapes[forcing.place.nodes["screw"]]
-    return Lived(replace(drive, channels=channels), (states - start) @ growth, states)
+    return Lived(replace(drive, channels=channels), (states - start) @ growth + more, states)
 
 
 @pytest.fixture(scope="session")
 def live() -> Callable[..., Lived]:
-    """live(model, rig, drive, seed, process): what the rig's channels would read if the model were the truth."""
+    """live(model, rig, drive, seed, process, expansion): what the channels would read if the model were the truth."""
     return _live
 
 

@@ -1,6 +1,11 @@
-"""The filter's own sigma against what really happened, on rigs whose noise is exactly the model's."""
+"""The filter's own sigma against what really happened, on rigs whose noise is exactly the model's.
+
+The screw's expansion coefficient is off by what its tolerance allows, drawn anew for every seed.
+"""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,8 +19,9 @@ def outcomes(small, model, driven, live, seeds: int, seconds: int):
     late = np.arange(seconds // 3, seconds, 10)
     drive = driven(small, seconds, (10, seconds * 2 // 3), stroke=(0.0, 100.0))
     errors, nis, count = [], 0.0, 0
+    expansion = small.expansion_tolerance * np.random.default_rng(7).standard_normal(seeds)
     for seed in range(seeds):
-        lived = live(model, small, drive, seed, process=True)
+        lived = live(model, small, drive, seed, process=True, expansion=expansion[seed])
         track = Filter(model, small).run(lived.recording)
         errors.append(((track.elongation_um - lived.elongation_um) / np.maximum(track.sigma_um, 1e-9))[late])
         nis, count = nis + np.nansum(track.nis[1:]), count + track.nis_channels[1:].sum()
@@ -36,14 +42,20 @@ def judge(errors, nis: float, count: int, coverage: tuple[float, float]) -> None
     assert lo <= nis <= hi
 
 
-def test_elongation_is_inside_two_sigma_as_often_as_it_should(small, exact, driven, live):
-    errors, nis, count = outcomes(small, exact, driven, live, seeds=80, seconds=90)
+def known_to(rig, tolerance: float):
+    return replace(rig, screw=replace(rig.screw, expansion_tolerance=tolerance))
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 0.01, 0.1])
+def test_elongation_is_inside_two_sigma_as_often_as_it_should(tolerance, small, exact, driven, live):
+    errors, nis, count = outcomes(known_to(small, tolerance), exact, driven, live, seeds=80, seconds=90)
     judge(errors, nis, count, (0.93, 0.97))
 
 
 @pytest.mark.study
-def test_elongation_is_inside_two_sigma_in_a_long_study(small, exact, driven, live):
-    errors, nis, count = outcomes(small, exact, driven, live, seeds=800, seconds=300)
+@pytest.mark.parametrize("tolerance", [0.01, 0.1])
+def test_elongation_is_inside_two_sigma_in_a_long_study(tolerance, small, exact, driven, live):
+    errors, nis, count = outcomes(known_to(small, tolerance), exact, driven, live, seeds=800, seconds=300)
     judge(errors, nis, count, (0.94, 0.965))
 
 
@@ -56,3 +68,14 @@ def test_a_filter_that_believes_too_little_noise_is_found_out(small, exact, driv
         track = Filter(exact.with_values({"conduction.noise": 0.5}), small).run(lived.recording)
         nis, count = nis + np.nansum(track.nis[1:]), count + track.nis_channels[1:].sum()
     assert nis > chi2.ppf(0.999, count)
+
+
+def test_a_coefficient_believed_too_well_is_found_out(small, exact, driven, live):
+    """Off by 10 % as drawn, and believed to be exact: the errors are no longer one sigma."""
+    rig, drive = known_to(small, 0.0), driven(small, 90, (10, 60), stroke=(0.0, 100.0))
+    late = [
+        ((track.elongation_um - lived.elongation_um) / track.sigma_um)[40:]
+        for lived in (live(exact, small, drive, seed, process=True, expansion=0.1) for seed in range(5))
+        for track in [Filter(exact, rig).run(lived.recording)]
+    ]
+    assert abs(np.mean(late)) > 1

@@ -37,7 +37,8 @@ def recording(small, small_model, driven, live) -> Recording:
 class Joint:
     """Everything linear in the independent b ~ N(0, cov): x_k = A_k b + a_k, y_k = C_k b + c_k.
 
-    x holds the temperatures and the displacement's zero; b their start, all process noise and all measurement noise.
+    x holds the temperatures, the displacement's zero and the error of the expansion coefficient; b their start, all
+    process noise and all measurement noise.
     """
 
     cov: Array
@@ -67,8 +68,15 @@ def lags(spots: Array, tau: Array, dt: float) -> Array:
     return np.array(values)
 
 
-def joint(model, rig, recording: Recording) -> Joint:
-    """Build the distribution from the matrices of every tick."""
+def span_growth(rig, place) -> Array:
+    """Growth of the measured span, 10 to 190 mm, um per K of each state, (n,)."""
+    edges = rig.screw.edges_mm
+    mm = np.clip(np.minimum(edges[1:], 190) - np.maximum(edges[:-1], 10), 0, None)
+    return 12e-6 * mm * 1e3 @ place.shapes[:20]
+
+
+def joint(model, rig, recording: Recording) -> tuple[Joint, Array]:
+    """The distribution, from the matrices of every tick; and the open-loop growth since the first sample, (K,) um."""
     first = recording.sample(0)
     start = read_start(first, rig)
     forcing = Forcing(model, rig, start)
@@ -76,25 +84,27 @@ def joint(model, rig, recording: Recording) -> Joint:
     n, m, K = forcing.place.size, len(rig.names), len(recording)
     inputs = {name: value - start.zero_K[name] for name, value in first.inputs.items()}
     mean, cov = prior(start, forcing.terms, forcing.place, inputs)
-    H = np.hstack([readings.rows, (readings.zero_sd > 0)[:, None].astype(float)])
+    is_growth = np.array([not rig.channels[name].is_thermometer for name in rig.names])
     zero = np.flatnonzero(readings.zero_sd > 0)[0]
     moves = [forcing.transition(r) for r in ticks.regime]
 
-    def build(offset: Array, R: Array) -> Joint:
-        noises = [block_diag(move.Q, readings.zero_walk[zero] ** 2) for move in moves[1:]]
-        sizes = block_diag(cov, readings.zero_sd[zero] ** 2, *noises, *[np.diag(r) for r in R])
-        A, a = np.eye(n + 1, len(sizes)), np.append(mean, 0.0)
+    def build(offset: Array, R: Array, grown_um: Array) -> Joint:
+        tolerance = rig.screw.expansion_tolerance
+        noises = [block_diag(move.Q, readings.zero_walk[zero] ** 2, 0.0) for move in moves[1:]]
+        sizes = block_diag(cov, readings.zero_sd[zero] ** 2, tolerance**2, *noises, *[np.diag(r) for r in R])
+        A, a = np.eye(n + 2, len(sizes)), np.append(mean, [0.0, 0.0])
         states, outputs = [], []
         for k, (move, heat) in enumerate(zip(moves, ticks.heat, strict=True)):
             if k:
-                A = block_diag(move.F, 1.0) @ A + np.eye(n + 1, len(sizes), k * (n + 1))
-                a = np.append(move.F @ a[:n] + move.J @ heat, a[n])
-            noise = np.eye(m, len(sizes), K * (n + 1) + k * m)
+                A = block_diag(move.F, 1.0, 1.0) @ A + np.eye(n + 2, len(sizes), k * (n + 2))
+                a = np.append(move.F @ a[:n] + move.J @ heat, a[n:])
+            noise = np.eye(m, len(sizes), K * (n + 2) + k * m)
+            H = np.column_stack([readings.rows, readings.zero_sd > 0, is_growth * grown_um[k]])
             states.append((A, a))
             outputs.append((H @ A + noise, H @ a + offset[k]))
         return Joint(sizes, states, outputs)
 
-    alone = build(np.zeros((K, m)), np.tile(readings.sd**2, (K, 1)))
+    alone = build(np.zeros((K, m)), np.tile(readings.sd**2, (K, 1)), np.zeros(K))
     A, a = alone.states[0]
     runs = [(A @ alone.given(recording.channels, 1)[0] + a)[:n]]
     for move, heat in zip(moves[1:], ticks.heat[1:], strict=True):
@@ -103,47 +113,55 @@ def joint(model, rig, recording: Recording) -> Joint:
     lag = lags(spots, readings.tau, rig.tick_s)
     late = np.vstack([np.zeros(m), -np.diff(spots, axis=0) * recording.ages_s[1:]])
     offset = np.vstack([np.zeros(m), ticks.offset[1:]]) + lag + late
-    return build(offset, readings.sd**2 + (readings.lag_noise * lag) ** 2)
+    grown_um = (np.array(runs) - runs[0]) @ span_growth(rig, forcing.place)
+    return build(offset, readings.sd**2 + (readings.lag_noise * lag) ** 2, grown_um), grown_um
 
 
-@pytest.fixture(scope="module")
-def both(small, small_model, recording):
-    """The filter after the last sample, its track, and the joint distribution."""
-    filter_ = Filter(small_model, small)
+@pytest.fixture(scope="module", params=[0.01, 0.3, 0.0], ids=lambda tolerance: f"tolerance {tolerance}")
+def both(request, small, small_model, recording):
+    """The filter after the last sample, its track, the joint distribution and the open-loop growth."""
+    rig = replace(small, screw=replace(small.screw, expansion_tolerance=request.param))
+    filter_ = Filter(small_model, rig)
     track = filter_.run(recording)
-    return filter_, track, joint(small_model, small, recording)
+    return filter_, track, *joint(small_model, rig, recording)
 
 
 def test_the_recording_has_gaps_and_more_than_one_regime(both, recording):
-    filter_, track, _ = both
+    filter_, track, _, grown_um = both
     np.testing.assert_array_equal(track.fused, np.isfinite(recording.channels))
     assert list(track.nis_channels) == [5, 4, 4, 4, 3, 0, 5, 5]
     assert len(filter_._transitions) > 1
+    assert abs(grown_um).max() > 0.7
+
+
+def test_the_open_loop_growth_is_the_one_that_acts_on_the_coefficient(both):
+    _, track, _, grown_um = both
+    np.testing.assert_allclose(track.open_loop_um, grown_um, rtol=0, atol=1e-9)
 
 
 def test_the_final_state_is_that_of_the_joint_distribution(both, recording):
-    filter_, _, whole = both
+    filter_, _, whole, _ = both
     b, cov = whole.given(recording.channels, SAMPLES)
     A, a = whole.states[-1]
-    np.testing.assert_allclose(filter_._kf.x[:5], A @ b + a, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(filter_._kf.P[:5, :5], A @ cov @ A.T, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(filter_._kf.x[:6], A @ b + a, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(filter_._kf.P[:6, :6], A @ cov @ A.T, rtol=0, atol=1e-9)
 
 
 def test_elongation_and_sigma_are_those_of_the_growth_since_the_first_sample(both, small, recording):
-    filter_, track, whole = both
-    screw, place = small.screw, filter_.forcing.place
-    mm = np.clip(np.minimum(screw.edges_mm[1:], 190) - np.maximum(screw.edges_mm[:-1], 10), 0, None)
-    growth = 12e-6 * mm * 1e3 @ place.shapes[:20]
+    """The model's growth and, by another coefficient, a share of what the model alone has grown."""
+    filter_, track, whole, grown_um = both
+    growth = span_growth(small, filter_.forcing.place)
     for ticks in (1, 4, 6, SAMPLES):
         b, cov = whole.given(recording.channels, ticks)
         (now, a), (before, a0) = whole.states[ticks - 1], whole.states[0]
-        row = growth @ (now - before)[:4]
-        assert track.elongation_um[ticks - 1] == pytest.approx(row @ b + growth @ (a - a0)[:4], abs=1e-9)
+        row = growth @ (now - before)[:4] + grown_um[ticks - 1] * now[5]
+        mean = growth @ (a - a0)[:4] + grown_um[ticks - 1] * a[5]
+        assert track.elongation_um[ticks - 1] == pytest.approx(row @ b + mean, abs=1e-9)
         assert track.sigma_um[ticks - 1] == pytest.approx(np.sqrt(max(row @ cov @ row, 0)), abs=1e-6)
 
 
 def test_innovations_and_nis_are_those_of_each_reading_given_all_before(both, recording):
-    _, track, whole = both
+    _, track, whole, _ = both
     for k in range(1, SAMPLES):
         b, cov = whole.given(recording.channels, k)
         C, c = whole.readings[k]
