@@ -81,14 +81,19 @@ def test_a_parameter_stops_at_its_bound_and_says_so(rig, full, lived, drive, liv
 
 
 @pytest.mark.parametrize("rise", [1.0, 50.0])
-def test_a_prior_pulls_as_much_as_the_data_leave_open(rise, rig, full, drive, live):
-    """The data say 0.3 um/K, the table 0.1 +- 0.1; readings have 0.5 um, and 120 steps of 5 s count as one."""
+def test_a_prior_pulls_as_much_as_the_data_leave_open(rise, rig, full, driven, live):
+    """The data say 0.9 um/K, the table 0.3 +- 0.3; readings have 0.2 um, and 120 steps of 5 s count as one.
+
+    At rest, so that nothing else can be off.
+    """
     probe = np.linspace(0, rise, 400)
-    warm = replace(drive, inputs={**drive.inputs, "probe": 22 + probe})
-    recording = live(full.with_values({"displacement.probe": 0.3}), rig, warm).recording
+    rest = driven(rig, 400, (400, 400))
+    warm = replace(rest, inputs={**rest.inputs, "probe": 22 + probe})
+    recording = live(full.with_values({"displacement.probe": 0.9}), rig, warm).recording
     (found,) = fit(only(full, "displacement.probe"), rig, [recording]).parameters
-    data, prior = 80 * probe.var() / 0.5**2 / 120, 1 / 0.1**2
-    assert found.value == pytest.approx((data * 0.3 + prior * 0.1) / (data + prior), abs=0.002)
+    steps = probe.reshape(80, 5).mean(axis=1)[1:]  # the first is the start
+    data, prior = len(steps) * steps.var() / 0.2**2 / 120, 1 / 0.3**2
+    assert found.value == pytest.approx((data * 0.9 + prior * 0.3) / (data + prior), abs=0.0005)
 
 
 def test_each_evaluation_is_told(rig, full, lived):

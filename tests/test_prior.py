@@ -35,7 +35,7 @@ def test_the_profile_is_uncertain_as_a_whole_and_smooth_along_the_screw(forcing)
     knots = forcing.place.knots_mm
     screw = cov[: len(knots), : len(knots)]
     assert np.linalg.eigvalsh(cov).min() > 0
-    assert screw[0, 0] == pytest.approx(LEVEL_SD_K**2 + 0.4**2, rel=1e-4)
+    assert screw[0, 0] == pytest.approx(LEVEL_SD_K**2 + 0.4**2 * (1 + 0.05**2), rel=1e-9)
     apart = screw[0, 0] + screw.diagonal() - 2 * screw[0]
     assert (np.diff(apart) > -1e-12).all()
     assert np.sqrt(apart[-1]) == pytest.approx(0.4 * np.sqrt(2), rel=0.01)
