@@ -19,7 +19,8 @@ from estimator.model import Model, model_of
 from estimator.openloop import OpenLoop
 from estimator.record import Array
 from estimator.start import Start
-from estimator.terms import Heat, Lag, Read, Store
+from estimator.terms import Expand, Heat, Lag, Read, Store
+from estimator.view import View
 
 EFFECTS = list(CATALOGUE.values())
 PARAMETERS = [f"{effect.name}.{key}" for effect in EFFECTS for key in effect.params]
@@ -237,6 +238,92 @@ def test_a_warm_probe_adds_and_a_warm_bar_takes_away(full, rig, u):
     (reading,) = terms_of(full, "displacement", rig, u)
     added = full["displacement.probe"] - full["displacement.bar"]
     np.testing.assert_allclose(reading.offset[:, 0], added * np.array([0.5, 1, 2]))
+
+
+def lengths(model: Model, rig) -> dict[str, Array]:
+    """Weights of all that is a growth of the screw, and the rows of the thermometers."""
+    forcing = Forcing(model, rig, Start(22.0, 0.0, dict.fromkeys(rig.inputs, 0.0)))
+    view = View(rig, forcing.place, forcing.terms)
+    return {
+        "elongation": view.growth,
+        "displacement": forcing.readings.rows[15],
+        "table": view.table_error(150.0),
+        "thermometers": forcing.readings.rows[:15],
+    }
+
+
+class Longer(Effect):
+    """A second error of the coefficient: rho = rho_rig (1 + 0.02)."""
+
+    def terms(self, p, u, rig):
+        yield Expand(0.02)
+
+
+def test_another_coefficient_makes_every_length_longer_alike(full, rig):
+    usual = lengths(full - "expansion_error", rig)
+    assert abs(usual["elongation"]).max() > 0.1
+    np.testing.assert_array_equal(usual["displacement"], usual["elongation"])
+    for model, share in (
+        (full.with_values({"expansion_error.error": 0.05}), 1.05),
+        (full.with_values({"expansion_error.error": -0.05}), 0.95),
+        (full.with_values({"expansion_error.error": 0.05}) + Longer, 1.07),
+    ):
+        found = lengths(model, rig)
+        for name in ("elongation", "displacement", "table"):
+            np.testing.assert_allclose(found[name], share * usual[name], rtol=1e-12, atol=0, err_msg=name)
+        np.testing.assert_array_equal(found["thermometers"], usual["thermometers"])
+
+
+@pytest.mark.parametrize(
+    ("friction", "key", "body"),
+    [
+        ("nut_friction", "power_nut", "nut_body"),
+        ("anchor_friction", "power_housing", "anchor_housing"),
+        ("free_friction", "power_housing", "free_housing"),
+    ],
+)
+def test_friction_heats_the_body_beside_the_screw_where_there_is_one(friction, key, body, full, rig, u):
+    """All of it arrives in the body with the body; without it the heat is gone, and nothing else has changed."""
+    fast = replace(u, omega=np.full((3, 1), 1667 * 2 * np.pi / 60))
+
+    def heat(model: Model) -> tuple[Array, assemble.Layout]:
+        terms = list(model.terms(fast, rig))
+        place = assemble.layout(terms, rig)
+        return assemble.heat(terms, place, 3), place
+
+    other = {f"{friction}.{key}": 20.0}
+    node = {"nut_body": "nut"}.get(body, body)
+    (cold, place), (warm, _) = heat(full.with_values({f"{friction}.{key}": 0.0})), heat(full.with_values(other))
+    added = np.zeros(place.size)
+    added[place.state(node)] = 20.0
+    np.testing.assert_allclose(warm - cold, np.tile(added, (3, 1)), atol=1e-9)
+    bare = full - body
+    np.testing.assert_array_equal(heat(bare.with_values(other))[0], heat(bare)[0])
+    assert node not in heat(bare)[1].nodes
+
+
+def test_a_contact_s_two_sides_have_one_exponent(full, rig, u):
+    for name, n in (("nut_friction", 1.2), ("anchor_friction", 1.5), ("free_friction", 0.9)):
+        own = CATALOGUE[name]
+        for heat in own().terms(own().namespace({"n": n}), u, rig):
+            total = np.sum(np.atleast_2d(heat.q), axis=1)
+            assert total[1] / total[2] == pytest.approx((60 / 174.5) ** n)
+
+
+def test_an_effect_built_on_another_keeps_its_parameters(full, rig, u):
+    class Mine(CATALOGUE["nut_friction"]):
+        """As nut_friction, with a share of ours: q = share P."""
+
+        power = Param(70.0, "W", lo=0.0, hi=90.0, source="ours")
+        share = Param(0.5, "1", lo=0.0, hi=1.0, source="ours")
+
+    theirs = CATALOGUE["nut_friction"]
+    assert list(Mine.params) == [*theirs.params, "share"]
+    assert (Mine.params["power"].value, theirs.params["power"].value) == (70.0, 60.0)
+    assert Mine.params["n"] is theirs.params["n"]
+    assert "share" not in theirs.params
+    (heat, _) = Mine().terms(Mine().namespace({}), replace(u, omega=np.full((3, 1), 1667 * 2 * np.pi / 60)), rig)
+    np.testing.assert_allclose(np.sum(heat.q, axis=1), 70.0)
 
 
 def test_default_outside_its_bounds_is_refused():

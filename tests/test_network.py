@@ -11,11 +11,13 @@ from scipy.linalg import expm
 from estimator import assemble
 from estimator.discretise import transition
 from estimator.effect import Effect
+from estimator.errors import SetupError
 from estimator.forcing import Forcing
 from estimator.inputs import Inputs
 from estimator.model import model_of
 from estimator.start import Start
-from estimator.terms import Chain, Heat, Link, Store
+from estimator.structure import checked_terms
+from estimator.terms import ELONGATION, Chain, Heat, Link, Read, Store
 
 
 class Insulated(Effect):
@@ -157,3 +159,83 @@ def test_boundaries_push_with_their_own_temperature(small, driven):
     forcing = Forcing(model_of([Insulated, Leaking]), small, Start(22.0, 0.0, dict.fromkeys(small.inputs, 0.0)))
     ticks = forcing.ticks(forcing.read(drive))
     np.testing.assert_allclose(ticks.heat.sum(axis=1), 30 * (20 * 0.15 + 0.7))
+
+
+def only_spare(spare: bool) -> type[Effect]:
+    class Warmer(Effect):
+        """A heat into a node that may not be there: q = 7 W."""
+
+        def terms(self, p, u, rig):
+            yield Heat("pot", 7.0, noise=0.5, spare=spare)
+
+    return Warmer
+
+
+class Pot(Effect):
+    """A pot that cools in the air: C dT/dt = q - g (T - T_air)."""
+
+    def terms(self, p, u, rig):
+        yield Store("pot", 50.0, 0.1)
+        yield Link("pot", "ambient", 2.0)
+
+
+def test_spare_heat_leaves_where_no_effect_stores_its_node(small):
+    place, alone = assembled(small, Insulated)
+    same, network = assembled(small, Insulated, only_spare(True))
+    assert same.nodes == place.nodes
+    np.testing.assert_array_equal(network.noise, alone.noise)
+    u = two_regimes(small)
+    heats = [
+        assemble.heat(list(model_of(effects).terms(u, small)), place, 2)
+        for effects in ((Insulated,), (Insulated, only_spare(True)))
+    ]
+    np.testing.assert_array_equal(*heats)
+
+
+@pytest.mark.parametrize("spare", [True, False])
+def test_spare_heat_arrives_where_its_node_is_stored(spare, small):
+    u, model = two_regimes(small), model_of([Pot, only_spare(spare)])
+    terms = checked_terms(model, u, small)
+    place, network = assembled(small, Pot, only_spare(spare))
+    np.testing.assert_array_equal(assemble.heat(terms, place, 2), [[7.0], [7.0]])
+    np.testing.assert_allclose(network.noise[:, 0, 0], 0.1**2 + 0.5**2)
+
+
+def test_heat_that_is_not_spare_needs_its_node(small):
+    with pytest.raises(SetupError, match=r"warmer: a Heat is in 'pot', which no effect of the model stores"):
+        checked_terms(model_of([Insulated, only_spare(False)]), two_regimes(small), small)
+    assert checked_terms(model_of([Insulated, only_spare(True)]), two_regimes(small), small)
+
+
+class Probe(Effect):
+    """The displacement reads the growth, and one thermometer the bar: y = X."""
+
+    def terms(self, p, u, rig):
+        yield Read("displacement", {ELONGATION: 1.0}, 0.3, 2.0, zero_sd=3.0, zero_walk=0.03)
+        yield Read("T1", {"screw": rig.screw.at(5.0)}, 0.02)
+
+
+class Holder(Effect):
+    """The probe's holder leans: y = -0.25 T_a + 0.5 X."""
+
+    def terms(self, p, u, rig):
+        yield Read("displacement", {"a": -0.25, ELONGATION: 0.5}, 0.4, u.rise("probe"), zero_sd=4.0, zero_walk=0.04)
+
+
+def test_several_reads_of_a_channel_add(small):
+    """Weights and offsets as they are, scatter and unknown zeros in squares; other channels stay as they were."""
+    u = two_regimes(small)
+    u = replace(u, rises={**u.rises, "probe": np.array([[0.0], [1.5]])})
+    terms = checked_terms(model_of([Insulated, Probe, Holder]), u, small)
+    place = assemble.layout(terms, small)
+    found = assemble.readings(terms, small, place)
+    growth = small.screw.growth(10.0, 190.0) @ place.shapes[:20]
+    expected = 1.5 * growth
+    expected[place.state("a")] -= 0.25
+    np.testing.assert_allclose(found.rows[4], expected, rtol=1e-12)
+    np.testing.assert_array_equal(found.spans, [0, 0, 0, 0, 1.5])
+    assert (found.sd[4], found.zero_sd[4], found.zero_walk[4]) == pytest.approx((0.5, 5.0, 0.05))
+    np.testing.assert_array_equal(assemble.offsets(terms, small, 2)[:, 4], [2.0, 3.5])
+    alone = assemble.readings(checked_terms(model_of([Insulated, Probe]), u, small), small, place)
+    np.testing.assert_array_equal(found.rows[:4], alone.rows[:4])
+    np.testing.assert_array_equal(found.sd[:4], [0.02, np.inf, np.inf, np.inf])

@@ -77,6 +77,23 @@ def test_a_silent_thermometer_is_left_out_of_its_tick(rig, driven):
     assert abs(elongation[2] - elongation[1]) > 0.5
 
 
+def test_a_thermometer_that_comes_late_is_left_out_of_all_ticks(rig, driven):
+    """Silent for ten ticks, its rise is not known, and what it reads then must not bend the line."""
+    recording = recording_of(rig, driven, np.outer(np.linspace(0, 1, 30), RISES))
+    others = [name for name in rig.thermometers if name != "T07"]
+    without = polyline.elongation(recording, rig, others)
+    recording.channels[:10, 6] = np.nan
+    np.testing.assert_allclose(polyline.elongation(recording, rig), without, rtol=0, atol=1e-12)
+
+
+def test_a_thermometer_that_misses_the_first_tick_is_used(rig, driven):
+    """Its rise counts from its own first reading."""
+    recording = recording_of(rig, driven, np.array([0 * RISES, RISES, RISES]))
+    whole = polyline.elongation(recording, rig)
+    recording.channels[0, 6] = np.nan
+    np.testing.assert_allclose(polyline.elongation(recording, rig)[1:], whole[1:], rtol=0, atol=1e-12)
+
+
 def test_fewer_than_two_thermometers_make_no_line(rig, driven):
     recording = recording_of(rig, driven, np.array([RISES, RISES]))
     recording.channels[1, 1:15] = np.nan
