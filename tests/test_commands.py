@@ -8,12 +8,14 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
 from conftest import ballscrew as run
 
 from ballscrew.cli import COMMANDS
+from ballscrew.muting import muted
 
 ESTIMATES = ["filter", "open_loop", "polyline", "polyline_7", "polyline_joined", "last_reading"]
 
@@ -180,6 +182,8 @@ def test_no_displacement_and_mute_take_readings_away(fs20_log, plain):
         ("telemeter:stop2", "error: --mute telemeter:stop2: FS-20.log has 1 stops"),
         ("telemeter:soon", "error: --mute telemeter:soon: 'soon' is neither seconds nor stop1, stop2, ..."),
         ("T7:5", "no channel 'T7'; did you mean 'T07'?"),
+        ("T07:100-50", "error: --mute T07:100-50: ends at "),
+        ("T07:stop1-5", "before it begins at "),
     ],
 )
 def test_what_a_mute_gets_wrong_is_named(fs20_log, span, text):
@@ -213,6 +217,37 @@ def test_json_goes_to_its_file_and_tables_to_the_screen(log, tmp_path):
     assert "polyline" in run("review", log, "--json")[2]
     status, out, _ = run("review", log, "--quiet")
     assert (status, out) == (0, "")
+
+
+def test_json_may_be_written_twice_whatever_its_name(log, tmp_path):
+    for _ in range(2):
+        status, _, err = run("review", "--json", tmp_path / "out.txt", log)
+        assert status == 0, err
+        assert json.loads((tmp_path / "out.txt").read_text())["recordings"][0]["name"] == "FS-20.log"
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "module"),
+    [
+        ("fit", "-o", "fit"),
+        ("review", "--json", "review"),
+        ("review", "--save", "review"),
+    ],
+)
+def test_a_result_that_cannot_be_written_is_refused_before_the_work(command, option, module, log, tmp_path):
+    work = mock.patch(f"ballscrew.{module}.load", side_effect=AssertionError("worked"))
+    with work:
+        status, _, err = run(command, log, option, tmp_path / "none" / "x.json")
+    assert status == 2
+    assert f"error: {tmp_path / 'none' / 'x.json'}: there is no folder {tmp_path / 'none'}" in err
+
+
+def test_a_mute_from_zero_begins_with_the_first_sample(rig, driven):
+    run = driven(rig, 20)
+    mute = muted(run, rig, None, False, ["T07:0", "T03:5-9"])
+    assert list(np.flatnonzero(mute(float(run.time_s[0])))) == [6]
+    assert list(np.flatnonzero(mute(float(run.time_s[0]) + 7))) == [2, 6]
+    assert list(np.flatnonzero(mute(float(run.time_s[-1])))) == [6]
 
 
 def test_ctrl_c_ends_with_130():

@@ -169,6 +169,29 @@ def test_muted_channels_are_compared_but_not_fused(rig, full, run):
     assert filter_.step(run.sample(100)).channel("T05").why == "muted"
 
 
+@pytest.mark.parametrize("spike", [40.0, -40.0, 5.0])
+@pytest.mark.parametrize("channel", [0, 6])
+def test_a_spike_in_the_first_sample_is_not_taken_for_the_start(spike, channel, rig, full, run, track):
+    log = copy(run)
+    log.channels[0, channel] += spike
+    spiked = Filter(full, rig).run(log)
+    np.testing.assert_array_equal(spiked.fused[:3, channel], [False, True, True])
+    error = abs(spiked.elongation_um - track.elongation_um)
+    assert error.max() < 0.3
+    assert (error <= 3 * spiked.sigma_um)[1:].all()
+
+
+def test_a_channel_muted_from_the_start_is_as_if_it_were_not_there(rig, full, run):
+    """Whatever it reads."""
+    log = copy(run)
+    log.channels[:, 6] = 100.0
+    muted = Filter(full, rig, lambda t: np.arange(16) == 6).run(log)
+    log.channels[:, 6] = np.nan
+    without = Filter(full, rig).run(log)
+    np.testing.assert_allclose(muted.elongation_um, without.elongation_um, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(muted.sigma_um, without.sigma_um, rtol=0, atol=1e-9)
+
+
 @pytest.mark.parametrize(("tolerance", "fall"), [(0.0, 1.4), (0.01, 1.3)])
 def test_sigma_grows_while_coasting_and_falls_when_readings_return(tolerance, fall, rig, full, run):
     """Thermometers tell nothing of the expansion coefficient: the better it is known, the more they help."""

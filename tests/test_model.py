@@ -96,6 +96,8 @@ ERRORS = [
     (FRICTION + 'power = {sd = "x"}\n', "nut_friction.power.sd: expected a number, got 'x'"),
     (FRICTION + "power = {fixed = 1}\n", "nut_friction.power.fixed: expected bool, got 1"),
     ("nut_friction = 3\n", "'nut_friction' should be a table, one for each effect"),
+    ("about = 3\n[still_air]\n", "'about' is what a fit writes: a table, with a table 'fitted_on'"),
+    ("[about]\nfitted_on = 3\n[still_air]\n", "'about' is what a fit writes: a table, with a table 'fitted_on'"),
     ('[jet]\nuse = "effects.py:CoolantJet"\n', "jet: the effect's name is 'coolant_jet'; call the table so"),
 ]
 
@@ -129,6 +131,7 @@ def test_a_missing_or_malformed_file_is_named(tmp_path):
         ("effects.py:CoolantJett", OWN, "effects.py has no effect 'CoolantJett'; did you mean 'CoolantJet'?"),
         ("effects.py:Path", "from pathlib import Path\n", "effects.py has no effect 'Path'; known: "),
         ("effects.py:Jet", "1 / 0\n", "effects.py: ZeroDivisionError: division by zero"),
+        ("effects.py:Jet", "import sys\nsys.exit(3)\n", "effects.py: SystemExit: 3"),
         (
             "effects.py:Jet",
             "import no_such_thing\n",

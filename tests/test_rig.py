@@ -106,7 +106,11 @@ def test_two_signals_or_one(rig):
 def test_fingerprint_tells_geometry_and_material_from_the_rest(rig):
     same = replace(rig, name="other", tick_s=2.0)
     assert same.fingerprint() == rig.fingerprint()
+    for key, value in {"expansion_tolerance": 0.05, "cells": 50, "knots_mm": (0.0, 500.0)}.items():
+        assert replace(rig, screw=replace(rig.screw, **{key: value})).fingerprint() == rig.fingerprint(), key
     for other in (
+        replace(rig, screw=replace(rig.screw, expansion=11e-6)),
+        replace(rig, screw=None),
         replace(rig, screw=replace(rig.screw, conductivity=45.0)),
         replace(rig, nut=replace(rig.nut, length_mm=170.0)),
         replace(rig, supports={}),
@@ -131,6 +135,9 @@ def test_fingerprint_tells_geometry_and_material_from_the_rest(rig):
         (SMALL + SCREW.replace("outer_mm = 20.0\n", ""), ": screw: 'outer_mm' is missing"),
         (SMALL + SCREW + "cells = 10.5\n", ": screw.cells: expected int, got 10.5"),
         (SMALL + SCREW + "knots_mm = 5\n", ": screw.knots_mm: expected a list in [ ], got 5"),
+        (SMALL + SCREW + 'knots_mm = [0, "a"]\n', ": screw.knots_mm: expected a number, got 'a'"),
+        ("subset_7 = 5\n" + SMALL, ": subset_7: expected a list in [ ], got 5"),
+        ("subset_7 = [5]\n" + SMALL, ": subset_7: expected str, got 5"),
         (SMALL + "[nut]\nlength_mm = 10\n", ": nut: 'centre_mm' is missing"),
         (SMALL + "[supports]\nfree = { at_mm = 5 }\n", ": supports.free: 'width_mm' is missing"),
         (SMALL + "[log]\ntime_colum = 't'\n", ": log has no 'time_colum'; did you mean 'time_column'?"),
