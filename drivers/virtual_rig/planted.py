@@ -46,7 +46,7 @@ PLANTED = {
 
 def strengths(plant: Mapping[str, float] | None, without: Collection[str]) -> dict[str, float]:
     """The strength of every effect: 1 for the base, 0 for the rest, then what is planted or taken away."""
-    chosen = {name: 1.0 for name in BASE} | {name: 0.0 for name in PLANTED}
+    chosen = dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0)
     for name, strength in (plant or {}).items():
         _known(name)
         if not math.isfinite(strength):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from types import SimpleNamespace
+from typing import ClassVar
 
 from estimator.effect import Effect, Param
 from estimator.inputs import Inputs
@@ -19,81 +20,76 @@ def under_bearing(rig: Rig, support: str) -> Array:
     return width / width.sum()
 
 
-def friction(p: SimpleNamespace, u: Inputs, rig: Rig, support: str) -> Iterator[Term]:
-    """Heat of one bearing: into the screw, spread over the bearing's width, and into its housing."""
-    relative = rig.the_screw().relative_speed(u.omega) ** p.n
-    into_screw, into_housing = p.power * relative * under_bearing(rig, support), p.power_housing * relative
-    yield Heat(SCREW, into_screw, noise=p.noise * into_screw)
-    yield Heat(f"{support}_housing", into_housing, noise=p.noise * into_housing, spare=True)
+class BearingFriction(Effect):
+    """Friction of a bearing heats the screw, spread over the bearing's width, and its housing."""
 
-
-def housing(p: SimpleNamespace, u: Inputs, rig: Rig, support: str) -> Iterator[Term]:
-    """One housing: a body between the screw under the bearing and the base."""
-    node = f"{support}_housing"
-    yield Store(node, p.capacity, p.noise, start=f"{support}_bracket")
-    yield Link(SCREW, node, p.g * under_bearing(rig, support))
-    yield Link(node, "base", p.g_base)
-
-
-class AnchorFriction(Effect):
-    """Friction of the anchor bearing heats the screw at the motor side.
-
-    q = P |omega / omega_ref|^n, spread over the bearing's width;   q_housing = P_housing |omega / omega_ref|^n
-
-    P_housing  heat into the housing, W: gone where the housing is not modelled as a body
-    """
-
+    support: ClassVar[str]
     power = Param(30.0, "W", lo=0.0, hi=120.0, null=0.0, source="41 W for a pair at 1667 rpm, Palmgren")
     power_housing = Param(15.0, "W", lo=0.0, hi=120.0, null=0.0, sd=10.0, source="the outer ring's share")
     n = Param(1.3, "1", lo=0.7, hi=1.8, source="2.5 / 6 / 15 / 41 W at 208 / 417 / 833 / 1667 rpm: 1.3 - 1.4")
     noise = Param(0.3, "sqrt(s)", lo=0.0, hi=10.0, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        yield from friction(p, u, rig, "anchor")
+        relative = rig.the_screw().relative_speed(u.omega) ** p.n
+        into_screw, into_housing = p.power * relative * under_bearing(rig, self.support), p.power_housing * relative
+        yield Heat(SCREW, into_screw, noise=p.noise * into_screw)
+        yield Heat(f"{self.support}_housing", into_housing, noise=p.noise * into_housing, spare=True)
 
 
-class FreeFriction(Effect):
-    """Friction of the free-side bearing heats the screw near channel 2.
+class AnchorFriction(BearingFriction):
+    """Friction of the anchor bearing heats the screw at the motor side, and the housing.
 
     q = P |omega / omega_ref|^n, spread over the bearing's width;   q_housing = P_housing |omega / omega_ref|^n
 
     P_housing  heat into the housing, W: gone where the housing is not modelled as a body
     """
 
-    power = Param(15.0, "W", lo=0.0, hi=120.0, null=0.0, source="up to 41 W for a pair at 1667 rpm, Palmgren")
-    power_housing = Param(8.0, "W", lo=0.0, hi=120.0, null=0.0, sd=6.0, source="the outer ring's share")
-    n = Param(1.3, "1", lo=0.7, hi=1.8, source="2.5 / 6 / 15 / 41 W at 208 / 417 / 833 / 1667 rpm: 1.3 - 1.4")
-    noise = Param(0.3, "sqrt(s)", lo=0.0, hi=10.0, fixed=True, source="tuned")
-
-    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        yield from friction(p, u, rig, "free")
+    support = "anchor"
 
 
-class AnchorHousing(Effect):
-    """The anchor bearing's housing stores heat and conducts it to the machine base.
+class FreeFriction(BearingFriction):
+    """Friction of the free-side bearing heats the screw near the far end, and the housing.
 
-    C dT/dt = q_housing + g (T_screw - T) - g_base (T - T_base)
+    q = P |omega / omega_ref|^n, spread over the bearing's width;   q_housing = P_housing |omega / omega_ref|^n
+
+    P_housing  heat into the housing, W: gone where the housing is not modelled as a body
     """
 
+    support = "free"
+    power = Param(15.0, "W", lo=0.0, hi=120.0, null=0.0, source="up to 41 W for a pair at 1667 rpm, Palmgren")
+    power_housing = Param(8.0, "W", lo=0.0, hi=120.0, null=0.0, sd=6.0, source="the outer ring's share")
+
+
+class BearingHousing(Effect):
+    """A housing is a body between the screw under the bearing and the base."""
+
+    support: ClassVar[str]
     capacity = Param(3000.0, "J/K", lo=800.0, hi=8000.0, sd=800.0, source="1800 - 4600 computed from drawings")
     g = Param(2.0, "W/K", lo=0.0, hi=12.0, null=0.0, source="bearing 1 - 3 W/K")
     g_base = Param(6.0, "W/K", lo=0.0, hi=60.0, source="bolted joint, by fit")
     noise = Param(1.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        yield from housing(p, u, rig, "anchor")
+        node = f"{self.support}_housing"
+        yield Store(node, p.capacity, p.noise, start=f"{self.support}_bracket")
+        yield Link(SCREW, node, p.g * under_bearing(rig, self.support))
+        yield Link(node, "base", p.g_base)
 
 
-class FreeHousing(Effect):
+class AnchorHousing(BearingHousing):
+    """The anchor bearing's housing stores heat and conducts it to the machine base.
+
+    C dT/dt = q_housing + g (T_screw - T) - g_base (T - T_base)
+    """
+
+    support = "anchor"
+
+
+class FreeHousing(BearingHousing):
     """The free-side bearing's housing stores heat and conducts it to the machine base.
 
     C dT/dt = q_housing + g (T_screw - T) - g_base (T - T_base)
     """
 
+    support = "free"
     capacity = Param(2500.0, "J/K", lo=800.0, hi=8000.0, sd=800.0, source="1800 - 4600 computed from drawings")
-    g = Param(2.0, "W/K", lo=0.0, hi=12.0, null=0.0, source="bearing 1 - 3 W/K")
-    g_base = Param(6.0, "W/K", lo=0.0, hi=60.0, source="bolted joint, by fit")
-    noise = Param(1.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="tuned")
-
-    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        yield from housing(p, u, rig, "free")
