@@ -30,6 +30,7 @@ from estimator.step import Mode, Step, Track
 from estimator.view import View
 
 IMPLAUSIBLE_SD = 10.0  # a jump this large is no temperature: reject the impossible, report the surprising
+FIRST_SD_K = 0.3  # the first reading may be a spike too, and has nothing to be checked against
 STUBBORN_TICKS = 5  # ... unless it stays: then the model is what is wrong
 
 Mute = Callable[[float], Array]
@@ -94,9 +95,9 @@ class Filter:
         self._kf = KalmanFilter(dim_x=self._state.size, dim_z=len(self.rig.names))
         inputs = {name: value - start.zero_K[name] for name, value in sample.inputs.items()}
         self._kf.x, self._kf.P = self._state.prior(*prior(start, self.forcing.terms, place, inputs))
-        nothing = np.zeros(len(self.rig.names))
-        compared = self._compare(sample, nothing, readings.sd**2)
-        self._update(sample.channels, compared, readings.sd**2)
+        nothing, R = np.zeros(len(self.rig.names)), readings.sd**2 + FIRST_SD_K**2
+        compared = self._compare(sample, nothing, R)
+        self._update(sample.channels, compared, R)
         self._state.remember_growth(self._kf.x, self._kf.P)
         self._start_z = self._kf.x[: place.size].copy()
         self.open_loop = OpenLoop(self._start_z, readings, self.rig.tick_s)

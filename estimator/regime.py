@@ -2,8 +2,8 @@
 
 The nut's coverage changes every tick; heat follows it tick by tick. The conductances (nut contact, convection) take the
 trailing mean of speed and coverage over the last minute of motion instead, and the coverage as it is when parked. A new
-regime begins when that mean has moved by 5 % in speed or by 3 % of the nut's length in coverage; what this costs is
-measured in the tests (below 0.02 um).
+regime begins when that mean has moved by 5 % in speed or by 2 % of the nut's length in coverage; what this costs is
+measured in the tests (below 0.04 um).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from estimator.record import Array
 AT_REST = 0.5  # rad/s, 5 rpm
 WINDOW_S = 60.0
 SPEED_STEP = 0.05
-COVERAGE_STEP = 0.03
+COVERAGE_STEP = 0.02
 
 
 @dataclass

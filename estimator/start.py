@@ -13,7 +13,7 @@ from estimator.rig import Rig
 
 UNIFORM_K = 0.2  # a rig whose thermometers agree so well at rest has been waiting long enough to be steady
 SENSOR_K = 1.5  # the most that other thermometers of a steady rig can differ from the screw's by their own error
-ODD_K, ODD_TIMES = 1.0, 9.0  # a thermometer further than both from the median (times the median distance) is odd
+ODD_K = 10.0  # further from the median than any part of a screw gets: no temperature
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Start:
     """What the first sample says.
 
     level_C   median of the thermometers
-    spread_K  highest minus lowest of those that are plausible beside the others
+    spread_K  highest minus lowest of those that are within 10 K of it
     zero_K    what is taken off each temperature input: in a steady rig all are in equilibrium with the screw, so that a
               difference is either a sensor's error or a flow that has been there all along; 0 otherwise
     """
@@ -40,9 +40,9 @@ def read_start(sample: Sample, rig: Rig, muted: Array | None = None) -> Start | 
         return None
     level = float(np.median(known))
     apart = np.abs(known - level)
-    plausible = known[apart <= max(ODD_K, ODD_TIMES * float(np.median(apart)))]
-    spread = float(np.ptp(plausible))
-    steady = spread <= UNIFORM_K and not sample.omega > AT_REST
+    spread = float(np.ptp(known[apart <= ODD_K]))
+    others = np.delete(known, apart.argmax()) if len(known) > 2 else known  # one may be a spike
+    steady = np.ptp(others) <= UNIFORM_K and not sample.omega > AT_REST
     zero = {}
     for name, signal in rig.inputs.items():
         difference = sample.inputs.get(name, np.nan) - level

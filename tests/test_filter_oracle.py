@@ -104,7 +104,8 @@ def joint(model, rig, recording: Recording) -> tuple[Joint, Array]:
             outputs.append((H @ A + noise, H @ a + offset[k]))
         return Joint(sizes, states, outputs)
 
-    alone = build(np.zeros((K, m)), np.tile(readings.sd**2, (K, 1)), np.zeros(K))
+    at_first = np.where(np.arange(K) == 0, 0.3**2, 0.0)[:, None]  # the first reading has nothing to be checked against
+    alone = build(np.zeros((K, m)), readings.sd**2 + at_first, np.zeros(K))
     A, a = alone.states[0]
     runs = [(A @ alone.given(recording.channels, 1)[0] + a)[:n]]
     for move, heat in zip(moves[1:], ticks.heat[1:], strict=True):
@@ -114,7 +115,7 @@ def joint(model, rig, recording: Recording) -> tuple[Joint, Array]:
     late = np.vstack([np.zeros(m), -np.diff(spots, axis=0) * recording.ages_s[1:]])
     offset = np.vstack([np.zeros(m), ticks.offset[1:]]) + lag + late
     grown_um = (np.array(runs) - runs[0]) @ span_growth(rig, forcing.place)
-    return build(offset, readings.sd**2 + (readings.lag_noise * lag) ** 2, grown_um), grown_um
+    return build(offset, readings.sd**2 + (readings.lag_noise * lag) ** 2 + at_first, grown_um), grown_um
 
 
 @pytest.fixture(scope="module", params=[0.01, 0.3, 0.0], ids=lambda tolerance: f"tolerance {tolerance}")
