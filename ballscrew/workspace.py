@@ -14,7 +14,8 @@ from drivers.truth import Truth, read_truth
 from estimator.errors import InputError, SetupError
 from estimator.model import Model, load_model
 from estimator.record import Recording
-from estimator.rig import Rig, load_rig
+from estimator.rig import Rig
+from estimator.rig_file import load_rig
 
 BUILT_IN = Path(str(files("recordings")))
 

@@ -14,7 +14,7 @@ from drivers.recordings import find_recordings, read_recording
 from drivers.truth import read_truth
 from estimator.model import load_model
 from estimator.review import Review, overall, review
-from estimator.rig import load_rig
+from estimator.rig_file import load_rig
 
 FOLDER = Path(__file__).parent.parent / "recordings"
 COOLDOWN = "telemeter silent for 60 min from the first stop"

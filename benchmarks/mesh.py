@@ -13,7 +13,8 @@ from estimator.fit import open_loop
 from estimator.forcing import Forcing
 from estimator.model import load_model
 from estimator.record import Array
-from estimator.rig import Rig, load_rig
+from estimator.rig import Rig
+from estimator.rig_file import load_rig
 from estimator.start import read_start
 
 RUNS = ("FS-20", "CS-20", "ES-20", "FS-2.5")

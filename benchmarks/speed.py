@@ -18,7 +18,7 @@ from drivers.dbc import find_dbc
 from drivers.recordings import read_recording
 from estimator.filter import Filter
 from estimator.model import load_model
-from estimator.rig import load_rig
+from estimator.rig_file import load_rig
 
 ROUNDS = 5
 RUN = FOLDER / "FS-20.blf"

@@ -25,7 +25,8 @@ from estimator.model import Model, model_of
 from estimator.openloop import OpenLoop
 from estimator.prior import BODY_SD_K
 from estimator.record import Array, Recording
-from estimator.rig import Channel, Nut, Rig, Screw, Signal, load_rig
+from estimator.rig import Channel, Nut, Rig, Screw, Signal
+from estimator.rig_file import load_rig
 from estimator.start import Start
 
 PAPER = Path(__file__).parents[1] / "recordings"

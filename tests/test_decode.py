@@ -16,7 +16,7 @@ from drivers.checks import crc8_j1850, crc16_ccitt_false, lost
 from drivers.dbc import load_dbc
 from drivers.recordings import read_recording
 from estimator.errors import SetupError
-from estimator.rig import load_rig
+from estimator.rig_file import load_rig
 
 RECORDINGS = Path(__file__).parents[1] / "recordings"
 RIG = load_rig(RECORDINGS)

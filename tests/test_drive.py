@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from drivers.coverage import covered
 from drivers.recordings import read_recording
-from estimator.rig import Screw, load_rig
+from estimator.rig import Screw
+from estimator.rig_file import load_rig
 
 RIG = load_rig(Path(__file__).parents[1] / "recordings")
 SCREW = Screw(from_mm=0, to_mm=980, outer_mm=40, bore_mm=17, cells=49)

@@ -11,7 +11,8 @@ import pytest
 from drivers.recordings import read_recording
 from drivers.truth import read_truth
 from estimator.errors import InputError
-from estimator.rig import Rig, load_rig
+from estimator.rig import Rig
+from estimator.rig_file import load_rig
 
 ROD = """
 name = "heated rod"

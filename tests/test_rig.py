@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimator.errors import SetupError
-from estimator.rig import Rig, Screw, load_rig
+from estimator.rig import Rig, Screw
+from estimator.rig_file import load_rig
 
 SPACINGS = (72.5, 54.5, 144, 144, 144, 144, 84, 30, 30, 24, 18, 15.5, 20, 55.5)  # eq. (1), channel 1 to 15
 SMALL = 'name = "bar"\n[channels]\nA = { at_mm = 10.0 }\nB = { at_mm = 90.0 }\n'

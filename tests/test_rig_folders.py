@@ -23,7 +23,7 @@ from estimator.filter import Filter
 from estimator.forcing import Forcing
 from estimator.inputs import InputReader
 from estimator.model import load_model
-from estimator.rig import load_rig
+from estimator.rig_file import load_rig
 from estimator.start import Start
 
 ROOT = Path(__file__).parents[1]

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from estimator import model, rig
-from estimator.rig import load_rig
+from estimator.rig_file import load_rig
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "rig-folder.md"

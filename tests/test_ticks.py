@@ -18,7 +18,8 @@ from drivers.logs import read_log
 from drivers.recordings import read_recording
 from drivers.ticker import Ticker
 from estimator.record import Recording, collect
-from estimator.rig import Log, Rig, load_rig
+from estimator.rig import Log, Rig
+from estimator.rig_file import load_rig
 
 RIG = load_rig(Path(__file__).parents[1] / "recordings")
 STATUS = 0x214

@@ -10,7 +10,8 @@ from estimator.effects import CATALOGUE
 from estimator.filter import Filter
 from estimator.model import model_of
 from estimator.record import Array, Recording
-from estimator.rig import Rig, load_rig
+from estimator.rig import Rig
+from estimator.rig_file import load_rig
 from viz.run import Run
 
 CELLS = 49
