@@ -12,7 +12,7 @@ from ballscrew.terminal import Terminal
 from ballscrew.workspace import load, open_model, open_rig
 from estimator.errors import InputError
 from estimator.fit import Fit, Fitted, fit
-from estimator.model import save_model
+from estimator.model import Model, save_model
 
 
 @click.command("fit")
@@ -49,6 +49,7 @@ def command(
         )
     save_model(found.model, out)
     _print(terminal, found)
+    _print_doubt(terminal, model, found.model)
     terminal.say(f"model: {out}")
     terminal.json(_as_json(found))
     return InputError.exit_code if failed else 0
@@ -65,6 +66,15 @@ def _print(terminal: Terminal, found: Fit) -> None:
     terminal.say(f"open-loop misfit, rms: thermometers {k0:.3f} -> {k1:.3f} K{lengths}")
     if not found.converged:
         terminal.say(f"not converged after {found.evaluations} runs: the best so far was kept; fit again from it")
+
+
+def _print_doubt(terminal: Terminal, before: Model, after: Model) -> None:
+    """Say when the fit took the filter's trust in the model down to what the misfit allows."""
+    if "conduction.noise" in after.values and after["conduction.noise"] > before["conduction.noise"]:
+        was, now = before["conduction.noise"], after["conduction.noise"]
+        terminal.say(
+            f"unmodelled heat raised from {was:.3g} to {now:.3g} W/sqrt(Hz m): the misfit is larger than assumed"
+        )
 
 
 def _remark(f: Fitted) -> str:

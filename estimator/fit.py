@@ -135,7 +135,25 @@ def fit(model: Model, rig: Rig, recordings: Sequence[Recording], each: Progress 
     better = model.with_values({f.path: Value(f.value, f.sd if np.isfinite(f.sd) else None) for f in fitted})
     about = {"rig": rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in recordings}}
     better = replace(better, about={**model.about, **about})
-    return Fit(better, fitted, misfit(model, runs), misfit(better, runs), found.status > 0, count)
+    after = misfit(better, runs)
+    better = _doubted(better, rig, after[0])
+    return Fit(better, fitted, misfit(model, runs), after, found.status > 0, count)
+
+
+def _doubted(model: Model, rig: Rig, misfit_K: float) -> Model:
+    """The model with at least as much unmodelled heat as its open-loop misfit shows; never with less than before.
+
+    noise = C' m sqrt(L / T): m K beyond the thermometers' scatter, over their mean distance L and a block of time T,
+    with C' J/(K m) of the screw. A filter that trusts a model more than that claims an accuracy it does not have.
+    """
+    places = sorted(c.at_mm for c in rig.channels.values() if c.at_mm is not None)
+    if rig.screw is None or len(places) < 2 or not {"conduction.noise", "thermometers.sd"} <= set(model.values):
+        return model
+    beyond = np.sqrt(max(misfit_K**2 - model["thermometers.sd"] ** 2, 0.0))
+    distance = (places[-1] - places[0]) * 1e-3 / (len(places) - 1)
+    noise = rig.screw.density * rig.screw.heat_capacity * rig.screw.area * beyond * np.sqrt(distance / BLOCK_S)
+    highest = model.param("conduction.noise").hi
+    return model.with_values({"conduction.noise": float(np.clip(noise, model["conduction.noise"], highest))})
 
 
 def misfit(model: Model, runs: Sequence[Run]) -> tuple[float, float]:

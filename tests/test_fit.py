@@ -65,6 +65,18 @@ def test_the_misfit_left_is_the_sensors_scatter(found, rig, lived, full):
     assert misfit(full.with_values(TRUE), [prepare(full, rig, lived)]) == pytest.approx(found.after, rel=0.05)
 
 
+def test_a_model_that_misses_an_effect_is_trusted_less(rig, full, lived, found):
+    """Without the bearings the open-loop run is off by more than a kelvin: the filter must not believe it."""
+    assert found.model["conduction.noise"] == full["conduction.noise"]
+    poor = only(full - "anchor_friction" - "free_friction", "nut_friction.power")
+    left = fit(poor, rig, [lived])
+    assert left.after[0] > 0.5
+    heat_per_K = 7850 * 470 * np.pi / 4 * (0.040**2 - 0.017**2) * np.sqrt(0.980 / 14 / 600)
+    expected = heat_per_K * np.sqrt(left.after[0] ** 2 - 0.022**2)
+    assert left.model["conduction.noise"] == pytest.approx(min(expected, 100.0), rel=1e-6)
+    assert left.model["conduction.noise"] > 10 * full["conduction.noise"]
+
+
 def test_the_fitted_model_knows_what_it_was_fitted_to(found, rig, lived, full):
     assert found.model.about == {"rig": rig.fingerprint(), "fitted_on": {"driven": lived.fingerprint}}
     for f in found.parameters:
