@@ -30,8 +30,8 @@ from estimator.step import Mode, Step, Track
 from estimator.view import View
 
 IMPLAUSIBLE_SD = 10.0  # a jump this large is no temperature: reject the impossible, report the surprising
-FIRST_SD_K = 0.3  # the first reading may be a spike too, and has nothing to be checked against
 STUBBORN_TICKS = 5  # ... unless it stays: then the model is what is wrong
+FIRST_SD_K = 0.3  # the first reading may be a spike too, and has nothing to be checked against
 
 Mute = Callable[[float], Array]
 

@@ -120,7 +120,7 @@ def fit(model: Model, rig: Rig, recordings: Sequence[Recording], each: Progress 
         nonlocal count
         count += 1
         rest = _residual(model.with_values(dict(zip(free, scaled * unit, strict=True))), runs)
-        each(count, float(np.sqrt(np.mean(rest**2))))
+        each(count, float(np.sqrt(np.mean(rest**2) * BLOCK_S / runs[0].forcing.rig.tick_s)))
         prior = [(s * u - p.value) / p.sd for s, u, p in zip(scaled, unit, params, strict=True) if p.sd]
         return np.concatenate([rest, prior])
 
