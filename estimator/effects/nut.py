@@ -49,7 +49,7 @@ class NutBody(Effect):
     capacity = Param(1500.0, "J/K", lo=700.0, hi=3500.0, sd=300.0, source="1000 - 2000 computed from drawings")
     g = Param(2.0, "W/K", lo=0.0, hi=12.0, null=0.0, source="0.8 - 1.6 unsealed, more with grease and balls under load")
     g_air = Param(1.0, "W/K", lo=0.0, hi=10.0, source="surface 0.05 m2, and what the table takes")
-    noise = Param(5.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="tuned")
+    noise = Param(5.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="by coverage on simulated runs")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         yield Store("nut", p.capacity, p.noise, start="nut")

@@ -23,7 +23,9 @@ class Thermometers(Effect):
 
     sd = Param(0.022, "K", lo=0.005, hi=0.5, fixed=True, source="0.02 K scatter and 0.01 K steps")
     tau = Param(8.0, "s", lo=0.0, hi=30.0, null=0.0, source="3 - 15 s")
-    lag_noise = Param(1.0, "1", lo=0.0, hi=20.0, fixed=True, source="2 s of 8 s, alike for a quarter of a minute")
+    lag_noise = Param(
+        1.0, "1", lo=0.0, hi=20.0, fixed=True, source="by coverage on simulated runs; lags spread by a quarter"
+    )
     board = Param(0.0, "K/K", lo=-0.02, hi=0.02, null=0.0, sd=0.003, source="0.03 K per 10 K")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
