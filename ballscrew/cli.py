@@ -9,15 +9,16 @@ import sys
 import click
 
 from ballscrew.options import json_apart
+from ballscrew.terminal import INTERRUPTED
 from estimator.errors import BallscrewError
 
 COMMANDS = {
     "simulate": "Make a recording of the rig that is not there.",
     "review": "Run the filter over recordings and say how good the estimate is.",
     "fit": "Fit a model's parameters to recordings.",
+    "tune": "Set a model's noise levels by recordings.",
     "show": "Print a model as equations with values, units, bounds and sources.",
 }
-INTERRUPTED = 130
 
 
 class Commands(click.Group):

@@ -8,11 +8,19 @@ import click
 import numpy as np
 
 from ballscrew.options import logs_argument, output_options, rig_options, writable
-from ballscrew.terminal import Terminal
+from ballscrew.terminal import INTERRUPTED, Terminal
+from ballscrew.threads import threads
 from ballscrew.workspace import load, open_model, open_rig
 from estimator.errors import InputError
 from estimator.fit import Fit, Fitted, fit
-from estimator.model import Model, save_model
+from estimator.horizon import Error
+from estimator.model import save_model
+
+HORIZONS = {"one_step": "one tick ahead", "ahead": "10 minutes ahead", "open_loop": "model alone (open loop)"}
+KEPT = {
+    "likelihood": "kept: the most likely parameters",
+    "open loop": "kept: the parameters with which the model alone follows best; the most likely ones predict worse",
+}
 
 
 @click.command("fit")
@@ -32,10 +40,11 @@ def command(
     logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, out: Path, json_path: str | None,
     quiet: bool, debug: bool,
 ) -> int:  # fmt: skip
-    """Fit the free parameters of the model to all LOGs at once, so that the model alone follows the measurements.
+    """Fit the free parameters of the model to all LOGs at once.
 
-    The model runs open loop from each log's first sample: no measurement after it helps, so that what is missing shows.
-    A truth file is never opened. Parameters marked fixed in the model file stay.
+    First so that the model alone follows the measurements (least squares, open loop), then by maximum likelihood; what
+    predicts better ten minutes ahead is kept. A truth file is never opened. Parameters marked fixed in the model file
+    stay. Ctrl-C ends the search; the best model so far is written.
     """
     terminal = Terminal(json_path, quiet)
     rig = open_rig(logs, rig_path, terminal)
@@ -43,16 +52,24 @@ def command(
     loaded, failed = load(logs, rig, terminal)
     if not loaded:
         return InputError.exit_code
-    with terminal.progress(f"fitting {len(model.free())} parameters to {len(loaded)} recordings", None) as update:
+    terminal.say_if_compiling()
+    label = f"fitting {len(model.free())} parameters to {len(loaded)} recordings"
+    with terminal.progress(label, None) as update, threads() as share:
         found = fit(
-            model, rig, [one.recording for one in loaded], lambda n, misfit: update(n, f"run {n}: {misfit:.3f}")
-        )
+            model, rig, [one.recording for one in loaded],
+            lambda stage, n, value: update(n, f"{stage}, run {n}: {_progress(stage, value)}"), share,
+        )  # fmt: skip
     save_model(found.model, out)
     _print(terminal, found)
-    _print_doubt(terminal, model, found.model)
     terminal.say(f"model: {out}")
     terminal.json(_as_json(found))
+    if found.stopped:
+        return INTERRUPTED
     return InputError.exit_code if failed else 0
+
+
+def _progress(stage: str, value: float) -> str:
+    return f"misfit {value:.3f}" if stage == "open loop" else f"log-likelihood {value:.1f}"
 
 
 def _print(terminal: Terminal, found: Fit) -> None:
@@ -61,35 +78,55 @@ def _print(terminal: Terminal, found: Fit) -> None:
         for f in found.parameters
     ]
     terminal.table("", ["parameter", "before", "fitted", "+- sd", "unit", ""], rows)
-    (k0, um0), (k1, um1) = found.before, found.after
-    lengths = f", displacement {um0:.2f} -> {um1:.2f} um" if np.isfinite(um1) else ""
-    terminal.say(f"open-loop misfit, rms: thermometers {k0:.3f} -> {k1:.3f} K{lengths}")
-    if not found.converged:
-        terminal.say(f"not converged after {found.evaluations} runs: the best so far was kept; fit again from it")
-
-
-def _print_doubt(terminal: Terminal, before: Model, after: Model) -> None:
-    """Say when the fit took the filter's trust in the model down to what the misfit allows."""
-    if "conduction.noise" in after.values and after["conduction.noise"] > before["conduction.noise"]:
-        was, now = before["conduction.noise"], after["conduction.noise"]
+    terminal.say()
+    terminal.table("", ["error, rms", "before", "after", "", "before", "after", ""], _errors(found))
+    terminal.say(KEPT[found.kept])
+    for a, b, rho in found.alike:
+        terminal.say(f"{a} and {b} cannot be told apart well: their errors correlate by {rho:+.3f}")
+    if found.raised > 1:
         terminal.say(
-            f"unmodelled heat raised from {was:.3g} to {now:.3g} W/sqrt(Hz m): the misfit is larger than assumed"
+            f"process noise raised {found.raised:.2g} times: ten minutes without readings end further off than it said"
         )
+    if found.stopped:
+        terminal.say(f"stopped by Ctrl-C after {found.steps} steps: the best so far was kept")
+    elif not found.converged:
+        terminal.say(f"not converged after {found.steps} steps: the best so far was kept; fit again from it")
+
+
+def _errors(found: Fit) -> list[list[str]]:
+    return [[title, *_pair(found.before[key], found.after[key])] for key, title in HORIZONS.items()]
+
+
+def _pair(a: Error, b: Error) -> list[str]:
+    kelvin = [f"{a.temperature_K:.3f}", f"{b.temperature_K:.3f}", "K"]
+    lengths = [f"{a.elongation_um:.2f}", f"{b.elongation_um:.2f}", "um"]
+    return kelvin + (lengths if np.isfinite(b.elongation_um) else ["", "", ""])
 
 
 def _remark(f: Fitted) -> str:
     if not np.isfinite(f.sd):
         return "without influence"
-    return "at its bound" if f.at_bound else ""
+    if f.at_bound:
+        return "at its bound"
+    return "" if f.determined else "this data does not determine it"
 
 
 def _as_json(found: Fit) -> dict[str, object]:
     parameters = {
-        f.path: {"before": f.before, "value": f.value, "sd": f.sd, "unit": f.unit, "at_bound": f.at_bound}
+        f.path: {
+            "before": f.before, "value": f.value, "sd": f.sd, "unit": f.unit, "at_bound": f.at_bound,
+            "determined": f.determined,
+        }
         for f in found.parameters
-    }
-    before, after = ({"temperature_K": k, "elongation_um": um} for k, um in (found.before, found.after))
-    return {
-        "parameters": parameters, "open_loop": {"before": before, "after": after},
-        "converged": found.converged, "runs": found.evaluations,
     }  # fmt: skip
+    errors = {key: {"before": _error(found.before[key]), "after": _error(found.after[key])} for key in HORIZONS}
+    return {
+        "parameters": parameters, **errors, "kept": found.kept, "process_noise_raised": found.raised,
+        "correlated": [{"parameters": [a, b], "correlation": rho} for a, b, rho in found.alike],
+        "log_likelihood": {"open_loop": found.loglike[0], "best": found.loglike[1]},
+        "converged": found.converged, "stopped": found.stopped, "steps": found.steps,
+    }  # fmt: skip
+
+
+def _error(error: Error) -> dict[str, float]:
+    return {"temperature_K": error.temperature_K, "elongation_um": error.elongation_um}

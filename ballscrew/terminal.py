@@ -16,6 +16,8 @@ from rich.table import Table
 
 from ballscrew.options import STDOUT
 
+INTERRUPTED = 130
+
 
 class Terminal:
     """Where a command writes: tables to stdout, or to stderr when stdout carries JSON; nothing when quiet."""
@@ -29,6 +31,13 @@ class Terminal:
     def say(self, text: str = "") -> None:
         """One line (or a paragraph) for the reader."""
         self.out.print(text, markup=False)
+
+    def say_if_compiling(self) -> None:
+        """Why the first run after an installation takes longer."""
+        from estimator.batch import is_cold  # the compiler takes a while to import
+
+        if is_cold() and not self.quiet:
+            self.err.print("compiling the filter for this machine, once: some 15 s", markup=False)
 
     def warn(self, text: str) -> None:
         """One line on stderr, also when quiet."""

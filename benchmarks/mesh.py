@@ -9,9 +9,9 @@ import numpy as np
 
 from benchmarks.accuracy import FOLDER
 from drivers.recordings import read_recording
-from estimator.fit import open_loop
 from estimator.forcing import Forcing
 from estimator.model import load_model
+from estimator.nominal import open_loop
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.rig_file import load_rig

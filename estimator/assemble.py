@@ -8,8 +8,9 @@ speed and a place of the nut that hold for a while); q and d belong to a tick.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,9 @@ from estimator.inputs import Inputs
 from estimator.model import Model
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.terms import ELONGATION, SCREW, Chain, Expand, Heat, Lag, Link, Read, Store, Term
+from estimator.terms import ELONGATION, SCREW, Chain, Expand, Heat, Lag, Link, Read, Spot, Store, Term
+
+Projection = Callable[[Any, Any, Array], Array]
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,18 @@ class Layout:
         """Nodes with one temperature."""
         return tuple(node for node in self.nodes if node != SCREW)
 
+    def rows(self, node: str) -> Array:
+        """What the states say of a node's cells, (cells, n), or of a body, (1, n)."""
+        return self.shapes[self.nodes[node]]
+
+    def spot(self, at_mm: float, rig: Rig) -> Array:
+        """What the states say of the screw's temperature at a place, (n,)."""
+        if self.size == len(self.shapes):
+            return np.asarray(rig.the_screw().at(at_mm) @ self.rows(SCREW))
+        row = np.zeros(self.size)
+        row[: len(self.knots_mm)] = basis.shapes(self.knots_mm, np.array([at_mm]))[0]
+        return row
+
     def state(self, node: str) -> int:
         """Index of a body among the states."""
         return len(self.knots_mm) + self.bodies.index(node)
@@ -60,7 +75,8 @@ class Network:
 class Readings:
     """What the channels read: rows (m, n) of H, scatter sd (m,), lag tau (m,) s with its noise, the unknown zeros.
 
-    spans  (m,) how much of the elongation a channel reads: 1 for the displacement, 0 for thermometers
+    spans   (m,) how much of the elongation a channel reads: 1 for the displacement, 0 for thermometers
+    growth  (n,) um/K of the measured span
     """
 
     rows: Array
@@ -70,6 +86,7 @@ class Readings:
     zero_sd: Array
     zero_walk: Array
     spans: Array
+    growth: Array
 
 
 def layout(terms: Sequence[Term], rig: Rig, reduced: bool = True) -> Layout:
@@ -100,90 +117,111 @@ def _shapes(places: Array, nodes: dict[str, slice], size: int, rig: Rig, reduced
 
 def network(model: Model, rig: Rig, place: Layout, u: Inputs) -> Network:
     """Assemble mass, conductance, inflow and noise for the R regimes whose inputs are the rows of `u`."""
-    terms = list(model.terms(u, rig))
-    regimes, size = len(u), len(place.shapes)
-    dtype = np.result_type(*(np.asarray(v).dtype for t in terms for v in vars(t).values() if _numeric(v)), float)
-    mass = np.zeros((1, size), dtype)
-    g = np.zeros((regimes, size, size), dtype)
-    inflow = np.zeros((regimes, size, len(place.boundaries)), dtype)
-    noise = np.zeros((regimes, size, size), dtype)
+    return network_of(list(model.terms(u, rig)), place, len(u))
+
+
+def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
+    """What these terms add to the network: it is the sum over all terms. Complex where a term is.
+
+    A link between two nodes whose temperatures are a'z and b'z is the matrix g (a - b)(a - b)'.
+    """
+    n, dtype = place.size, _dtype(terms)
+    mass, inflow = np.zeros((n, n), dtype), np.zeros((regimes, n, len(place.boundaries)), dtype)
+    conductance, noise = np.zeros((2, regimes, n, n), dtype)
     for term in terms:
         if isinstance(term, Store):
-            mass[:, place.nodes[term.node]] = term.capacity
-            at = np.arange(size)[place.nodes[term.node]]
-            noise[:, at, at] += np.asarray(term.noise) ** 2
+            rows = place.rows(term.node)
+            mass += _squares(rows, term.capacity, 1)[0]
+            noise += _squares(rows, np.asarray(term.noise) ** 2, regimes)
         elif isinstance(term, Chain):
-            cells = np.arange(size)[place.nodes[term.node]]
-            _couple(g, cells[:-1], cells[1:], term.g)
+            rows = place.rows(term.node)
+            conductance += _squares(rows[:-1] - rows[1:], term.g, regimes)
         elif isinstance(term, Link):
-            _link(g, inflow, place, term)
+            _link(conductance, inflow, place, term)
         elif isinstance(term, Heat) and term.node in place.nodes:
-            rank_one = np.zeros((regimes, size), dtype)
-            rank_one[:, place.nodes[term.node]] = term.noise
-            noise += rank_one[:, :, None] * rank_one[:, None, :]
-    v = place.shapes
-    return Network((v.T * mass) @ v, v.T @ g @ v, v.T @ inflow, v.T @ noise @ v)
+            scatter = np.broadcast_to(spread(term.noise, term.over, place.rows(term.node)), (regimes, n))
+            noise += scatter[:, :, None] * scatter[:, None, :]
+    return Network(mass, conductance, inflow, noise)
+
+
+def _dtype(terms: Sequence[Term]) -> Any:
+    """complex where a term's value is, else float."""
+    return np.result_type(float, *(np.asarray(v).dtype for t in terms for v in _values(t) if _numeric(v)))
+
+
+def _values(term: Term) -> Iterator[object]:
+    """Everything that a term says, the weights of a Read one by one."""
+    for value in vars(term).values():
+        for part in value.values() if isinstance(value, Mapping) else (value,):
+            yield part.weight if isinstance(part, Spot) else part
 
 
 def _numeric(value: object) -> bool:
     return isinstance(value, (float, complex, np.ndarray, np.generic))
 
 
-def _couple(g: Array, a: Array, b: Array, value: Array) -> None:
-    """Add links of conductance `value` between the nodes a[i] and b[i]."""
-    for i, j, sign in ((a, a, 1), (b, b, 1), (a, b, -1), (b, a, -1)):
-        np.add.at(g, (slice(None), i, j), sign * np.broadcast_to(value, (len(g), len(a))))  # type: ignore[arg-type]
+def _squares(rows: Array, weights: Any, regimes: int) -> Array:
+    """Sum over k of weights[:, k] rows[k] rows[k]', (regimes, n, n)."""
+    weights = np.broadcast_to(weights, (regimes, len(rows)))
+    if np.all(weights == weights[:, :1]):
+        return weights[:, :1, None] * (rows.T @ rows)
+    return (rows.T * weights[:, None, :]) @ rows
 
 
-def _link(g: Array, inflow: Array, place: Layout, term: Link) -> None:
+def _link(conductance: Array, inflow: Array, place: Layout, term: Link) -> None:
     a, b = (term.a, term.b) if term.a in place.nodes else (term.b, term.a)
-    ends = np.arange(g.shape[1])[place.nodes[a]]
-    value = np.broadcast_to(term.g, (len(g), max(len(ends), _width(b, place))))
+    regimes, rows = len(conductance), place.rows(a)
     if b in place.nodes:
-        others = np.arange(g.shape[1])[place.nodes[b]]
-        width = value.shape[1]
-        _couple(g, np.broadcast_to(ends, width), np.broadcast_to(others, width), value)
+        conductance += _squares(rows - place.rows(b), term.g, regimes)
     else:
-        g[:, ends, ends] += value
-        inflow[:, ends, place.boundaries.index(b)] += value
+        conductance += _squares(rows, term.g, regimes)
+        inflow[:, :, place.boundaries.index(b)] += np.broadcast_to(term.g, (regimes, len(rows))) @ rows
 
 
-def _width(node: str, place: Layout) -> int:
-    return place.nodes[node].stop - place.nodes[node].start if node in place.nodes else 1
+def spread(q: Any, over: Any, rows: Array) -> Array:
+    """q over, (ticks, cells), projected on the states: (ticks, n); (1, n) for a q without ticks."""
+    q = np.atleast_2d(q)
+    if q.shape[1] == 1:
+        return q * (np.broadcast_to(over, (*np.shape(over)[:-1], len(rows))) @ rows)
+    return np.asarray((q * over) @ rows)
 
 
-def heat(terms: Sequence[Term], place: Layout, ticks: int) -> Array:
+def heat(terms: Sequence[Term], place: Layout, ticks: int, projected: Projection = spread) -> Array:
     """V'q: heat put in, projected on the states, (ticks, n) W."""
-    total = np.zeros((ticks, place.size))
+    total = np.zeros((ticks, place.size), _dtype([term for term in terms if isinstance(term, Heat)]))
     for term in terms:
         if isinstance(term, Heat) and term.node in place.nodes:
-            q = np.broadcast_to(term.q, (ticks, _width(term.node, place)))
-            total = total + q @ place.shapes[place.nodes[term.node]]
+            total += projected(term.q, term.over, place.rows(term.node))
     return total
 
 
-def growth(terms: Sequence[Term], rig: Rig, place: Layout, from_mm: float, to_mm: float) -> Array:
-    """Weights (n,) um/K: growth of the screw between two places; zeros without a screw."""
+def growth(terms: Sequence[Term], rig: Rig, place: Layout, from_mm: Array | float, to_mm: Array | float) -> Array:
+    """Weights (..., n) um/K: growth of the screw between two places; zeros without a screw."""
     if rig.screw is None or SCREW not in place.nodes:
-        return np.zeros(place.size)
+        return np.zeros((*np.shape(from_mm), place.size))
     share = 1.0 + sum(term.error for term in terms if isinstance(term, Expand))
-    return np.asarray(share * rig.screw.growth(from_mm, to_mm) @ place.shapes[place.nodes[SCREW]])
+    return np.asarray(share * rig.screw.growth(from_mm, to_mm) @ place.rows(SCREW))
+
+
+def span_growth(terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
+    """Weights (n,) um/K: growth of the measured span."""
+    return growth(terms, rig, place, *rig.screw.span_mm) if rig.screw else np.zeros(place.size)
 
 
 def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
     """d: what the channels read beside the temperatures, (ticks, m)."""
-    total = np.zeros((ticks, len(rig.names)))
-    for term in terms:
-        if isinstance(term, Read):
-            total[:, rig.index(term.channel)] += np.broadcast_to(term.offset, (ticks, 1))[:, 0]
+    reads = [term for term in terms if isinstance(term, Read)]
+    total = np.zeros((ticks, len(rig.names)), np.result_type(float, *(np.asarray(term.offset) for term in reads)))
+    for term in reads:
+        total[:, rig.index(term.channel)] += np.broadcast_to(term.offset, (ticks, 1))[:, 0]
     return total
 
 
 def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
     """H, scatter, lags and zeros of the channels; one that no effect reads has a row of zeros and sd inf."""
-    m = len(rig.names)
-    rows, variance, known = np.zeros((m, place.size)), np.zeros(m), np.zeros(m, dtype=bool)
-    tau, lag_noise, zero_sd, zero_walk, spans = np.zeros((5, m))
+    m, dtype = len(rig.names), _dtype(terms)
+    rows, known = np.zeros((m, place.size), dtype), np.zeros(m, dtype=bool)
+    variance, tau, lag_noise, zero_sd, zero_walk, spans = np.zeros((6, m), dtype)
     for term in terms:
         if isinstance(term, Read):
             i = rig.index(term.channel)
@@ -191,15 +229,21 @@ def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
             spans[i] += term.weights.get(ELONGATION, 0.0)
             variance[i] += term.sd**2
             known[i] = True
-            zero_sd[i], zero_walk[i] = np.hypot(zero_sd[i], term.zero_sd), np.hypot(zero_walk[i], term.zero_walk)
+            zero_sd[i] = np.sqrt(zero_sd[i] ** 2 + term.zero_sd**2)
+            zero_walk[i] = np.sqrt(zero_walk[i] ** 2 + term.zero_walk**2)
         elif isinstance(term, Lag):
             i = rig.index(term.channel)
-            tau[i], lag_noise[i] = tau[i] + term.tau, np.hypot(lag_noise[i], term.noise)
-    return Readings(rows, np.where(known, np.sqrt(variance), np.inf), tau, lag_noise, zero_sd, zero_walk, spans)
+            tau[i] += term.tau
+            lag_noise[i] = np.sqrt(lag_noise[i] ** 2 + term.noise**2)
+    sd = np.where(known, np.sqrt(variance), np.inf)
+    return Readings(rows, sd, tau, lag_noise, zero_sd, zero_walk, spans, span_growth(terms, rig, place))
 
 
-def _row(node: str, weight: Array | float, terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
+def _row(node: str, weight: Any, terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
     """What one weight of a Read adds to its row, (n,)."""
     if node == ELONGATION:
-        return weight * growth(terms, rig, place, *rig.the_screw().span_mm)
-    return np.atleast_1d(weight) @ place.shapes[place.nodes[node]]
+        rig.the_screw()
+        return weight * span_growth(terms, rig, place)
+    if isinstance(weight, Spot):
+        return weight.weight * place.spot(weight.at_mm, rig)
+    return np.atleast_1d(weight) @ place.rows(node)

@@ -18,6 +18,7 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 
 from estimator.augment import Augmented
+from estimator.batch import Gate
 from estimator.discretise import Transition
 from estimator.forcing import Forcing, Ticks
 from estimator.model import Model
@@ -29,8 +30,7 @@ from estimator.start import Start, read_start
 from estimator.step import Mode, Step, Track
 from estimator.view import View
 
-IMPLAUSIBLE_SD = 10.0  # a jump this large is no temperature: reject the impossible, report the surprising
-STUBBORN_TICKS = 5  # ... unless it stays: then the model is what is wrong
+GATE = Gate(sd=10.0, stubborn=5)  # reject the impossible, report the surprising; what stays, the model has to explain
 FIRST_SD_K = 0.3  # the first reading may be a spike too, and has nothing to be checked against
 
 Mute = Callable[[float], Array]
@@ -81,28 +81,28 @@ class Filter:
                 steps.append(self._advance(sample, ticks, k))
                 each(rest + k + 1)
         x_mm, bodies = (self.view.x_mm, self.view.bodies) if self.started else (np.empty(0), ())
-        return Track(x_mm, bodies, steps)
+        return Track.of(steps, x_mm, bodies)
 
     def _ticks(self, chunk: Recording) -> Ticks:
         return self.forcing.ticks(self.forcing.read(chunk))
 
     def _begin(self, sample: Sample, start: Start) -> Step:
         self.forcing = Forcing(self.model, self.rig, start)
-        self._ticks(collect("", [sample]))
+        offset = self._ticks(collect("", [sample])).offset[0]
         place, readings = self.forcing.place, self.forcing.readings
         self.view = View(self.rig, place, self.forcing.terms)
-        self._state = Augmented(readings, self.view.growth, self.rig.expansion_tolerance)
+        self._state = Augmented(readings, self.rig.expansion_tolerance)
         self._kf = KalmanFilter(dim_x=self._state.size, dim_z=len(self.rig.names))
         inputs = {name: value - start.zero_K[name] for name, value in sample.inputs.items()}
         self._kf.x, self._kf.P = self._state.prior(*prior(start, self.forcing.terms, place, inputs))
-        nothing, R = np.zeros(len(self.rig.names)), readings.sd**2 + FIRST_SD_K**2
-        compared = self._compare(sample, nothing, R)
-        self._update(sample.channels, compared, R)
+        R = readings.sd**2 + FIRST_SD_K**2
+        compared = self._compare(sample, offset, R)
+        self._update(sample.channels - offset, compared, R)
         self._state.remember_growth(self._kf.x, self._kf.P)
-        self._start_z = self._kf.x[: place.size].copy()
+        self._start_z, self._start_zeros = self._kf.x[: place.size].copy(), self._state.channel_zeros(self._kf.x)
         self.open_loop = OpenLoop(self._start_z, readings, self.rig.tick_s)
         self.started = True
-        return self._report(sample, compared, self.open_loop.reading, nis=np.nan)
+        return self._report(sample, compared, self._open_loop_reading(offset), nis=np.nan)
 
     def _advance(self, sample: Sample, ticks: Ticks, k: int) -> Step:
         regime, heat = int(ticks.regime[k]), ticks.heat[k]
@@ -114,7 +114,11 @@ class Filter:
         offset = ticks.offset[k] + lag + self.open_loop.late(sample.ages_s)
         compared = self._compare(sample, offset, R)
         nis = self._update(sample.channels - offset, compared, R)
-        return self._report(sample, compared, self.open_loop.reading + ticks.offset[k], nis)
+        return self._report(sample, compared, self._open_loop_reading(ticks.offset[k]), nis)
+
+    def _open_loop_reading(self, offset: Array) -> Array:
+        """What the channels would read by the model alone, their zeros as the first sample told them, (m,)."""
+        return self.open_loop.reading + offset + self._start_zeros
 
     def _transition(self, regime: int) -> Transition:
         if regime not in self._transitions:
@@ -126,10 +130,10 @@ class Filter:
         predicted = rows @ self._kf.x + offset
         innovation = sample.channels - predicted
         sd = np.sqrt(_variances(rows, P) + R)
-        wild = np.abs(innovation) > IMPLAUSIBLE_SD * sd
+        wild = np.abs(innovation) > GATE.sd * sd
         self._rejected = np.where(wild, self._rejected + 1, 0)
         why = np.full(len(sd), "", dtype=object)
-        why[wild & (self._rejected <= STUBBORN_TICKS)] = "implausible jump"
+        why[wild & (self._rejected <= GATE.stubborn)] = "implausible jump"
         why[self._mute(sample.time_s)] = "muted"
         why[~np.isfinite(R)] = "no model"
         why[~np.isfinite(sample.channels)] = "not measured"
@@ -151,7 +155,7 @@ class Filter:
         table, table_sd = self._table_error(sample)
         return Step(
             time_s=sample.time_s,
-            mode=self._mode(compared.fuse),
+            mode=Mode(int(modes(compared.fuse, self.rig))),
             elongation_um=float(um * (c @ x)),
             sigma_um=float(um * np.sqrt(max(c @ P @ c, 0.0))),
             open_loop_um=um * self._grown_um(),
@@ -178,18 +182,10 @@ class Filter:
 
     def _table_error(self, sample: Sample) -> tuple[float, float]:
         weights = self.view.table_error(sample.inputs.get("position", np.nan))
-        if weights is None:
-            return float("nan"), float("nan")
         n, x, P = self._state.n, self._kf.x, self._kf.P
         growth = weights @ (x[:n] - self._start_z)
         variance = weights @ P[:n, :n] @ weights + growth**2 * P[-2, -2]
         return float(growth * (1.0 + x[-2])), float(np.sqrt(variance))
-
-    def _mode(self, fuse: Array) -> Mode:
-        thermometers = sum(bool(fuse[self.rig.index(name)]) for name in self.rig.thermometers)
-        if fuse.any() and fuse.sum() > thermometers:
-            return Mode.UPDATE
-        return Mode.PREDICT if thermometers else Mode.COASTING
 
     def _waiting(self, sample: Sample) -> Step:
         """A tick before any thermometer has been read: nothing to say but what is missing."""
@@ -199,6 +195,13 @@ class Filter:
             sample.time_s, Mode.INIT, nan, nan, nan, empty, empty, empty, nan, nan, self.rig.names, sample.channels,
             gap, gap, gap, np.zeros(m, dtype=bool), ("waiting for a thermometer",) * m, gap, nan, 0,
         )  # fmt: skip
+
+
+def modes(fused: Array, rig: Rig) -> Array:
+    """What estimates rest on whose fused channels are (..., m): a Mode each."""
+    thermometers = np.isin(rig.names, rig.thermometers)
+    warm, other = fused[..., thermometers].any(axis=-1), fused[..., ~thermometers].any(axis=-1)
+    return np.where(other, Mode.UPDATE, np.where(warm, Mode.PREDICT, Mode.COASTING))
 
 
 def _variances(rows: Array, P: Array) -> Array:

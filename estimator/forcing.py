@@ -6,19 +6,37 @@ bus tick by tick give the same numbers.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from estimator import assemble
-from estimator.discretise import Transition, transition
-from estimator.inputs import Drive, InputReader, Inputs
+from estimator.discretise import Modes, Transition
+from estimator.inputs import InputReader, Inputs
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.regime import Regimes
 from estimator.rig import Rig
 from estimator.start import Start
 from estimator.structure import checked_terms
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Inputs of K ticks with the regime (K,) each belongs to: all that a model needs to know of a run."""
+
+    inputs: Inputs
+    regime: Array
+    _covered: dict[tuple[int, ...], Array] = field(default_factory=dict)
+
+    def spread(self, q: Any, over: Any, rows: Array) -> Array:
+        """As `assemble.spread`, (K, n); the coverage is projected once for all models of a rig."""
+        if over is not self.inputs.coverage or np.shape(q)[-1] != 1:
+            return assemble.spread(q, over, rows)
+        if rows.shape not in self._covered:
+            self._covered[rows.shape] = over @ rows
+        return np.asarray(q * self._covered[rows.shape])
 
 
 @dataclass(frozen=True)
@@ -45,9 +63,10 @@ class Forcing:
         self.model, self.rig, self.start = model, rig, start
         self._reader = InputReader(rig, start)
         self._regimes = Regimes(rig.tick_s)
+        self.modes: list[Modes] = []
         self._transitions: list[Transition] = []
         self._inflow: list[Array] = []
-        self.terms = checked_terms(model, self._reader.nothing(), rig)
+        self.terms = checked_terms(model, self.nothing(), rig)
         self.place = assemble.layout(self.terms, rig, reduced)
         self.readings = assemble.readings(self.terms, rig, self.place)
 
@@ -56,6 +75,10 @@ class Forcing:
         other = Forcing(model, self.rig, self.start)
         other._regimes = self._regimes
         return other
+
+    def nothing(self) -> Inputs:
+        """One tick at rest with every input at zero."""
+        return self._reader.nothing()
 
     def transition(self, regime: int) -> Transition:
         """Transition of a regime."""
@@ -72,22 +95,38 @@ class Forcing:
         self._discretise()
         u, regime = drive.inputs, drive.regime
         terms = list(self.model.terms(u, self.rig))
-        heat = assemble.heat(terms, self.place, len(u))
-        if self.place.boundaries:
-            outside = np.hstack([u[name] for name in self.place.boundaries])
-            for r in np.unique(regime):
-                heat[regime == r] += outside[regime == r] @ self._inflow[r].T
+        heat = assemble.heat(terms, self.place, len(u), drive.spread)
+        outside = self.outside(u)
+        for r in np.unique(regime):
+            heat[regime == r] += outside[regime == r] @ self._inflow[r].T
         return Ticks(regime, heat, assemble.offsets(terms, self.rig, len(u)))
+
+    def response(self, ticks: Ticks) -> tuple[Array, Array]:
+        """F (R, n, n) of the regimes, and J w, (K, n): what each tick's heat does to the states."""
+        moves = self._transitions[: ticks.regime.max() + 1]
+        b = np.empty_like(ticks.heat)
+        for r, move in enumerate(moves):
+            b[ticks.regime == r] = ticks.heat[ticks.regime == r] @ move.J.T
+        return np.array([move.F for move in moves]), b
+
+    def outside(self, u: Inputs) -> Array:
+        """The inputs that links end at, (ticks, boundaries)."""
+        return np.hstack([np.empty((len(u), 0)), *(u[name] for name in self.place.boundaries)])
+
+    def regime_inputs(self, first: int = 0) -> Inputs:
+        """Speed and coverage of the regimes met so far, from `first` on; every other input is zero."""
+        omega = np.array(self._regimes.omega[first:])[:, None]
+        coverage = np.array(self._regimes.coverage[first:])
+        none = {name: np.zeros_like(omega) for name in self.rig.inputs}
+        return Inputs(omega, coverage, none, none)
 
     def _discretise(self) -> None:
         """Assemble and discretise the regimes met since the last call."""
-        new = range(len(self._transitions), len(self._regimes.omega))
-        if not new:
+        known = len(self._transitions)
+        if known == len(self._regimes.omega):
             return
-        omega = np.array([[self._regimes.omega[r]] for r in new])
-        coverage = np.array([self._regimes.coverage[r] for r in new])
-        none = {name: np.zeros((len(new), 1)) for name in self.rig.inputs}
-        network = assemble.network(self.model, self.rig, self.place, Inputs(omega, coverage, none, none))
-        for i in range(len(new)):
-            self._transitions.append(transition(network, i, self.rig.tick_s))
-            self._inflow.append(network.inflow[i])
+        u = self.regime_inputs(known)
+        network = assemble.network(self.model, self.rig, self.place, u)
+        self.modes += [Modes(network, i, self.rig.tick_s) for i in range(len(u))]
+        self._transitions += [modes.transition() for modes in self.modes[known:]]
+        self._inflow += list(network.inflow)

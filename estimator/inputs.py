@@ -47,14 +47,6 @@ class Inputs:
         return self.rises.get(name, np.zeros_like(self.omega))
 
 
-@dataclass(frozen=True)
-class Drive:
-    """Inputs of K ticks with the regime (K,) each belongs to: all that a model needs to know of a run."""
-
-    inputs: Inputs
-    regime: Array
-
-
 class InputReader:
     """Recordings into inputs: gaps held at the last known value, temperatures zeroed at a steady start.
 

@@ -21,9 +21,7 @@ class OpenLoop:
         self._tick = tick_s
         self._spot = self._rows @ self.z
         self._lagged = self._spot.copy()
-        tau = np.maximum(readings.tau, 1e-9)
-        self._keep = np.exp(-tick_s / tau)
-        self._ramp = 1.0 - (1.0 - self._keep) * tau / tick_s
+        self._keep, self._ramp = lag_filter(readings.tau, tick_s)
         self._change = np.zeros_like(self._spot)
 
     def step(self, transition: Transition, heat: Array) -> None:
@@ -47,3 +45,13 @@ class OpenLoop:
     def reading(self) -> Array:
         """What the channels would read, without offsets, (m,)."""
         return self._lagged
+
+
+def lag_filter(tau: Array, tick_s: float) -> tuple[Array, Array]:
+    """How much of a lagged reading is kept over a tick, and how much it follows a ramp of its spot: each (m,).
+
+    keep = e^(-dt / tau);   ramp = 1 - (1 - keep) tau / dt
+    """
+    tau = np.where(np.real(tau) > 1e-9, tau, 1e-9)
+    keep = np.exp(-tick_s / tau)
+    return keep, 1.0 - (1.0 - keep) * tau / tick_s

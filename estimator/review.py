@@ -9,9 +9,10 @@ import numpy as np
 
 from estimator import displacement, polyline, rivals
 from estimator.accuracy import Accuracy, accuracy
-from estimator.filter import Filter, Mute
+from estimator.filter import Mute
 from estimator.model import Model
 from estimator.record import Array, Recording
+from estimator.replay import replay
 from estimator.rig import Rig
 from estimator.step import Track
 
@@ -69,7 +70,7 @@ def review(
     mute      what the filter must not fuse
     channels  thermometers of the polyline; all by default
     """
-    track = Filter(model, rig, mute).run(recording, each)
+    track = replay(model, rig, recording, mute, each)
     used = list(channels or rig.thermometers)
     line = polyline.elongation(recording, rig, used)
     estimates = {"filter": track.elongation_um, "open_loop": track.open_loop_um, "polyline": line}

@@ -129,8 +129,8 @@ class Screw:
         weights[left : left + 2] = left + 1 - place, place - left
         return weights
 
-    def growth(self, from_mm: float, to_mm: float) -> Vector:
-        """Weights (cells,) um/K: growth of [from, to] = expansion * integral of the temperature rise."""
+    def growth(self, from_mm: float | Vector, to_mm: float | Vector) -> Vector:
+        """Weights (..., cells) um/K: growth of [from, to] = expansion * integral of the temperature rise."""
         return self.expansion * self.overlap(from_mm, to_mm) * self.length * 1e6
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
 
 import numpy as np
@@ -84,39 +84,62 @@ class Step:
         )
 
 
+@dataclass(frozen=True)
 class Track:
-    """The steps of a whole recording: each field of Step as an array with a leading axis K.
+    """The steps of a whole recording: the fields of Step with a leading axis K.
 
     x_mm     (x,) places of the profile
     bodies   names of the bodies
     names    channel names (m,)
     """
 
-    def __init__(self, x_mm: Array, bodies: tuple[str, ...], steps: Sequence[Step]) -> None:
-        self.x_mm, self.bodies, self.names = x_mm, bodies, steps[0].names
-        self.time_s = np.array([step.time_s for step in steps])
-        self.mode = np.array([step.mode for step in steps])
-        self.elongation_um = np.array([step.elongation_um for step in steps])
-        self.sigma_um = np.array([step.sigma_um for step in steps])
-        self.open_loop_um = np.array([step.open_loop_um for step in steps])
-        self.profile_C = _stack([step.profile_C for step in steps])
-        self.profile_sd_K = _stack([step.profile_sd_K for step in steps])
-        self.bodies_C = _stack([step.bodies_C for step in steps])
-        self.error_at_table_um = np.array([step.error_at_table_um for step in steps])
-        self.measured = np.array([step.measured for step in steps])
-        self.predicted = np.array([step.predicted for step in steps])
-        self.innovation = np.array([step.innovation for step in steps])
-        self.innovation_sd = np.array([step.innovation_sd for step in steps])
-        self.fused = np.array([step.fused for step in steps])
-        self.open_loop = np.array([step.open_loop for step in steps])
-        self.nis = np.array([step.nis for step in steps])
-        self.nis_channels = np.array([step.nis_channels for step in steps])
+    x_mm: Array
+    bodies: tuple[str, ...]
+    names: tuple[str, ...]
+    time_s: Array
+    mode: Array
+    elongation_um: Array
+    sigma_um: Array
+    open_loop_um: Array
+    profile_C: Array
+    profile_sd_K: Array
+    bodies_C: Array
+    error_at_table_um: Array
+    measured: Array
+    predicted: Array
+    innovation: Array
+    innovation_sd: Array
+    fused: Array
+    open_loop: Array
+    nis: Array
+    nis_channels: Array
+
+    @classmethod
+    def of(cls, steps: Sequence[Step], x_mm: Array, bodies: tuple[str, ...]) -> Track:
+        """Steps one after the other."""
+        series = {key: _stack([np.asarray(getattr(step, key)) for step in steps]) for key in SERIES}
+        return cls(x_mm, bodies, steps[0].names, **series)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Track]) -> Track:
+        """Parts of one run, one after the other; places and bodies are those of the last."""
+        last = parts[-1]
+        series = {key: np.concatenate([_widened(getattr(p, key), getattr(last, key)) for p in parts]) for key in SERIES}
+        return cls(last.x_mm, last.bodies, last.names, **series)
 
     def __len__(self) -> int:
         return len(self.time_s)
 
 
+SERIES = tuple(field.name for field in fields(Track) if field.name not in ("x_mm", "bodies", "names"))
+
+
+def _widened(rows: Array, like: Array) -> Array:
+    """Rows of ticks before the start, as wide as those after it."""
+    return rows if rows.shape[1:] == like.shape[1:] else np.full((len(rows), *like.shape[1:]), np.nan)
+
+
 def _stack(rows: list[Array]) -> Array:
-    """Rows into a matrix; the empty ones of ticks before the start become NaN."""
-    width = max(len(row) for row in rows)
-    return np.array([row if len(row) else np.full(width, np.nan) for row in rows])
+    """Rows into an array; the empty ones of ticks before the start become NaN."""
+    width = max(row.size for row in rows)
+    return np.array([row if row.size == width else np.full(width, np.nan) for row in rows])

@@ -49,23 +49,34 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Heat:
-    """q W put into the node (per cell for the screw).
+    """q W put into the node, or q over: spread over the cells of the screw.
 
-    noise  W/sqrt(Hz), same shape as q: the part of this heat that scatters, in step over all cells
+    over   share of q that each cell gets, (cells,) or (ticks, cells); where it is an input of the rig as it stands
+           (u.coverage), a whole recording's worth of it is projected on the states once
+    noise  W/sqrt(Hz): the part of this heat that scatters, spread as q is, in step over all cells
     spare  where no effect stores the node the heat leaves the rig unseen; else that is an error
     """
 
     node: str
     q: Any
+    over: Any = 1.0
     noise: Any = 0.0
     spare: bool = False
+
+
+@dataclass(frozen=True)
+class Spot:
+    """In the weights of a Read: `weight` times the screw's temperature at a place, mm."""
+
+    at_mm: float
+    weight: Any = 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Read:
     """A channel reads sum(w T) + offset: degC, or um for the displacement.
 
-    weights    node -> weight (1, or (cells,) for the screw), or ELONGATION -> 1
+    weights    node -> weight (1; a Spot or (cells,) for the screw), or ELONGATION -> 1
     sd         scatter of one reading, in the channel's unit; a channel's several Reads add, their scatter in squares
     offset     what the reading shows beside the temperatures, in the channel's unit
     zero_sd    above 0: the reading's zero is unknown and becomes a state, with this sd at the start ...

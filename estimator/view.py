@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator import basis
-from estimator.assemble import Layout, growth
+from estimator.assemble import Layout, growth, span_growth
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.terms import SCREW, Term
@@ -28,23 +28,24 @@ class View:
         screw = rig.screw if SCREW in place.nodes else None
         self._screw = screw
         self.has_span = screw is not None
+        self.growth = span_growth(terms, rig, place)
         if screw is None:
             self.x_mm, self.profile = np.empty(0), np.empty((0, place.size))
-            self.growth = np.zeros(place.size)
             return
-        self.growth = growth(terms, rig, place, *screw.span_mm)
         self.x_mm = np.linspace(screw.from_mm, screw.to_mm, PLACES)
         self.profile = np.zeros((PLACES, place.size))
         knots = len(place.knots_mm)
         self.profile[:, :knots] = basis.shapes(place.knots_mm, self.x_mm)
 
-    def table_error(self, position_mm: float) -> Array | None:
-        """Weights (n,) um/K of the growth between the anchor bearing and the nut's centre, positive = longer.
+    def table_error(self, position_mm: Array | float) -> Array:
+        """Weights (..., n) um/K of the growth between the anchor bearing and the nut's centre, positive = longer.
 
-        None where the rig has no such thing or the position is not known.
+        NaN where the position is not known or the rig has no such thing.
         """
-        rig = self.rig
-        if self._screw is None or rig.nut is None or "anchor" not in rig.supports or not np.isfinite(position_mm):
-            return None
-        nut, anchor = float(rig.nut.centre(np.array(position_mm))), rig.supports["anchor"].at_mm
-        return growth(self._terms, rig, self.place, min(nut, anchor), max(nut, anchor))
+        rig, position = self.rig, np.asarray(position_mm, dtype=float)
+        if self._screw is None or rig.nut is None or "anchor" not in rig.supports:
+            return np.full((*position.shape, self.place.size), np.nan)
+        anchor = rig.supports["anchor"].at_mm
+        nut = np.where(np.isfinite(position), rig.nut.centre(position), anchor)
+        weights = growth(self._terms, rig, self.place, np.minimum(nut, anchor), np.maximum(nut, anchor))
+        return np.where(np.isfinite(position)[..., None], weights, np.nan)

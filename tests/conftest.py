@@ -105,8 +105,9 @@ def _live(
 ) -> Lived:
     """Let the model live through the drive from 22 degC; with a seed its sensors scatter.
 
-    With `process` the heat scatters too, and the bodies are not quite as warm as the screw at the start. The screw
-    grows by a share `expansion` of the model's open-loop growth more, as far as a thermometer can tell unseen.
+    With `process` the heat scatters too, thermometers differ by constants, and the bodies are not quite as warm as the
+    screw at the start. The screw grows by a share `expansion` of the model's open-loop growth more, as far as a
+    thermometer can tell unseen.
     A displacement reading comes every third tick, with an unknown zero of 5 um.
     """
     dice = np.random.default_rng(seed)
@@ -121,7 +122,8 @@ def _live(
     screw = rig.screw
     growth = screw.growth(*screw.span_mm) @ forcing.place.shapes[forcing.place.nodes["screw"]]
     alone, more = start.copy(), np.zeros(len(drive))
-    zero = np.where(readings.zero_sd > 0, 5.0, 0.0)
+    drawn = readings.zero_sd * dice.standard_normal(len(readings.sd)) if process else np.zeros(len(readings.sd))
+    zero = np.where(readings.spans > 0, 5.0, drawn)
     for k, (regime, heat) in enumerate(zip(ticks.regime, ticks.heat, strict=True)):
         if k:  # the first sample is the start
             transition = forcing.transition(regime)
@@ -139,7 +141,7 @@ def _live(
     if seed is not None:
         channels += readings.sd * dice.standard_normal(channels.shape)
     unread = np.arange(len(drive)) % 3 > 0
-    channels[np.ix_(unread, readings.zero_sd > 0)] = np.nan
+    channels[np.ix_(unread, readings.spans > 0)] = np.nan
     return Lived(replace(drive, channels=channels), (states - start) @ growth + more, states)
 
 

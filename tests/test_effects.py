@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from estimator import assemble
-from estimator.discretise import transition
 from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
 from estimator.errors import SetupError
@@ -19,7 +18,7 @@ from estimator.model import Model, model_of
 from estimator.openloop import OpenLoop
 from estimator.record import Array
 from estimator.start import Start
-from estimator.terms import Expand, Heat, Lag, Read, Store
+from estimator.terms import Expand, Heat, Lag, Read, Spot, Store
 from estimator.view import View
 
 EFFECTS = list(CATALOGUE.values())
@@ -77,7 +76,7 @@ class Ideal(Effect):
 
     def terms(self, p, u, rig):
         for name in rig.thermometers:
-            yield Read(name, {"screw": rig.screw.at(rig.channels[name].at_mm)}, 0.03)
+            yield Read(name, {"screw": Spot(rig.channels[name].at_mm)}, 0.03)
 
 
 def test_thermometers_at_null_read_their_spot(full, rig, drive):
@@ -113,7 +112,7 @@ def numbers(term) -> Iterator[tuple[str, Array]]:
     for f in fields(term):
         value = getattr(term, f.name)
         if f.name == "weights":
-            yield from ((node, np.asarray(weight)) for node, weight in value.items())
+            yield from ((node, np.asarray(getattr(weight, "weight", weight))) for node, weight in value.items())
         elif not isinstance(value, (str, bool, type(None))):
             yield f.name, np.asarray(value)
 
@@ -125,14 +124,15 @@ def of_terms(model: Model, effect: str, u: Inputs, rig) -> dict:
 
 def of_network(model: Model, u: Inputs, rig, place) -> dict:
     network = assemble.network(model, rig, place, u)
-    moved = transition(network, 2, rig.tick_s)
-    heat = assemble.heat(list(model.terms(u, rig)), place, len(u))
-    return {**vars(network), "F": moved.F, "J": moved.J, "Q": moved.Q, "heat": heat}
+    terms = list(model.terms(u, rig))
+    readings = {name: value for name, value in vars(assemble.readings(terms, rig, place)).items() if name != "spans"}
+    given = {"heat": assemble.heat(terms, place, len(u)), "offset": assemble.offsets(terms, rig, len(u))}
+    return {**vars(network), **readings, **given}
 
 
 @pytest.mark.parametrize("path", PARAMETERS)
 def test_derivative_by_complex_step_equals_central_differences(path, full, u, rig):
-    """Of all that the effect yields, and of the assembled network, one tick of it, and the heat."""
+    """Of all that the effect yields, and of the assembled network, readings, heat and offsets."""
     effect = path.partition(".")[0]
     place = assemble.layout(list(full.terms(u, rig)), rig)
     value = full[path] or 0.01
@@ -202,7 +202,7 @@ def test_friction_gives_its_power_at_the_reference_speed(effect, full, rig, u):
     terms = terms_of(full, effect, rig, replace(u, omega=np.full((3, 1), 1667 * 2 * np.pi / 60)))
     (heat,) = (term for term in terms if term.node == "screw")
     assert isinstance(heat, Heat)
-    np.testing.assert_allclose(np.sum(heat.q, axis=1), full[f"{effect}.power"], rtol=1e-9)
+    np.testing.assert_allclose(np.sum(heat.q * heat.over, axis=1), full[f"{effect}.power"], rtol=1e-9)
 
 
 def test_heat_stops_with_the_screw(full, rig, u):
@@ -306,7 +306,7 @@ def test_a_contact_s_two_sides_have_one_exponent(full, rig, u):
     for name, n in (("nut_friction", 1.2), ("anchor_friction", 1.5), ("free_friction", 0.9)):
         own = CATALOGUE[name]
         for heat in own().terms(own().namespace({"n": n}), u, rig):
-            total = np.sum(np.atleast_2d(heat.q), axis=1)
+            total = np.sum(np.atleast_2d(heat.q * heat.over), axis=1)
             assert total[1] / total[2] == pytest.approx((60 / 174.5) ** n)
 
 
@@ -323,7 +323,7 @@ def test_an_effect_built_on_another_keeps_its_parameters(full, rig, u):
     assert Mine.params["n"] is theirs.params["n"]
     assert "share" not in theirs.params
     (heat, _) = Mine().terms(Mine().namespace({}), replace(u, omega=np.full((3, 1), 1667 * 2 * np.pi / 60)), rig)
-    np.testing.assert_allclose(np.sum(heat.q, axis=1), 70.0)
+    np.testing.assert_allclose(np.sum(heat.q * heat.over, axis=1), 70.0)
 
 
 def test_default_outside_its_bounds_is_refused():

@@ -85,21 +85,23 @@ def joint(model, rig, recording: Recording) -> tuple[Joint, Array]:
     inputs = {name: value - start.zero_K[name] for name, value in first.inputs.items()}
     mean, cov = prior(start, forcing.terms, forcing.place, inputs)
     is_growth = np.array([not rig.channels[name].is_thermometer for name in rig.names])
-    zero = np.flatnonzero(readings.zero_sd > 0)[0]
+    own = np.flatnonzero(readings.zero_sd)  # channels with an unknown zero
+    walk, last = np.diag(readings.zero_walk[own] ** 2), n + len(own)
     moves = [forcing.transition(r) for r in ticks.regime]
 
     def build(offset: Array, R: Array, grown_um: Array) -> Joint:
         tolerance = rig.screw.expansion_tolerance
-        noises = [block_diag(move.Q, readings.zero_walk[zero] ** 2, 0.0) for move in moves[1:]]
-        sizes = block_diag(cov, readings.zero_sd[zero] ** 2, tolerance**2, *noises, *[np.diag(r) for r in R])
-        A, a = np.eye(n + 2, len(sizes)), np.append(mean, [0.0, 0.0])
+        noises = [block_diag(move.Q, walk, 0.0) for move in moves[1:]]
+        zeros = np.diag(readings.zero_sd[own] ** 2)
+        sizes = block_diag(cov, zeros, tolerance**2, *noises, *[np.diag(r) for r in R])
+        A, a = np.eye(last + 1, len(sizes)), np.append(mean, np.zeros(len(own) + 1))
         states, outputs = [], []
         for k, (move, heat) in enumerate(zip(moves, ticks.heat, strict=True)):
             if k:
-                A = block_diag(move.F, 1.0, 1.0) @ A + np.eye(n + 2, len(sizes), k * (n + 2))
+                A = block_diag(move.F, np.eye(len(own) + 1)) @ A + np.eye(last + 1, len(sizes), k * (last + 1))
                 a = np.append(move.F @ a[:n] + move.J @ heat, a[n:])
-            noise = np.eye(m, len(sizes), K * (n + 2) + k * m)
-            H = np.column_stack([readings.rows, readings.zero_sd > 0, is_growth * grown_um[k]])
+            noise = np.eye(m, len(sizes), K * (last + 1) + k * m)
+            H = np.column_stack([readings.rows, np.eye(m)[:, own], is_growth * grown_um[k]])
             states.append((A, a))
             outputs.append((H @ A + noise, H @ a + offset[k]))
         return Joint(sizes, states, outputs)
@@ -144,8 +146,8 @@ def test_the_final_state_is_that_of_the_joint_distribution(both, recording):
     filter_, _, whole, _ = both
     b, cov = whole.given(recording.channels, SAMPLES)
     A, a = whole.states[-1]
-    np.testing.assert_allclose(filter_._kf.x[:6], A @ b + a, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(filter_._kf.P[:6, :6], A @ cov @ A.T, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(filter_._kf.x[:-1], A @ b + a, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(filter_._kf.P[:-1, :-1], A @ cov @ A.T, rtol=0, atol=1e-9)
 
 
 def test_elongation_and_sigma_are_those_of_the_growth_since_the_first_sample(both, small, recording):
@@ -155,7 +157,7 @@ def test_elongation_and_sigma_are_those_of_the_growth_since_the_first_sample(bot
     for ticks in (1, 4, 6, SAMPLES):
         b, cov = whole.given(recording.channels, ticks)
         (now, a), (before, a0) = whole.states[ticks - 1], whole.states[0]
-        row = growth @ (now - before)[:4] + grown_um[ticks - 1] * now[5]
+        row = growth @ (now - before)[:4] + grown_um[ticks - 1] * now[-1]
         mean = growth @ (a - a0)[:4] + grown_um[ticks - 1] * a[5]
         assert track.elongation_um[ticks - 1] == pytest.approx(row @ b + mean, abs=1e-9)
         assert track.sigma_um[ticks - 1] == pytest.approx(np.sqrt(max(row @ cov @ row, 0)), abs=1e-6)

@@ -45,7 +45,7 @@ def name(path: Path) -> str:
 
 @pytest.mark.parametrize("path", files("estimator"), ids=name)
 def test_the_estimator_needs_numbers_and_toml_only(path):
-    allowed = {"numpy", "scipy", "filterpy", "tomlkit", "estimator"} | sys.stdlib_module_names
+    allowed = {"numba", "numpy", "scipy", "filterpy", "tomlkit", "estimator"} | sys.stdlib_module_names
     assert {top(module) for module in imported(path)} <= allowed
 
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.linalg import expm
 
 from estimator import assemble
-from estimator.discretise import transition
+from estimator.discretise import Modes, Transition, transition
 from estimator.effect import Effect
 from estimator.errors import SetupError
 from estimator.forcing import Forcing
@@ -239,3 +239,33 @@ def test_several_reads_of_a_channel_add(small):
     alone = assemble.readings(checked_terms(model_of([Insulated, Probe]), u, small), small, place)
     np.testing.assert_array_equal(found.rows[:4], alone.rows[:4])
     np.testing.assert_array_equal(found.sd[:4], [0.02, np.inf, np.inf, np.inf])
+
+
+@pytest.mark.parametrize("effects", [(Insulated, Leaking), (Insulated,)], ids=["leaking", "with a mode that stays"])
+def test_derivatives_of_a_tick_are_pulled_back_to_the_network(small, effects):
+    """d<g, (F, J, Q)> along random symmetric directions equals 4th-order differences; equal rates included."""
+    _, network = assembled(small, *effects)
+    rng = np.random.default_rng(2)
+    n, dt = len(network.mass), 5.0
+    g = Transition(*rng.standard_normal((3, n, n)))
+    g = replace(g, Q=g.Q + g.Q.T)
+    modes, none = Modes(network, 1, dt), {"mass": np.zeros((n, n)), "conductance": np.zeros((n, n))}
+    pulled = modes.pull_back(g)
+
+    def value(name: str, along, step: float) -> float:
+        moved = transition(replace(network, **{name: getattr(network, name) + step * along}), 1, dt)
+        return float((g.F * moved.F + g.J * moved.J + g.Q * moved.Q).sum())
+
+    for name, found in zip(("mass", "conductance", "noise"), pulled, strict=True):
+        way = rng.standard_normal((n, n))
+        way = (way + way.T) * abs(getattr(network, name)).max() * 1e-3
+        if name == "noise":
+            way = way @ way
+        far = [value(name, way, k * 1e-2) for k in (2, 1, -1, -2)]
+        slope = (-far[0] + 8 * far[1] - 8 * far[2] + far[3]) / 0.12
+        assert (found * way).sum() == pytest.approx(slope, rel=1e-7), name
+        if name != "noise":
+            F, J = modes.along(**{**none, name: way})
+            assert (modes.pull_back(replace(g, Q=0 * g.Q))[0 if name == "mass" else 1] * way).sum() == pytest.approx(
+                (g.F * F + g.J * J).sum(), rel=1e-9
+            )

@@ -15,7 +15,7 @@ import pytest
 
 from drivers.recordings import read_recording
 from drivers.virtual_rig import Run, simulate
-from estimator import fit
+from estimator import nominal
 from estimator.assemble import network
 from estimator.discretise import transition
 from estimator.errors import SetupError
@@ -353,7 +353,7 @@ def rod_forcing(reduced: bool = True) -> Forcing:
 def test_the_rod_s_few_states_follow_its_two_hundred_slices():
     record = read_recording(ROD / "check.csv", load_rig(ROD))
     few, all_slices = (
-        fit.open_loop(forcing, forcing.read(record), np.full(forcing.place.size, 22.0), record.ages_s)
+        nominal.open_loop(forcing, forcing.read(record), np.full(forcing.place.size, 22.0), record.ages_s)
         for forcing in (rod_forcing(), rod_forcing(reduced=False))
     )
     assert few.shape == all_slices.shape

@@ -31,8 +31,8 @@ class BearingFriction(Effect):
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         relative = rig.the_screw().relative_speed(u.omega) ** p.n
-        into_screw, into_housing = p.power * relative * under_bearing(rig, self.support), p.power_housing * relative
-        yield Heat(SCREW, into_screw, noise=p.noise * into_screw)
+        into_screw, into_housing = p.power * relative, p.power_housing * relative
+        yield Heat(SCREW, into_screw, over=under_bearing(rig, self.support), noise=p.noise * into_screw)
         yield Heat(f"{self.support}_housing", into_housing, noise=p.noise * into_housing, spare=True)
 
 

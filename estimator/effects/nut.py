@@ -7,14 +7,13 @@ from types import SimpleNamespace
 
 from estimator.effect import Effect, Param
 from estimator.inputs import Inputs
-from estimator.record import Array
 from estimator.rig import Rig
 from estimator.terms import SCREW, Heat, Link, Store, Term
 
 
-def under_nut(u: Inputs, rig: Rig) -> Array:
-    """Share of a heat put in by the nut that falls to each cell, (ticks, cells); sums to 1 inside the screw."""
-    return u.coverage * (rig.the_screw().length * 1e3 / rig.the_nut().length_mm)
+def per_cell(rig: Rig) -> float:
+    """Share of the nut that a wholly covered cell holds: times the coverage this sums to 1 inside the screw."""
+    return float(rig.the_screw().length * 1e3 / rig.the_nut().length_mm)
 
 
 class NutFriction(Effect):
@@ -35,8 +34,8 @@ class NutFriction(Effect):
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         relative = rig.the_screw().relative_speed(u.omega) ** p.n
-        into_screw, into_nut = p.power * relative * under_nut(u, rig), p.power_nut * relative
-        yield Heat(SCREW, into_screw, noise=p.noise * into_screw)
+        into_screw, into_nut = p.power * relative * per_cell(rig), p.power_nut * relative
+        yield Heat(SCREW, into_screw, over=u.coverage, noise=p.noise * into_screw)
         yield Heat("nut", into_nut, noise=p.noise * into_nut, spare=True)
 
 
@@ -53,5 +52,5 @@ class NutBody(Effect):
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         yield Store("nut", p.capacity, p.noise, start="nut")
-        yield Link(SCREW, "nut", p.g * under_nut(u, rig))
+        yield Link(SCREW, "nut", p.g * per_cell(rig) * u.coverage)
         yield Link("nut", "ambient", p.g_air)

@@ -8,14 +8,16 @@ from types import SimpleNamespace
 from estimator.effect import Effect, Param
 from estimator.inputs import Inputs
 from estimator.rig import Rig
-from estimator.terms import ELONGATION, SCREW, Lag, Read, Term
+from estimator.terms import ELONGATION, SCREW, Lag, Read, Spot, Term
 
 
 class Thermometers(Effect):
     """Thermometers press on the bore, follow it with a lag, and shift with the temperature of their circuit board.
 
-    y = s + board (T_board - T_board(0)),   tau ds/dt = T(x) - s
+    y = s + board (T_board - T_board(0)) + zero,   tau ds/dt = T(x) - s
 
+    zero_sd    thermometers differ by a constant each, ...
+    zero_walk  ... which also stands in for what makes it change slowly: gain, and each one's own drift
     tau        holds the bore's delay behind the mean of the section too, about 2 s
     lag_noise  lags differ between thermometers by a quarter, and stay wrong for as long as a drive lasts: the filter
                weighs a reading as if its lag scattered by this much
@@ -26,6 +28,8 @@ class Thermometers(Effect):
     lag_noise = Param(
         1.0, "1", lo=0.0, hi=20.0, fixed=True, source="by coverage on simulated runs; lags spread by a quarter"
     )
+    zero_sd = Param(0.03, "K", lo=0.0, hi=1.0, fixed=True, source="0.05 K between channels after warm-up")
+    zero_walk = Param(0.0005, "K/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="0.03 K in an hour")
     board = Param(0.0, "K/K", lo=-0.02, hi=0.02, null=0.0, sd=0.003, source="0.03 K per 10 K")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
@@ -33,10 +37,10 @@ class Thermometers(Effect):
         for name in rig.thermometers:
             channel = rig.channels[name]
             if channel.at_mm is not None:
-                yield Read(name, {SCREW: rig.the_screw().at(channel.at_mm)}, p.sd, offset)
+                yield Read(name, {SCREW: Spot(channel.at_mm)}, p.sd, offset, p.zero_sd, p.zero_walk)
                 yield Lag(name, p.tau, p.lag_noise)
             elif channel.node is not None:
-                yield Read(name, {channel.node: 1.0}, p.sd, offset)
+                yield Read(name, {channel.node: 1.0}, p.sd, offset, p.zero_sd, p.zero_walk)
 
 
 class Displacement(Effect):

@@ -1,0 +1,125 @@
+"""Timing in interleaved rounds, and rows that say what was measured, what it must be, and whether it is so."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.record import Array
+
+ONE_THREAD = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "JAX_PLATFORMS": "cpu",
+    "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1",
+}
+
+Jobs = Mapping[str, Callable[[], object]]
+
+
+@dataclass(frozen=True)
+class Times:
+    """Seconds of one job in each round: of the processor, and on the clock."""
+
+    cpu: Array
+    wall: Array
+
+    def per(self, steps: int) -> str:
+        """Medians per step."""
+        return f"{1e6 * np.median(self.cpu) / steps:.1f} us, {1e6 * np.median(self.wall) / steps:.1f} on the clock"
+
+    def __sub__(self, other: Times) -> Times:
+        return Times(self.cpu - other.cpu, self.wall - other.wall)
+
+    def __truediv__(self, divisor: float) -> Times:
+        return Times(self.cpu / divisor, self.wall / divisor)
+
+
+def over(a: Times, b: Times, by: str = "cpu") -> float:
+    """Median of the ratios a / b of each round."""
+    return float(np.median(getattr(a, by) / getattr(b, by)))
+
+
+def interleaved(jobs: Jobs, rounds: int) -> dict[str, Times]:
+    """Every job once a round, each round begun by another; after one round that does not count."""
+    names = list(jobs)
+    seconds = {name: np.empty((rounds, 2)) for name in names}
+    for done in range(-1, rounds):
+        say(f"  round {done + 1} of {rounds}")
+        first = done % len(names)
+        for name in names[first:] + names[:first]:
+            cpu, wall = time.process_time(), time.perf_counter()
+            jobs[name]()
+            taken = time.process_time() - cpu, time.perf_counter() - wall
+            if done >= 0:
+                seconds[name][done] = taken
+    return {name: Times(*both.T) for name, both in seconds.items()}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One figure as it is printed; with a limit, what it must not exceed, or (`least`) not fall short of."""
+
+    what: str
+    text: str
+    value: float = float("nan")
+    limit: float | None = None
+    least: bool = False
+
+    @property
+    def met(self) -> bool:
+        """Whether it is as it must be."""
+        return self.limit is None or (self.value >= self.limit if self.least else self.value <= self.limit)
+
+    def __str__(self) -> str:
+        if self.limit is None:
+            return f"| {self.what} | {self.text} | | |"
+        must = f"{'>=' if self.least else '<='} {self.limit:g}"
+        return f"| {self.what} | {self.text} | {must} | {'yes' if self.met else '**no**'} |"
+
+
+def ratio(what: str, a: Times, b: Times, limit: float | None = None, by: str = "cpu") -> Row:
+    """A row of a / b, by CPU time or by the clock (`wall`), which the limit is for; the other in brackets."""
+    figures = {"cpu": over(a, b), "wall": over(a, b, "wall")}
+    other = "wall" if by == "cpu" else "cpu"
+    names = {"cpu": "CPU", "wall": "clock"}
+    text = f"{figures[by]:.3f} by {names[by]} ({figures[other]:.3f} by {names[other]})"
+    return Row(what, text, figures[by], limit)
+
+
+def table(title: str, rows: Sequence[Row], says: Sequence[str] = ()) -> str:
+    """A section: what was done, then the rows."""
+    head = "| | measured | must be | is so |\n|---|---|---|---|"
+    return "\n".join([f"## {title}", "", *(f"{sentence}\n" for sentence in says), head, *map(str, rows), ""])
+
+
+def machine() -> str:
+    """What this ran on, and how busy it was."""
+    model = platform.processor() or platform.machine()
+    if os.path.exists("/proc/cpuinfo"):
+        with open("/proc/cpuinfo") as lines:
+            model = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), model)
+    load = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
+    return f"{model} ({platform.machine()}, {os.cpu_count()} cores{load}), Python {platform.python_version()}"
+
+
+def alone(module: str, *words: str) -> str:
+    """What `python -m MODULE WORDS` prints, in a process of its own that computes in one thread."""
+    command = [sys.executable, "-m", module, *words]
+    done = subprocess.run(command, env={**os.environ, **ONE_THREAD}, stdout=subprocess.PIPE, text=True)
+    if done.returncode:
+        raise SystemExit(done.returncode)
+    return done.stdout
+
+
+def say(words: str) -> None:
+    """Progress."""
+    print(words, file=sys.stderr, flush=True)

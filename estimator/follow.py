@@ -1,0 +1,166 @@
+"""Parameters with which the model alone follows the measurements: least squares on the open-loop run.
+
+    minimise  sum over runs, ticks, channels of ((y - y_open_loop(p)) / s)^2 / N  +  sum ((p - p0) / sd_prior)^2
+
+The open-loop run never sees a measurement after the start, so that no process noise can hide a misfit. s is the misfit
+that a good model leaves, not the sensors' scatter: 0.05 K for a thermometer, 0.2 um for the displacement. Such a misfit
+stays alike for minutes: a block of ten, N steps, weighs as much as one independent reading. Five seconds a step serve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from estimator.coarse import coarse
+from estimator.model import Model
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.sensitivity import nominal_column
+from estimator.tangent import tangent
+from estimator.trial import Posed, Trial
+
+GOOD_K, GOOD_UM = 0.05, 0.2
+EVERY = 5  # ticks in one step of the open-loop run
+BLOCK_S = 600.0
+
+Progress = Callable[[int, float], None]
+
+
+class Follower:
+    """Recordings made ready for many open-loop runs."""
+
+    def __init__(self, model: Model, rig: Rig, recordings: Sequence[Recording]) -> None:
+        self._trials = []
+        for recording in recordings:
+            short, slow = coarse(recording, rig, EVERY)
+            self._trials.append(Trial(model, slow, short))
+        scale = np.array([GOOD_K if rig.channels[name].is_thermometer else GOOD_UM for name in rig.names])
+        self._scale = scale * np.sqrt(BLOCK_S / self._trials[0].rig.tick_s)
+
+    def misfit(self, model: Model) -> Array:
+        """All (y - y_open_loop) / s / sqrt(N), in a row."""
+        posed = [trial.pose(model) for trial in self._trials]
+        return self._flat([open_loop_misfit(trial, each) for trial, each in zip(self._trials, posed, strict=True)])
+
+    def slopes(self, model: Model, paths: Sequence[str]) -> Array:
+        """How each of them moves with each parameter, (misfits, p)."""
+        posed = [trial.pose(model) for trial in self._trials]
+        columns = []
+        for path in paths:
+            moved = []
+            for trial, each in zip(self._trials, posed, strict=True):
+                reading = nominal_column(trial, each, tangent(trial, each, model, path)).reading
+                moved.append(_centred(np.where(_known(trial), -reading, np.nan), trial))
+            columns.append(self._flat(moved))
+        return np.array(columns).T
+
+    def sums(self, slopes: Array) -> Array:
+        """Rows that belong to the misfits, (misfits, p), summed up over blocks of time, (blocks, p)."""
+        labels, first = [], 0
+        for trial in self._trials:
+            block = ((trial.rest.time_s - trial.rest.time_s[0]) // BLOCK_S).astype(int).clip(0)
+            labels.append((first + np.repeat(block[:, None], len(trial.rig.names), axis=1))[_known(trial)])
+            first += int(block.max()) + 1
+        sums = np.zeros((first, slopes.shape[1]))
+        np.add.at(sums, np.concatenate(labels), slopes)
+        return sums
+
+    def _flat(self, parts: Sequence[Array]) -> Array:
+        known = [_known(trial) for trial in self._trials]
+        return np.concatenate([(part / self._scale)[at] for part, at in zip(parts, known, strict=True)])
+
+
+def open_loop_misfit(trial: Trial, posed: Posed) -> Array:
+    """Reading minus what the model alone says, (T, m); NaN where not measured; unknown zeros taken out."""
+    run = posed.run
+    rest = trial.rest.channels - posed.offset[1:] - run.lagged - run.late - posed.state.channel_zeros(posed.system.x0)
+    return _centred(np.where(_known(trial), rest, np.nan), trial)
+
+
+@dataclass(frozen=True)
+class Followed:
+    """The model that follows best; of its parameters, (p, p): covariance, curvature^-1 and the data's own curvature.
+
+    stopped  by Ctrl-C: the best so far
+    """
+
+    model: Model
+    covariance: Array
+    bread: Array
+    curvature: Array
+    stopped: bool = False
+
+
+def follow(
+    model: Model, rig: Rig, recordings: Sequence[Recording], paths: Sequence[str], each: Progress = lambda n, cost: None
+) -> Followed:
+    """The model with these parameters fitted open loop. `each` hears the runs done and the misfit (1: as good as s)."""
+    follower = Follower(model, rig, recordings)
+    params = [model.param(path) for path in paths]
+    start = np.array([model[path] for path in paths])
+    unit = np.array([size(value, p.lo, p.hi) for value, p in zip(start, params, strict=True)])
+    prior = np.array([1 / p.sd if p.sd else 0.0 for p in params])
+    middle = np.array([p.value for p in params])
+    count, best, best_cost = 0, start / unit, np.inf
+
+    def at(scaled: Array) -> Model:
+        return model.with_values(dict(zip(paths, scaled * unit, strict=True)))
+
+    def residual(scaled: Array) -> Array:
+        nonlocal count, best, best_cost
+        rest = follower.misfit(at(scaled))
+        all_of_it = np.concatenate([rest, (scaled * unit - middle) * prior])
+        if all_of_it @ all_of_it < best_cost:
+            best, best_cost = scaled.copy(), all_of_it @ all_of_it
+        count += 1
+        each(count, float(np.sqrt(np.mean(rest**2) * BLOCK_S / (rig.tick_s * EVERY))))
+        return all_of_it
+
+    def jacobian(scaled: Array) -> Array:
+        return np.vstack([follower.slopes(at(scaled), paths) * unit, np.diag(prior * unit)])
+
+    bounds = np.array([p.lo for p in params]) / unit, np.array([p.hi for p in params]) / unit
+    inside, stopped = np.clip(start / unit, bounds[0] + 1e-6, bounds[1] - 1e-6), False
+    try:
+        least_squares(residual, inside, jacobian, bounds, x_scale="jac", xtol=1e-4, ftol=1e-5)
+    except KeyboardInterrupt:
+        stopped = True
+    rows = follower.slopes(at(best), paths)
+    bread = np.linalg.pinv(rows.T @ rows + np.diag(prior**2))
+    rest = follower.misfit(at(best))
+    sums = follower.sums(rows * rest[:, None])
+    cov = sandwich(bread, sums - sums.mean(axis=0), few=float(np.mean(rest**2) * BLOCK_S / (rig.tick_s * EVERY)))
+    return Followed(at(best), cov, bread, rows.T @ rows, stopped)
+
+
+def sandwich(bread: Array, blocks: Array, few: float) -> Array:
+    """Covariance (p, p) from curvature^-1 and the slope of each block of time, (blocks, p): A^-1 B A^-1 (White 1982).
+
+    At the best fit the blocks' slopes sum up to zero, so that few of them say little: then curvature^-1 times `few`.
+    """
+    if len(blocks) <= 3 * len(bread):
+        return bread * few
+    robust = np.diag(bread @ blocks.T @ blocks @ bread)
+    wider = np.sqrt(robust / np.maximum(np.diag(bread), 1e-300))
+    return bread * np.outer(wider, wider)
+
+
+def size(value: float, lo: float, hi: float) -> float:
+    """A length to measure a parameter by: its own size, or part of its range where it starts at zero."""
+    return abs(value) if value else min(1.0, 0.1 * (hi - lo))
+
+
+def _known(trial: Trial) -> Array:
+    return np.isfinite(trial.rest.channels) & ~trial.muted
+
+
+def _centred(rest: Array, trial: Trial) -> Array:
+    """Misfits less their mean, where a reading's zero has no meaning."""
+    for channel in trial.floating:
+        if np.isfinite(rest[:, channel]).any():
+            rest[:, channel] -= np.nanmean(rest[:, channel])
+    return rest

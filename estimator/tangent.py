@@ -1,0 +1,86 @@
+"""How everything that a model's terms yield on a trial moves with one parameter, by complex step.
+
+The terms are evaluated once at p + i h; the imaginary part over h is the derivative, exact to rounding (Squire and
+Trapp 1998). No effect writes a derivative.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator import assemble
+from estimator.assemble import Network, Readings
+from estimator.model import Model
+from estimator.openloop import lag_filter
+from estimator.record import Array
+from estimator.terms import Expand, Lag, Read
+from estimator.trial import Posed, Trial
+
+STEP = 1e-30
+
+
+@dataclass(frozen=True)
+class ReadingsTangent:
+    """Derivatives of rows (m, n), growth (n,), variance, lag variance, walk, keep and ramp (m,), and of x0 and P0."""
+
+    rows: Array
+    growth: Array
+    variance: Array
+    lag_variance: Array
+    walk: Array
+    keep: Array
+    ramp: Array
+    x0: Array
+    P0: Array
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """Derivatives along one parameter; heat (T, n) and offset (T, m) are those of the ticks after the first sample."""
+
+    network: Network
+    heat: Array
+    offset: Array
+    readings: ReadingsTangent | None
+
+    @property
+    def moves_mean(self) -> bool:
+        """Whether the parameter moves what the model predicts, or is a noise level only."""
+        parts = [self.network.mass, self.network.conductance, self.network.inflow, self.heat, self.offset]
+        if self.readings is not None:
+            parts += [self.readings.rows, self.readings.growth, self.readings.keep, self.readings.ramp]
+        return any(np.any(part != 0) for part in parts)
+
+
+def tangent(trial: Trial, posed: Posed, model: Model, path: str) -> Tangent:
+    """Derivatives along parameter "effect.param"."""
+    effect, forcing, drive = path.partition(".")[0], posed.forcing, trial.drive
+    moved = model.with_values({path: model[path] + 1j * STEP})
+    ticks = len(drive.inputs)
+    of_regimes = list(moved.terms_of(effect, forcing.regime_inputs(), trial.rig))
+    network = vars(assemble.network_of(of_regimes, forcing.place, len(forcing.modes)))
+    of_ticks = list(moved.terms_of(effect, drive.inputs, trial.rig))
+    heat = _slope(assemble.heat(of_ticks, forcing.place, ticks, drive.spread))
+    offset = _slope(assemble.offsets(of_ticks, trial.rig, ticks))
+    readings = None
+    if any(isinstance(term, (Read, Lag, Expand)) for term in of_ticks):
+        terms = list(moved.terms(forcing.nothing(), trial.rig))
+        readings = _readings(trial, posed, assemble.readings(terms, trial.rig, forcing.place), offset[0])
+    return Tangent(Network(**{key: _slope(value) for key, value in network.items()}), heat[1:], offset[1:], readings)
+
+
+def _readings(trial: Trial, posed: Posed, moved: Readings, offset: Array) -> ReadingsTangent:
+    keep, ramp = lag_filter(moved.tau, trial.rig.tick_s)
+    known = np.isfinite(moved.sd)
+    variance = np.where(known, np.where(known, moved.sd, 1.0) ** 2, 1.0)
+    first = posed.offset[0] + 1j * STEP * offset
+    x0, P0 = trial.first_estimate(moved, posed.forcing.terms, posed.forcing.place, first)
+    every = (moved.rows, moved.growth, variance, moved.lag_noise**2, moved.zero_walk**2, keep, ramp, x0, P0)
+    return ReadingsTangent(*(_slope(value) for value in every))
+
+
+def _slope(value: Array) -> Array:
+    """Derivative of a value after a complex step."""
+    return np.imag(value) / STEP

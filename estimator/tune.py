@@ -1,0 +1,162 @@
+"""Noise levels by likelihood.
+
+Measurement noise is what a second shows: the likelihood of each reading given all before. Process noise is what only
+minutes show: it stands for heat that no effect describes, and the errors that it makes build up so slowly that a
+likelihood of one second ahead takes them for nothing. So all process noises together are scaled by the one factor that
+is most likely after ten minutes without readings (`blind`); their proportions stay. What stands for constant errors
+of single sensors (spread of lags, unknown zeros) is no noise and is left alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from estimator.blind import blind
+from estimator.climb import Climb
+from estimator.errors import SetupError
+from estimator.horizon import Error, errors
+from estimator.model import Model
+from estimator.posterior import Posterior, Share
+from estimator.quality import ChannelQuality, quality
+from estimator.record import Recording
+from estimator.rig import Rig
+from estimator.tangent import tangent
+from estimator.trial import Trial
+
+WIDEST = np.log(30.0)  # the factor on process noise is sought between 1/30 and 30
+ROUNDS = 2  # measurement and process noise by turns
+FAR = 3.0  # an open-loop error this many times the noise floor is missing physics
+
+Progress = Callable[[str, int, float], None]
+
+
+@dataclass(frozen=True)
+class Level:
+    """One noise level before and after; `kind` is "measurement" or "process"."""
+
+    path: str
+    kind: str
+    before: float
+    after: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """Outcome: the model, its levels, each channel's quality, errors by horizon, and the noise floor of its sensors.
+
+    missing  open-loop error over the noise floor, where that is far: noise stands in for physics then; else NaN
+    """
+
+    model: Model
+    levels: tuple[Level, ...]
+    factor: float
+    before: tuple[ChannelQuality, ...]
+    after: tuple[ChannelQuality, ...]
+    errors: dict[str, Error]
+    floor: Error
+    missing: float
+
+
+def tune(
+    model: Model,
+    rig: Rig,
+    recordings: Sequence[Recording],
+    each: Progress = lambda stage, n, value: None,
+    share: Share = map,
+) -> Tuned:
+    """Set the noise levels of a model by some recordings; every other parameter stays."""
+    trials = [Trial(model, rig, recording) for recording in recordings]
+    measurement, process = noise_levels(model, trials[0])
+    if not measurement and not process:
+        raise SetupError(f"{model.name}: no effect has a noise level; nothing to tune")
+    better, factor = model, 1.0
+    for _ in range(ROUNDS):
+        better = _measured(better, trials, measurement, each, share)
+        better, scale = scaled(better, trials, process, each, share)
+        factor *= scale
+    kinds = [(path, "measurement") for path in measurement] + [(path, "process") for path in process]
+    levels = tuple(Level(path, kind, model[path], better[path], model.param(path).unit) for path, kind in kinds)
+    found, floor = errors(trials, better), noise_floor(better, trials[0])
+    return Tuned(
+        better, levels, factor, quality(trials, model), quality(trials, better), found, floor,
+        missing_physics(found["open_loop"], floor),
+    )  # fmt: skip
+
+
+def noise_levels(model: Model, trial: Trial) -> tuple[list[str], list[str]]:
+    """Paths of the parameters that set measurement noise, and process noise, and nothing else."""
+    posed = trial.pose(model)
+    measurement, process = [], []
+    for path in model.values:
+        if not model[path] > 0:
+            continue
+        moved = tangent(trial, posed, model, path)
+        if moved.moves_mean:
+            continue
+        if np.any(moved.network.noise):
+            process.append(path)
+        elif moved.readings is not None and np.any(moved.readings.variance):
+            measurement.append(path)
+    return measurement, process
+
+
+def _measured(model: Model, trials: Sequence[Trial], paths: Sequence[str], each: Progress, share: Share) -> Model:
+    """Measurement noise by the likelihood of one tick ahead."""
+    if not paths:
+        return model
+    climb = Climb(Posterior(model, trials, paths, share), lambda n, value: each("measurement noise", n, value))
+    climb.run()
+    return climb.posterior.at(climb.c)
+
+
+def scaled(
+    model: Model,
+    trials: Sequence[Trial],
+    paths: Sequence[str],
+    each: Progress = lambda stage, n, value: None,
+    share: Share = map,
+) -> tuple[Model, float]:
+    """Process noise by the likelihood after ten blind minutes; the factor found, 1 where no run is long enough."""
+    if not paths or not any(len(blind(trial, model).error) for trial in trials):
+        return model, 1.0
+    count = 0
+
+    def at(log_factor: float) -> Model:
+        bounded = {p: np.clip(model[p] * np.exp(log_factor), model.param(p).lo, model.param(p).hi) for p in paths}
+        return model.with_values({path: float(value) for path, value in bounded.items()})
+
+    def unlikely(log_factor: float) -> float:
+        nonlocal count
+        count += 1
+        moved = at(log_factor)
+        value = -sum(share(lambda trial: blind(trial, moved).loglike, trials))
+        each("process noise", count, -value)
+        return value
+
+    found = minimize_scalar(unlikely, bounds=(-WIDEST, WIDEST), method="bounded", options={"xatol": 0.03})
+    return at(found.x), float(np.exp(found.x))
+
+
+def noise_floor(model: Model, trial: Trial) -> Error:
+    """What sensors alone would leave of an open-loop error: scatter and unknown zeros of thermometers, of the rest."""
+    readings = trial.pose(model).forcing.readings
+    heat = np.isin(trial.rig.names, trial.rig.thermometers)
+    known = np.isfinite(readings.sd)
+    zero = np.where(heat, readings.zero_sd, 0.0)  # that of the displacement is taken out of an open-loop error
+    variance = readings.sd**2 + zero**2
+
+    def level(which: np.ndarray) -> float:
+        return float(np.sqrt(np.mean(variance[which]))) if which.any() else float("nan")
+
+    return Error(level(heat & known), level(~heat & known))
+
+
+def missing_physics(open_loop: Error, floor: Error) -> float:
+    """Open-loop error over the noise floor of the thermometers where it is far above it, else NaN."""
+    ratio = open_loop.temperature_K / floor.temperature_K
+    return ratio if ratio > FAR else float("nan")
