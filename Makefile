@@ -4,12 +4,13 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+PEERS := $(VENV)/.peers
 
 FITTED := FS-20 FS-5 CS-10 ES-2.5
 TWELVE := FS-20 FS-10 FS-5 FS-2.5 CS-20 CS-10 CS-5 CS-2.5 ES-20 ES-10 ES-5 ES-2.5
 LOGS := $(TWELVE:%=recordings/%.blf)
 
-.PHONY: demo test check bench pictures recordings model clean
+.PHONY: demo test check bench bench-engine study-fit pictures recordings model tuning tuning-test clean
 
 demo: $(READY) recordings/FS-20.blf
 	$(BIN)/ballscrew review recordings/FS-20.blf --save demo.rrd --view
@@ -23,8 +24,14 @@ check: $(READY)
 	$(BIN)/mypy
 	$(BIN)/python -m pytest
 
-bench: $(READY) $(LOGS)
+bench: $(PEERS) $(LOGS)
 	$(BIN)/python -m benchmarks
+
+bench-engine: $(PEERS) $(FITTED:%=recordings/%.blf)
+	$(BIN)/python -m benchmarks engine
+
+study-fit: $(READY)
+	$(BIN)/python -m benchmarks recovery
 
 pictures: $(READY) $(LOGS)
 	$(BIN)/ballscrew review recordings/FS-20.blf --quiet --save demo.rrd
@@ -40,9 +47,20 @@ model: $(READY) $(FITTED:%=recordings/%.blf)
 recordings/%.blf: | $(READY)
 	$(BIN)/ballscrew simulate $* -o $@
 
+# RIG=PATH judges another rig folder than the paper's
+tuning-test: $(READY)
+	$(BIN)/python -m pytest tests/tuning$(if $(RIG),/test_tuning.py --rig-folder '$(RIG)')
+
+tuning: $(READY)
+	@$(BIN)/python -m tests.tuning.renew --reason '$(subst ','\'',$(REASON))' $(if $(RIG),--rig-folder '$(RIG)')
+
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	touch $@
+
+$(PEERS): $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[bench]'
 	touch $@
 
 clean:

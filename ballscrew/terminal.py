@@ -17,6 +17,7 @@ from rich.table import Table
 from ballscrew.options import STDOUT
 
 INTERRUPTED = 130
+FILE_WIDTH = 120  # of tables that go to a file or a pipe
 
 
 class Terminal:
@@ -26,6 +27,8 @@ class Terminal:
         self._json = json_path
         self.quiet = quiet
         self.out = Console(stderr=json_path == STDOUT, quiet=quiet, highlight=False, soft_wrap=True)
+        if not self.out.is_terminal:
+            self.out.width = FILE_WIDTH
         self.err = Console(stderr=True, highlight=False, soft_wrap=True)
 
     def say(self, text: str = "") -> None:

@@ -1,27 +1,41 @@
-"""Run every study and write what it measured to benchmarks/RESULTS.md."""
+"""Run studies and keep what they measured in benchmarks/RESULTS.md; the sections of other studies stay.
+
+python -m benchmarks [NAME ...]     without a name: all but those that take long
+"""
 
 from __future__ import annotations
 
 import datetime
-import os
-import platform
+import importlib
+import re
+import sys
 from pathlib import Path
 
-from benchmarks import accuracy, mesh, speed
+from benchmarks.measure import machine
 
 RESULTS = Path(__file__).parent / "RESULTS.md"
+STUDIES = ("accuracy", "mesh", "speed", "engine")
+LONG = ("recovery",)
 
 
-def main() -> None:
+def main(names: list[str]) -> None:
     """Print and keep the tables."""
-    machine = f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
-    lines = ["# Measured", "", f"By `make bench` on {datetime.date.today():%Y-%m-%d}; {machine}.", ""]
-    for study in (accuracy, mesh, speed):
-        table = study.markdown()
-        print(table, flush=True)
-        lines += [table, ""]
-    RESULTS.write_text("\n".join(lines))
+    if unknown := set(names) - {*STUDIES, *LONG}:
+        raise SystemExit(f"no study {', '.join(unknown)}; there are {', '.join(STUDIES + LONG)}")
+    for name in names or STUDIES:
+        tables = importlib.import_module(f"benchmarks.{name}").markdown().strip()
+        print(tables, flush=True)
+        _keep(name, f"*{datetime.date.today():%Y-%m-%d}, {machine()}*\n\n{tables}")
+
+
+def _keep(name: str, text: str) -> None:
+    """Put a study's text in its place in the results."""
+    old = RESULTS.read_text() if RESULTS.exists() else ""
+    parts = re.split(r"<!-- (\w+) -->\n", old)
+    kept = dict(zip(parts[1::2], parts[2::2])) | {name: f"\n{text}\n\n"}
+    order = [each for each in STUDIES + LONG if each in kept]
+    RESULTS.write_text("# Measured\n\n" + "".join(f"<!-- {each} -->\n{kept[each]}" for each in order).rstrip() + "\n")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

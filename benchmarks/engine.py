@@ -8,7 +8,7 @@ from itertools import cycle
 import numpy as np
 
 from benchmarks import begin, fitting, growth, shipped
-from benchmarks.measure import Row, Times, alone, interleaved, ratio, say, table
+from benchmarks.measure import Job, Row, Times, alone, interleaved, ratio, say, table
 from benchmarks.ours import own_jobs, own_rows
 from benchmarks.peers import Dynamax, Statsmodels, check_peers, filterpy_loglike
 from benchmarks.problem import Problem, make
@@ -28,38 +28,42 @@ def markdown() -> str:
 def synthetic() -> str:
     """22 states: ours, statsmodels, dynamax and filterpy in the same rounds."""
     problem = make()
-    system, other = problem.system(), [problem.other(factor) for factor in FACTORS]
-    statsmodels, fresh, dynamax = Statsmodels(problem), Statsmodels(problem), Dynamax(problem)
-    few = problem.steps(SHARE)
-    filterpy = filterpy_loglike(few)
-    jobs = own_jobs(system) | {
+    few, steps = problem.steps(SHARE), len(problem.y)
+    statsmodels, dynamax = Statsmodels(problem), Dynamax(problem)
+    jobs = own_jobs(problem.system()) | _peer_jobs(problem, statsmodels, dynamax, few)
+    times = interleaved(jobs, ROUNDS)
+    times["filterpy"] = times["filterpy"] / (SHARE / steps)
+    rows = [
+        *_agreement(problem, statsmodels, dynamax, few),
+        *_smoothers_agree(problem, dynamax),
+        *_beside_peers(times, steps),
+        *own_rows(times, steps),
+    ]
+    return table(f"Engine: {len(problem.x0)} states, {steps} steps, beside other packages", rows, _says(problem))
+
+
+def _peer_jobs(problem: Problem, statsmodels: Statsmodels, dynamax: Dynamax, few: Problem) -> dict[str, Job]:
+    """What is timed beside our own jobs; "new": with other parameters each time."""
+    fresh, other = Statsmodels(problem), [problem.other(factor) for factor in FACTORS]
+    return {
         "new": _each(other, lambda p: loglike(p.system())),
         "statsmodels": statsmodels.loglike,
         "statsmodels, new": _each(other, fresh.loglike_of),
         "dynamax": dynamax.loglike,
         "dynamax, new": _each(other, dynamax.loglike_of),
         "dynamax, smoother": dynamax.smoothed,
-        "filterpy": filterpy,
+        "filterpy": filterpy_loglike(few),
     }
-    times = interleaved(jobs, ROUNDS)
-    times["filterpy"] = times["filterpy"] / (SHARE / len(problem.y))
-    rows = [
-        *_agreement(problem, statsmodels, dynamax, few),
-        *_smoothers_agree(problem, dynamax),
-        *_beside_peers(times, len(problem.y)),
-        *own_rows(times, len(problem.y)),
+
+
+def _says(problem: Problem) -> list[str]:
+    return [
+        f"15 temperatures ({problem.missing:.1%} missing) and a displacement on "
+        f"{np.isfinite(problem.y[:, -1]).mean():.0%} of the steps, {len(problem.F)} regimes, an input that varies. "
+        f"Medians of {ROUNDS} interleaved rounds, ratios of the same round, one thread.",
+        f"filterpy: a loop in Python over predict and update, timed on {SHARE} steps and scaled to all. "
+        "dynamax: compiled beforehand. statsmodels: its conventional filter, keeping nothing of single steps.",
     ]
-    return table(
-        f"Engine: {len(problem.x0)} states, {len(problem.y)} steps, beside other packages",
-        rows,
-        [
-            f"15 temperatures ({problem.missing:.1%} missing) and a displacement on "
-            f"{np.isfinite(problem.y[:, -1]).mean():.0%} of the steps, {len(problem.F)} regimes, an input that varies. "
-            f"Medians of {ROUNDS} interleaved rounds, ratios of the same round, one thread.",
-            f"filterpy: a loop in Python over predict and update, timed on {SHARE} steps and scaled to all. "
-            "dynamax: compiled beforehand. statsmodels: its conventional filter, keeping nothing of single steps.",
-        ],
-    )
 
 
 def _each(problems: list[Problem], job: Callable[[Problem], float]) -> Callable[[], float]:

@@ -22,7 +22,7 @@ ONE_THREAD = {
     "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1",
 }
 
-Jobs = Mapping[str, Callable[[], object]]
+Job = Callable[[], object]
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def over(a: Times, b: Times, by: str = "cpu") -> float:
     return float(np.median(getattr(a, by) / getattr(b, by)))
 
 
-def interleaved(jobs: Jobs, rounds: int) -> dict[str, Times]:
+def interleaved(jobs: Mapping[str, Job], rounds: int) -> dict[str, Times]:
     """Every job once a round, each round begun by another; after one round that does not count."""
     names = list(jobs)
     seconds = {name: np.empty((rounds, 2)) for name in names}

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from benchmarks.measure import Row, Times, ratio
+from benchmarks.measure import Job, Row, Times, ratio
 from estimator import batch
 from estimator.batch import System
 
@@ -22,7 +20,7 @@ TITLES = {
 }
 
 
-def own_jobs(system: System) -> dict[str, Callable[[], object]]:
+def own_jobs(system: System) -> dict[str, Job]:
     """The engine's functions on one system."""
     row = np.zeros(len(system.H), dtype=bool)
     row[-1] = True
@@ -49,7 +47,7 @@ def own_rows(times: dict[str, Times], steps: int) -> list[Row]:
     ]
 
 
-def _columns(system: System, k: int) -> Callable[[], object]:
+def _columns(system: System, k: int) -> Job:
     """Gram matrix of k effects that put something into the states and the readings all the time."""
     dice = np.random.default_rng(k)
     B = 1e-3 * dice.standard_normal((*system.b.shape, k))

@@ -21,7 +21,9 @@ def check_peers() -> None:
         try:
             importlib.import_module(name)
         except ImportError as error:
-            raise SystemExit(f"{name}: {error}; `make bench-engine` installs it (or pip install -e '.[bench]')") from None
+            raise SystemExit(
+                f"{name}: {error}; `make bench-engine` installs it (or pip install -e '.[bench]')"
+            ) from None
 
 
 class Statsmodels:

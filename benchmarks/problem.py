@@ -48,7 +48,7 @@ class Problem:
     def first(self) -> tuple[Array, Array]:
         """Mean and covariance at the first step before its readings: from here most others begin."""
         F = self.F[self.regime[0]]
-        return F @ self.x0 + self.b[0], F @ self.P0 @ F.T + self.Q
+        return F @ self.x0 + self.B @ self.u[0], F @ self.P0 @ F.T + self.Q
 
     @property
     def missing(self) -> float:

@@ -3,8 +3,8 @@
 Measurement noise is what a second shows: the likelihood of each reading given all before. Process noise is what only
 minutes show: it stands for heat that no effect describes, and the errors that it makes build up so slowly that a
 likelihood of one second ahead takes them for nothing. So all process noises together are scaled by the one factor that
-is most likely after ten minutes without readings (`blind`); their proportions stay. What stands for constant errors
-of single sensors (spread of lags, unknown zeros) is no noise and is left alone.
+is most likely after ten minutes without readings (`blind`); their proportions stay. So is each drift of unknown zeros.
+What stands for constant errors of single sensors (spread of lags, zeros at the start) is no noise and is left alone.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from estimator.tangent import tangent
 from estimator.trial import Trial
 
 WIDEST = np.log(30.0)  # the factor on process noise is sought between 1/30 and 30
-ROUNDS = 2  # measurement and process noise by turns
+CLOSE = 0.1  # to which the logarithm of a factor is sought
 FAR = 3.0  # an open-loop error this many times the noise floor is missing physics
 
 Progress = Callable[[str, int, float], None]
@@ -36,7 +36,7 @@ Progress = Callable[[str, int, float], None]
 
 @dataclass(frozen=True)
 class Level:
-    """One noise level before and after; `kind` is "measurement" or "process"."""
+    """One noise level before and after; `kind` is "measurement", "process" or "drift"."""
 
     path: str
     kind: str
@@ -49,6 +49,7 @@ class Level:
 class Tuned:
     """Outcome: the model, its levels, each channel's quality, errors by horizon, and the noise floor of its sensors.
 
+    factor   by which process noise was scaled
     missing  open-loop error over the noise floor, where that is far: noise stands in for physics then; else NaN
     """
 
@@ -71,16 +72,19 @@ def tune(
 ) -> Tuned:
     """Set the noise levels of a model by some recordings; every other parameter stays."""
     trials = [Trial(model, rig, recording) for recording in recordings]
-    measurement, process = noise_levels(model, trials[0])
-    if not measurement and not process:
+    kinds = noise_levels(model, trials[0])
+    if not any(kinds.values()):
         raise SetupError(f"{model.name}: no effect has a noise level; nothing to tune")
-    better, factor = model, 1.0
-    for _ in range(ROUNDS):
-        better = _measured(better, trials, measurement, each, share)
-        better, scale = scaled(better, trials, process, each, share)
-        factor *= scale
-    kinds = [(path, "measurement") for path in measurement] + [(path, "process") for path in process]
-    levels = tuple(Level(path, kind, model[path], better[path], model.param(path).unit) for path, kind in kinds)
+    better = _measured(model, trials, kinds["measurement"], each, share)
+    better, factor = scaled(better, trials, kinds["process"], each, share)
+    for path in kinds["drift"]:
+        better, _ = scaled(better, trials, [path], each, share)
+    better = _measured(better, trials, kinds["measurement"], each, share)
+    levels = tuple(
+        Level(path, kind, model[path], better[path], model.param(path).unit)
+        for kind, paths in kinds.items()
+        for path in paths
+    )
     found, floor = errors(trials, better), noise_floor(better, trials[0])
     return Tuned(
         better, levels, factor, quality(trials, model), quality(trials, better), found, floor,
@@ -88,21 +92,21 @@ def tune(
     )  # fmt: skip
 
 
-def noise_levels(model: Model, trial: Trial) -> tuple[list[str], list[str]]:
-    """Paths of the parameters that set measurement noise, and process noise, and nothing else."""
+def noise_levels(model: Model, trial: Trial) -> dict[str, list[str]]:
+    """Paths of the parameters that set a noise and nothing else: of measurement, process, and the drift of zeros."""
     posed = trial.pose(model)
-    measurement, process = [], []
+    kinds: dict[str, list[str]] = {"measurement": [], "process": [], "drift": []}
     for path in model.values:
-        if not model[path] > 0:
-            continue
         moved = tangent(trial, posed, model, path)
-        if moved.moves_mean:
+        if moved.moves_mean or not model[path] > 0:
             continue
         if np.any(moved.network.noise):
-            process.append(path)
+            kinds["process"].append(path)
         elif moved.readings is not None and np.any(moved.readings.variance):
-            measurement.append(path)
-    return measurement, process
+            kinds["measurement"].append(path)
+        elif moved.readings is not None and np.any(moved.readings.walk):
+            kinds["drift"].append(path)
+    return kinds
 
 
 def _measured(model: Model, trials: Sequence[Trial], paths: Sequence[str], each: Progress, share: Share) -> Model:
@@ -121,7 +125,7 @@ def scaled(
     each: Progress = lambda stage, n, value: None,
     share: Share = map,
 ) -> tuple[Model, float]:
-    """Process noise by the likelihood after ten blind minutes; the factor found, 1 where no run is long enough."""
+    """Levels scaled together to be most likely after ten blind minutes, and the factor; 1 where no run is so long."""
     if not paths or not any(len(blind(trial, model).error) for trial in trials):
         return model, 1.0
     count = 0
@@ -135,10 +139,10 @@ def scaled(
         count += 1
         moved = at(log_factor)
         value = -sum(share(lambda trial: blind(trial, moved).loglike, trials))
-        each("process noise", count, -value)
+        each("blind minutes", count, -value)
         return value
 
-    found = minimize_scalar(unlikely, bounds=(-WIDEST, WIDEST), method="bounded", options={"xatol": 0.03})
+    found = minimize_scalar(unlikely, bounds=(-WIDEST, WIDEST), method="bounded", options={"xatol": CLOSE})
     return at(found.x), float(np.exp(found.x))
 
 

@@ -34,6 +34,11 @@ def blueprint(runs: Sequence[Run], scales: Sequence[Scale], tab: int | str = 0) 
         tabs = [*pages[0], *reversed(common)]
     else:
         tabs = [*common, *(rrb.Tabs(*some, name=run.name) for run, some in zip(runs, pages, strict=True))]
+    return tabbed(tabs, tab)
+
+
+def tabbed(tabs: Sequence[rrb.Container], tab: int | str = 0) -> rrb.Blueprint:
+    """A layout of these tabs and nothing else."""
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=tab),
         rrb.TimePanel(state="collapsed", timeline=paths.TIMELINE, play_state="following"),
@@ -55,7 +60,7 @@ def _summary() -> rrb.Container:
 
 def _accuracy(bounds: tuple[Range, Range]) -> rrb.Container:
     figures = [
-        _flat(f"{paths.ACCURACY}/{estimate}", f"Accuracy of the {estimate}: reference over estimate [µm]", bounds)
+        flat(f"{paths.ACCURACY}/{estimate}", f"Accuracy of the {estimate}: reference over estimate [µm]", bounds)
         for estimate in JUDGED
     ]
     table = rrb.TextDocumentView(origin=paths.BANDS, name="Accuracy bands [µm]")
@@ -76,7 +81,7 @@ def _overview(root: str, rig: Rig, scale: Scale) -> rrb.Container:
     if rig.screw is None:
         return rrb.Horizontal(right, name="Overview")
     name = f"Temperature along the {_body(rig)} [°C over mm]"
-    place = _flat(f"{root}/{paths.PROFILE}", name, profile.axes_of(rig, scale).bounds)
+    place = flat(f"{root}/{paths.PROFILE}", name, profile.axes_of(rig, scale).bounds)
     return rrb.Horizontal(rrb.Vertical(place, _screw(root, rig, scale), row_shares=[5, 4]), right, name="Overview")
 
 
@@ -154,7 +159,8 @@ def _below_legend(origin: str, name: str, scale: Scale, extent: Range) -> rrb.Ti
     return _plot(origin, name, scale, (extent[0], extent[0] + LEGEND_ROOM * (extent[1] - extent[0])))
 
 
-def _flat(origin: str, name: str, bounds: tuple[Range, Range]) -> rrb.Spatial2DView:
+def flat(origin: str, name: str, bounds: tuple[Range, Range]) -> rrb.Spatial2DView:
+    """A figure drawn by hand."""
     x, y = bounds
     visible = rrb.VisualBounds2D(x_range=list(x), y_range=list(y))
     return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=visible, background=list(paths.BACKGROUND))

@@ -29,6 +29,9 @@ DISPLACEMENT = "channels/displacement"
 EVENTS = "events"
 MOMENT = "moment"
 
+BARS = "bars"
+AUTOCORRELATION = "autocorrelation"
+
 LEGEND_ENTRIES = 12  # a longer legend would scroll
 
 Colour = tuple[int, int, int]
@@ -45,6 +48,8 @@ READING: Colour = (250, 220, 60)
 REFERENCE: Colour = (240, 240, 240)
 MEASURED: Colour = (255, 180, 60)
 LEFT_OUT: Colour = (225, 90, 90)
+BEFORE: Colour = (240, 130, 60)
+AFTER: Colour = (90, 170, 255)
 BOUND: Colour = (150, 150, 155)
 METAL: Colour = (92, 94, 102)
 NUT: Colour = (200, 200, 80)
@@ -57,6 +62,11 @@ RUNS: tuple[Colour, ...] = (
 def root(name: str) -> str:
     """Where the entities of a run begin: its name, in characters that a path needs no escapes for."""
     return re.sub(r"[^A-Za-z0-9_.-]+", "_", name)
+
+
+def scaled(above: str, side: str, channel: str) -> str:
+    """Where the scaled innovations of a channel are: `above` a run's root, side "before" or "after"."""
+    return f"{above}/scaled/{side}/{root(channel)}"
 
 
 def channel_names(rig: Rig, unit: str) -> list[str]:

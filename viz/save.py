@@ -10,6 +10,7 @@ import uuid
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 import rerun as rr
@@ -20,6 +21,18 @@ from viz import accuracy, events, moment, paths, profile, residuals, screw, seri
 from viz.layout import blueprint
 from viz.run import Indices, Run, first_stop_s
 from viz.scale import Scale, minutes, scale_of
+
+
+class _Named(Protocol):
+    """A dataclass with a name."""
+
+    __dataclass_fields__: Any
+
+    @property
+    def name(self) -> str: ...
+
+
+Named = TypeVar("Named", bound=_Named)
 
 PICTURE_S = 10.0  # profile and screw are kept every 10 s, curves at every tick
 
@@ -45,9 +58,9 @@ def save(path: Path, runs: Sequence[Run], summary: str, progress: Callable[[int]
     rec.disconnect()
 
 
-def distinct(runs: Sequence[Run]) -> list[Run]:
+def distinct(runs: Sequence[Named]) -> list[Named]:
     """The runs with names that lead to different paths: a name met before gets a number."""
-    found: dict[str, Run] = {}
+    found: dict[str, Named] = {}
     for run in runs:
         name, number = run.name, 1
         while paths.root(name) in found:

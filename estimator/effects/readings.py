@@ -28,8 +28,8 @@ class Thermometers(Effect):
     lag_noise = Param(
         1.0, "1", lo=0.0, hi=20.0, fixed=True, source="by coverage on simulated runs; lags spread by a quarter"
     )
-    zero_sd = Param(0.03, "K", lo=0.0, hi=1.0, fixed=True, source="0.05 K between channels after warm-up")
-    zero_walk = Param(0.0005, "K/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="0.03 K in an hour")
+    zero_sd = Param(0.015, "K", lo=0.0, hi=1.0, fixed=True, source="0.05 K between 15 channels after warm-up")
+    zero_walk = Param(0.0001, "K/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="0.006 K in an hour")
     board = Param(0.0, "K/K", lo=-0.02, hi=0.02, null=0.0, sd=0.003, source="0.03 K per 10 K")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:

@@ -1,0 +1,62 @@
+"""From the first import to the first log-likelihood, with and without compiled code in numba's cache."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.accuracy import FOLDER
+from benchmarks.measure import Row, say, table
+from drivers.recordings import read_recording
+from estimator.rig_file import load_rig
+
+RUN = "FS-20"
+WARM = 5
+CHILD = """
+import sys, time
+began, spent = time.perf_counter(), time.process_time()
+import pickle
+from pathlib import Path
+from estimator.model import load_model
+from estimator.rig_file import load_rig
+from estimator.trial import Trial
+folder = Path(sys.argv[1])
+recording = pickle.loads(Path(sys.argv[2]).read_bytes())
+model = load_model(folder / "model.toml")
+Trial(model, load_rig(folder), recording).loglike(model)
+print(time.perf_counter() - began, time.process_time() - spent)
+"""
+
+
+def markdown() -> str:
+    """Seconds in processes of their own."""
+    rig = load_rig(FOLDER)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "recording"
+        file.write_bytes(pickle.dumps(read_recording(FOLDER / f"{RUN}.blf", rig)))
+        say("  cold")
+        cold, cold_cpu = _seconds(file, folder)
+        say("  warm")
+        warm, warm_cpu = np.median([_seconds(file, folder) for _ in range(WARM)], axis=0)
+    rows = [
+        Row(f"code in the cache, median of {WARM}", f"{warm:.2f} s ({warm_cpu:.2f} s CPU)", float(warm), 1.5),
+        Row("nothing in the cache: compiled first", f"{cold:.1f} s ({cold_cpu:.1f} s CPU)", cold, 20.0),
+    ]
+    title = f"Engine: from the first import to the first log-likelihood, {RUN}"
+    return table(
+        title, rows, ["On the clock, in a new process; rig, model and the gate included, the log read before."]
+    )
+
+
+def _seconds(file: Path, cache: str) -> tuple[float, float]:
+    """On the clock and of the processor, of one new process with its compiled code in this folder."""
+    env = {**os.environ, "NUMBA_CACHE_DIR": cache}
+    command = [sys.executable, "-c", CHILD, str(FOLDER), str(file)]
+    wall, cpu = subprocess.run(command, env=env, capture_output=True, check=True, text=True).stdout.split()
+    return float(wall), float(cpu)

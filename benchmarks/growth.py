@@ -1,0 +1,111 @@
+"""How time and memory grow with the length of a recording and with the number of states.
+
+python -m benchmarks.growth FOLDER JOB     one job on the system kept there: seconds and bytes, as JSON
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.accuracy import FOLDER
+from benchmarks.measure import Row, alone, interleaved, say, table
+from benchmarks.problem import make
+from benchmarks.shipped import RUN, trial_of
+from estimator import batch
+from estimator.batch import System
+from estimator.model import load_model
+
+HOURS = (1, 8, 24)
+STATES = (12, 22, 36, 48, 60)
+STEPS = 7200
+REPEATS = 3
+LINEAR, FLAT = 1.25, 1.10
+JOBS = {"log-likelihood": batch.loglike, "smoother": batch.smoothed, "gradient": batch.score}
+PER_TICK = ("y", "regime", "b", "grown", "R", "muted")
+
+
+def tiled(system: System, ticks: int) -> System:
+    """The system's ticks over and over."""
+    at = np.arange(ticks) % len(system.y)
+    return replace(system, **{name: getattr(system, name)[at] for name in PER_TICK})
+
+
+def markdown() -> str:
+    """Hours of recording in processes of their own, then states."""
+    return _hours() + "\n" + _states()
+
+
+def _hours() -> str:
+    trial, _ = trial_of(RUN)
+    system = trial.pose(load_model(FOLDER / "model.toml")).system
+    found: dict[str, dict[int, tuple[float, float]]] = {job: {} for job in JOBS}
+    with tempfile.TemporaryDirectory() as folder:
+        for hours in HOURS:
+            ticks = round(hours * 3600 / trial.rig.tick_s)
+            for name, value in vars(tiled(system, ticks)).items():
+                np.save(Path(folder) / name, value)
+            for job in JOBS:
+                say(f"  {job}, {hours} h")
+                measured = json.loads(alone("benchmarks.growth", folder, job))
+                found[job][hours] = 1e6 * measured["seconds"] / ticks, measured["bytes"] / 1e6
+    rows = [row for job, by_hours in found.items() for row in _growth(job, by_hours)]
+    title = f"Engine: growth with hours, {RUN} repeated, {len(system.x0)} states"
+    return table(title, rows, [
+        f"CPU time a tick, best of {REPEATS}; memory is what the process grew by at its peak, less the result itself."
+    ])  # fmt: skip
+
+
+def _growth(job: str, by_hours: dict[int, tuple[float, float]]) -> list[Row]:
+    first, middle, last = HOURS
+    rows = [Row(f"{job}, {h} h", f"{us:.1f} us, {size:.0f} MB") for h, (us, size) in by_hours.items()]
+    slower = by_hours[last][0] / by_hours[first][0]
+    rows.append(Row(f"{job}, time a tick, {last} h / {first} h", f"{slower:.2f}", slower, LINEAR))
+    if job != "log-likelihood":  # which keeps nothing
+        more = by_hours[last][1] / by_hours[middle][1]
+        rows.append(Row(f"{job}, memory, {last} h / {middle} h", f"{more:.2f}", more, FLAT))
+    return rows
+
+
+def _states() -> str:
+    problems = {n: make(n, STEPS).system() for n in STATES}
+    jobs = {f"{job} {n}": lambda s=s, run=run: run(s) for n, s in problems.items() for job, run in JOBS.items()}
+    times = interleaved(jobs, 5)
+    rows = []
+    for n in STATES:
+        each = [1e6 * np.median(times[f"{job} {n}"].cpu) / STEPS for job in JOBS]
+        rows.append(Row(f"{n} states", ", ".join(f"{job} {us:.1f} us" for job, us in zip(JOBS, each))))
+    return table(f"Engine: growth with states, {STEPS} steps", rows, ["CPU time a step."])
+
+
+def main(folder: str, name: str) -> None:
+    """Time one job, and say how much memory it took beside its data and its result."""
+    system, job = System(**{file.stem: np.load(file) for file in Path(folder).iterdir()}), JOBS[name]
+    job(tiled(system, 60))  # compiled, loaded
+    before, seconds = _peak(), []
+    for _ in range(REPEATS):
+        began = time.process_time()
+        result = job(system)
+        seconds.append(time.process_time() - began)
+        size = sum(a.nbytes for a in vars(result).values() if isinstance(a, np.ndarray)) if name in _KEPT else 0
+        del result
+    print(json.dumps({"seconds": min(seconds), "bytes": _peak() - before - size}))
+
+
+_KEPT = ("smoother", "gradient")
+
+
+def _peak() -> int:
+    """Most memory the process ever held, bytes."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,85 @@
+"""The engine on the shipped model and a recording of the rig, beside the filter that runs tick by tick on filterpy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchmarks.accuracy import FOLDER
+from benchmarks.measure import Row, Times, interleaved, ratio, table
+from benchmarks.ours import own_jobs, own_rows
+from benchmarks.peers import gaussian
+from drivers.recordings import read_recording
+from estimator import batch
+from estimator.filter import GATE, Comparison, Filter
+from estimator.model import load_model
+from estimator.record import Array, Recording
+from estimator.rig_file import load_rig
+from estimator.score import score
+from estimator.trial import Trial
+
+RUN = "FS-5"
+ROUNDS = 7
+FREE = (5, 10, 20)
+
+
+class Judged(Filter):
+    """The online filter, with the log-likelihood of what it fuses after the first sample from its innovations."""
+
+    loglike = 0.0
+
+    def _update(self, reading: Array, compared: Comparison, R: Array) -> float:
+        nis = super()._update(reading, compared, R)
+        if self.started and np.isfinite(nis):
+            self.loglike += gaussian(self._kf.y, self._kf.S)
+        return nis
+
+
+def trial_of(name: str) -> tuple[Trial, Recording]:
+    """A recording of the shipped rig, posed for the shipped model."""
+    rig, model = load_rig(FOLDER), load_model(FOLDER / "model.toml")
+    recording = read_recording(FOLDER / f"{name}.blf", rig)
+    return Trial(model, rig, recording), recording
+
+
+def markdown() -> str:
+    """Cost per tick and in log-likelihoods; what a gradient costs with the number of parameters."""
+    trial, recording = trial_of(RUN)
+    model = load_model(FOLDER / "model.toml")
+    system, free = trial.pose(model).system, model.free()
+    jobs = own_jobs(system) | {
+        "posed": lambda: trial.loglike(model),
+        "passes": lambda: list(batch.passes(system, GATE)),
+        "filter": lambda: Filter(model, trial.rig).run(recording),
+        **{f"free {p}": lambda p=p: score(trial, model, free[:p]) for p in FREE},
+    }
+    times, ticks, by_hand = interleaved(jobs, ROUNDS), len(system.y), Judged(model, trial.rig)
+    by_hand.run(recording)
+    apart = abs(by_hand.loglike - batch.loglike(system)) / abs(by_hand.loglike)
+    rows = [
+        Row("log-likelihood, relative difference from the filterpy filter's", f"{apart:.1e}", apart, 1e-9),
+        *own_rows(times, ticks),
+        *_beside_filter(times, ticks),
+        *_by_parameters(times),
+    ]
+    title = f"Engine: the shipped model, {RUN}, {len(system.x0)} states, {len(system.F)} regimes, {ticks} ticks"
+    return table(title, rows, [f"Medians of {ROUNDS} interleaved rounds, ratios of the same round, one thread."])
+
+
+def _beside_filter(times: dict[str, Times], ticks: int) -> list[Row]:
+    one, passes, slow = times["log-likelihood"], times["passes"], times["filter"]
+    return [
+        Row("filter with all states and the gate, ours, per tick", passes.per(ticks)),
+        Row("filter on filterpy (estimator.filter), per tick", slow.per(ticks)),
+        ratio("log-likelihood, ours / filter on filterpy", one, slow),
+        ratio("filter with all states and the gate, ours / filter on filterpy", passes, slow),
+    ]
+
+
+def _by_parameters(times: dict[str, Times]) -> list[Row]:
+    """Growth with the number of parameters: `posed` is a log-likelihood by parameters that were not there before."""
+    few, many = FREE[0], FREE[-1]
+    return [
+        ratio("new parameters each time / log-likelihood", times["posed"], times["log-likelihood"]),
+        *(ratio(f"with gradient by {p} / new parameters each time", times[f"free {p}"], times["posed"]) for p in FREE),
+        ratio(f"gradient by {many} parameters / by {few}", times[f"free {many}"], times[f"free {few}"]),
+    ]

@@ -1,0 +1,96 @@
+"""How far models are from measurements, beside each other: by horizon, channel, phase and speed.
+
+One-step errors flatter: process noise lets a filter follow what its model does not explain. So open-loop and
+ten-minutes-ahead errors stand beside them, and the noise floor of the sensors beside those.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.horizon import HORIZONS, Error, Horizons, horizons, overall
+from estimator.model import Model
+from estimator.phase import PHASES, phase_of, speed_of
+from estimator.posterior import Share
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.trial import Trial
+from estimator.tune import FAR, noise_floor
+
+ByHorizon = Mapping[str, Error]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Errors of one model on some recordings; `held_out`: those of the recordings that it was not fitted to, or None.
+
+    by_channel  error of each channel by horizon, in the channel's unit
+    by_speed    by mean speed in m/min, of the drive that a tick belongs to or follows
+    floor       what the sensors alone would leave
+    """
+
+    name: str
+    whole: ByHorizon
+    held_out: ByHorizon | None
+    by_channel: Mapping[str, Mapping[str, float]]
+    by_phase: Mapping[str, ByHorizon]
+    by_speed: Mapping[float, ByHorizon]
+    floor: Error
+    warnings: tuple[str, ...]
+
+
+def compare(model: Model, rig: Rig, recordings: Sequence[Recording], share: Share = map) -> Comparison:
+    """Judge one model on recordings."""
+    trials = [Trial(model, rig, recording) for recording in recordings]
+    found: list[Horizons] = list(share(lambda trial: horizons(trial, model), trials))
+    known = set(model.about.get("fitted_on", {}).values())
+    rest = [each for each, r in zip(found, recordings, strict=True) if r.fingerprint not in known]
+    whole, floor = _by_horizon(found), noise_floor(model, trials[0])
+    phases = [phase_of(trial.rest) for trial in trials]
+    speeds = [speed_of(trial.recording, rig)[trial.begin :] for trial in trials]
+    levels = sorted(set(np.concatenate(speeds)) - {0.0})
+    return Comparison(
+        model.name,
+        whole,
+        _by_horizon(rest) if known and rest else None,
+        {name: _of_channel(found, i) for i, name in enumerate(rig.names)},
+        {phase: _by_horizon(_where(found, [p == phase for p in phases])) for phase in PHASES},
+        {float(level): _by_horizon(_where(found, [s == level for s in speeds])) for level in levels},
+        floor,
+        _warnings(whole, floor),
+    )
+
+
+def _by_horizon(found: Sequence[Horizons]) -> ByHorizon:
+    return {name: overall(found, name) for name in HORIZONS}
+
+
+def _of_channel(found: Sequence[Horizons], i: int) -> Mapping[str, float]:
+    rests = {name: np.concatenate([getattr(each, name)[:, i] for each in found]) for name in HORIZONS}
+    return {name: _rms(rest[np.isfinite(rest)]) for name, rest in rests.items()}
+
+
+def _rms(rest: Array) -> float:
+    return float(np.sqrt(np.mean(rest**2))) if len(rest) else float("nan")
+
+
+def _where(found: Sequence[Horizons], masks: Sequence[Array]) -> list[Horizons]:
+    """The same errors at some of the ticks."""
+    return [
+        Horizons(each.one_step[at], each.ahead[at], each.open_loop[at], each.thermometers)
+        for each, at in zip(found, masks, strict=True)
+    ]
+
+
+def _warnings(whole: ByHorizon, floor: Error) -> tuple[str, ...]:
+    """Said where process noise is what makes a model look good."""
+    near, alone = whole["one_step"].temperature_K, whole["open_loop"].temperature_K
+    if alone > FAR * floor.temperature_K and near < FAR * floor.temperature_K:
+        return (
+            f"one tick ahead {near:.3f} K looks fine, but the model alone is {alone:.2f} K off, {alone / near:.0f}"
+            " times as much: the readings hide what it does not explain",
+        )
+    return ()

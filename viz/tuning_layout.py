@@ -1,0 +1,64 @@
+"""Which view of a tuning stands where: figures of all recordings first, then each recording's own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun.blueprint as rrb
+
+from viz import paths
+from viz.axes import Axes
+from viz.layout import flat, tabbed, whole
+from viz.scale import symmetric
+from viz.tuning_figures import axes_of_map
+
+if TYPE_CHECKING:
+    from viz.tuning import Tuning
+
+ROWS = 4  # channels on one page
+SIDES = ("before", "after")
+
+
+def blueprint(channels: Sequence[str], runs: Sequence[Tuning], bars: Sequence[tuple[str, Axes]]) -> rrb.Blueprint:
+    """The layout of a saved file; bars: title and frame of each figure of all recordings."""
+    pages = [_pages(channels, run) for run in runs]
+    own = (
+        pages[0] if len(runs) == 1 else [rrb.Tabs(*some, name=run.name) for run, some in zip(runs, pages, strict=True)]
+    )
+    figures = [flat(f"{paths.BARS}/{i}", title, axes.bounds) for i, (title, axes) in enumerate(bars)]
+    summary = rrb.Horizontal(rrb.TextDocumentView(origin=paths.SUMMARY, name="Summary"), name="Summary")
+    return tabbed([rrb.Horizontal(*figures, name="NIS"), *own, summary])
+
+
+def _pages(channels: Sequence[str], run: Tuning) -> list[rrb.Container]:
+    groups = [range(first, min(first + ROWS, len(channels))) for first in range(0, len(channels), ROWS)]
+    return [_maps(channels, run), *(_innovations(channels, run, group) for group in groups)]
+
+
+def _maps(channels: Sequence[str], run: Tuning) -> rrb.Container:
+    at, bounds = f"{paths.root(run.name)}/{paths.AUTOCORRELATION}", axes_of_map(run.lags_s, len(channels)).bounds
+    maps = [flat(f"{at}/{side}", f"Autocorrelation of the innovations {side} [1]", bounds) for side in SIDES]
+    bar = flat(f"{at}/bar", "[1]", ((-6, 36), (-7, 75)))
+    return rrb.Horizontal(*maps, bar, column_shares=[9, 9, 1.2], name="Autocorrelation")
+
+
+def _innovations(channels: Sequence[str], run: Tuning, group: range) -> rrb.Container:
+    rows = []
+    for i in group:
+        extent = symmetric(np.stack([run.before.scaled[:, i], run.after.scaled[:, i]]))
+        views = [_innovation(run, side, channels[i], (min(extent[0], -5.0), max(extent[1], 5.0))) for side in SIDES]
+        rows.append(rrb.Horizontal(*views))
+    first, *_, last = [channels[i] for i in group] * 2
+    return rrb.Vertical(*rows, name=f"Innovations {first}" + (f" ... {last}" if len(group) > 1 else ""))
+
+
+def _innovation(run: Tuning, side: str, channel: str, extent: tuple[float, float]) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin=paths.scaled(paths.root(run.name), side, channel),
+        name=f"{channel} {side}: innovation over its sd [1], with ±2 and the mean of each minute",
+        axis_x=whole((float(run.time_s[0]), float(run.time_s[-1]))),
+        axis_y=rrb.ScalarAxis(range=extent, zoom_lock=False),
+        plot_legend=rrb.PlotLegend(visible=False),
+    )
