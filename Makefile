@@ -43,6 +43,7 @@ recordings: $(LOGS)
 
 model: $(READY) $(FITTED:%=recordings/%.blf)
 	$(BIN)/ballscrew fit $(FITTED:%=recordings/%.blf) -o recordings/model.toml
+	$(BIN)/ballscrew tune $(FITTED:%=recordings/%.blf) -o recordings/model.toml
 
 recordings/%.blf: | $(READY)
 	$(BIN)/ballscrew simulate $* -o $@

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -111,7 +109,6 @@ def _save(terminal: Terminal, path: Path, runs: Sequence[Run], summary: str, vie
 
     with terminal.progress(f"writing {path}", len(runs)) as update:
         save(path, runs, summary, update)
-    rerun = os.path.relpath(Path(sys.executable).with_name("rerun"))
-    terminal.say(f"views: {path}   (open with: {rerun} --bind 127.0.0.1 {path})")
+    terminal.say_views(path)
     if view and not open_viewer(path, first_stop_s(runs[0])):
         terminal.say("no screen here: the viewer was not started")

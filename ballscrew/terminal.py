@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -41,6 +43,11 @@ class Terminal:
 
         if is_cold() and not self.quiet:
             self.err.print("compiling the filter for this machine, once: some 15 s", markup=False)
+
+    def say_views(self, path: Path) -> None:
+        """Where the views are, and how to look at them."""
+        rerun = os.path.relpath(Path(sys.executable).with_name("rerun"))
+        self.say(f"views: {path}   (open with: {rerun} --bind 127.0.0.1 {path})")
 
     def warn(self, text: str) -> None:
         """One line on stderr, also when quiet."""

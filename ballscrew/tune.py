@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -10,13 +11,19 @@ import numpy as np
 from ballscrew.options import logs_argument, output_options, rig_options, writable
 from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
-from ballscrew.workspace import load, open_model, open_rig
+from ballscrew.workspace import Loaded, load, open_model, open_rig
 from estimator.errors import InputError
-from estimator.model import save_model
-from estimator.quality import ChannelQuality
+from estimator.model import Model, save_model
+from estimator.quality import ChannelQuality, overall
+from estimator.rig import Rig
 from estimator.tune import Tuned, tune
 
-COLUMNS = ("before -> after", "NIS", "whiteness", "in 2 sd", "NIS, blind", "in 2 sd, blind")
+LEVELS = ("noise level", "of", "before", "after", "unit")
+COLUMNS = ("channel", "NIS", "whiteness", "in 2 sd", "blind NIS", "blind 2 sd")
+LEGEND = (
+    "NIS: 1 when the noise is right; whiteness: largest autocorrelation within a minute, 0 when white",
+    "in 2 sd: 95 % when honest; blind: of what is read after ten minutes without readings",
+)
 FIGURES = ("nis", "whiteness", "in_2sd", "blind_nis", "blind_in_2sd")
 
 
@@ -57,19 +64,35 @@ def command(
     _print(terminal, found)
     terminal.say(f"model: {out}")
     terminal.json(_as_json(found))
+    if rrd is not None:
+        _save(terminal, rrd, rig, model, loaded, found)
     return InputError.exit_code if failed else 0
 
 
 def _print(terminal: Terminal, found: Tuned) -> None:
-    rows = [[x.path, x.kind, f"{x.before:.4g}", f"{x.after:.4g}", x.unit] for x in found.levels]
-    terminal.table("", ["noise level", "of", "before", "after", "unit"], rows)
-    terminal.say()
-    pairs = zip(found.before, found.after, strict=True)
-    terminal.table("", COLUMNS, [_row(a, b) for a, b in pairs if b.readings])
-    terminal.say("\nNIS: 1 when the noise is right; whiteness: largest autocorrelation within a minute, 0 when white")
-    terminal.say("in 2 sd: 95 % when honest; blind: of what is read after ten minutes without readings")
-    for sentence in sentences(found):
+    terminal.table("", LEVELS, _levels(found))
+    terminal.say("\nbefore->after")
+    terminal.table("", COLUMNS, _channels(found))
+    for sentence in (*LEGEND, *sentences(found)):
         terminal.say(sentence)
+
+
+def _levels(found: Tuned) -> list[list[str]]:
+    return [[x.path, x.kind, f"{x.before:.4g}", f"{x.after:.4g}", x.unit] for x in found.levels]
+
+
+def _channels(found: Tuned) -> list[list[str]]:
+    pairs = zip((*found.before, overall(found.before)), (*found.after, overall(found.after)), strict=True)
+    return [_row(a, b) for a, b in pairs if b.readings]
+
+
+def _save(terminal: Terminal, path: Path, rig: Rig, model: Model, loaded: Sequence[Loaded], found: Tuned) -> None:
+    from ballscrew.tune_views import page, save_views  # rerun takes half a second to import
+
+    levels = "Noise levels", sentences(found), [LEVELS, *_levels(found)]
+    channels = "Innovations, before->after", LEGEND, [COLUMNS, *_channels(found)]
+    save_views(path, rig, model, loaded, found, page([levels, channels]))
+    terminal.say_views(path)
 
 
 def sentences(found: Tuned) -> list[str]:
@@ -92,7 +115,7 @@ def _row(a: ChannelQuality, b: ChannelQuality) -> list[str]:
 
 
 def _pair(a: float, b: float) -> str:
-    return f"{a:.2f} -> {b:.2f}" if np.isfinite(b) else ""
+    return f"{a:.2f}->{b:.2f}" if np.isfinite(b) else ""
 
 
 def _as_json(found: Tuned) -> dict[str, object]:

@@ -1,10 +1,14 @@
 """Noise levels by likelihood.
 
-Measurement noise is what a second shows: the likelihood of each reading given all before. Process noise is what only
-minutes show: it stands for heat that no effect describes, and the errors that it makes build up so slowly that a
-likelihood of one second ahead takes them for nothing. So all process noises together are scaled by the one factor that
-is most likely after ten minutes without readings (`blind`); their proportions stay. So is each drift of unknown zeros.
-What stands for constant errors of single sensors (spread of lags, zeros at the start) is no noise and is left alone.
+Measurement noise is what a second shows: the likelihood of each reading given all before. It sees scatter only: where
+innovations stay alike for seconds, part of a reading's error lasts, and its noise is not lowered.
+
+Process noise is what only minutes show: it stands for heat that no effect describes, and the errors that it makes build
+up so slowly that a likelihood of one second ahead takes them for nothing. So all process noises together are scaled by
+the one factor that is most likely after ten minutes without readings (`blind`); their proportions stay.
+
+What stands for lasting errors of single sensors (spread of lags, unknown zeros and their drift) is no noise and is left
+alone.
 """
 
 from __future__ import annotations
@@ -28,6 +32,7 @@ from estimator.tangent import tangent
 from estimator.trial import Trial
 
 WIDEST = np.log(30.0)  # the factor on process noise is sought between 1/30 and 30
+COLOURED = 0.15  # an autocorrelation from which on innovations are not white
 CLOSE = 0.1  # to which the logarithm of a factor is sought
 FAR = 3.0  # an open-loop error this many times the noise floor is missing physics
 
@@ -36,7 +41,7 @@ Progress = Callable[[str, int, float], None]
 
 @dataclass(frozen=True)
 class Level:
-    """One noise level before and after; `kind` is "measurement", "process" or "drift"."""
+    """One noise level before and after; `kind` is "measurement" or "process"."""
 
     path: str
     kind: str
@@ -77,8 +82,6 @@ def tune(
         raise SetupError(f"{model.name}: no effect has a noise level; nothing to tune")
     better = _measured(model, trials, kinds["measurement"], each, share)
     better, factor = scaled(better, trials, kinds["process"], each, share)
-    for path in kinds["drift"]:
-        better, _ = scaled(better, trials, [path], each, share)
     better = _measured(better, trials, kinds["measurement"], each, share)
     levels = tuple(
         Level(path, kind, model[path], better[path], model.param(path).unit)
@@ -93,9 +96,9 @@ def tune(
 
 
 def noise_levels(model: Model, trial: Trial) -> dict[str, list[str]]:
-    """Paths of the parameters that set a noise and nothing else: of measurement, process, and the drift of zeros."""
+    """Paths of the parameters that set a noise and nothing else: of measurement, and of the process."""
     posed = trial.pose(model)
-    kinds: dict[str, list[str]] = {"measurement": [], "process": [], "drift": []}
+    kinds: dict[str, list[str]] = {"measurement": [], "process": []}
     for path in model.values:
         moved = tangent(trial, posed, model, path)
         if moved.moves_mean or not model[path] > 0:
@@ -104,18 +107,29 @@ def noise_levels(model: Model, trial: Trial) -> dict[str, list[str]]:
             kinds["process"].append(path)
         elif moved.readings is not None and np.any(moved.readings.variance):
             kinds["measurement"].append(path)
-        elif moved.readings is not None and np.any(moved.readings.walk):
-            kinds["drift"].append(path)
     return kinds
 
 
 def _measured(model: Model, trials: Sequence[Trial], paths: Sequence[str], each: Progress, share: Share) -> Model:
-    """Measurement noise by the likelihood of one tick ahead."""
+    """Measurement noise by the likelihood a tick ahead; not lowered for channels whose innovations are not white."""
     if not paths:
         return model
     climb = Climb(Posterior(model, trials, paths, share), lambda n, value: each("measurement noise", n, value))
     climb.run()
-    return climb.posterior.at(climb.c)
+    found = climb.posterior.at(climb.c)
+    lower = [path for path in paths if found[path] < model[path]]
+    if not lower:
+        return found
+    white = {each.channel: each.whiteness for each in quality(trials, found)}
+    kept = [path for path in lower if np.nanmedian([white[c] for c in channels_of(path, model, trials[0])]) > COLOURED]
+    return found.with_values({path: model[path] for path in kept})
+
+
+def channels_of(path: str, model: Model, trial: Trial) -> list[str]:
+    """The channels whose scatter a parameter sets."""
+    moved = tangent(trial, trial.pose(model), model, path).readings
+    assert moved is not None
+    return [name for name, slope in zip(trial.rig.names, moved.variance, strict=True) if slope != 0]
 
 
 def scaled(

@@ -60,6 +60,7 @@ def test_help_lists_every_command():
         ("simulate", ["--seed", "--plant", "--without", "--max-drive", "--cycles", "--seconds", "--interface"]),
         ("review", ["--rig", "--model", "--channels", "--no-displacement", "--mute", "--save", "--json", "--quiet"]),
         ("fit", ["--rig", "--model", "-o MODEL", "--json", "--debug"]),
+        ("tune", ["--rig", "--model", "-o MODEL", "--save", "--json", "--quiet"]),
         ("show", ["MODEL", "--json", "--debug"]),
     ],
 )
@@ -101,6 +102,7 @@ def test_the_same_seed_is_the_same_recording(tmp_path):
         (["review"], "Missing argument 'LOG...'"),
         (["review", "a.log", "--colour"], "No such option '--colour'"),
         (["fit", "a.log"], "Missing option '-o'"),
+        (["tune", "a.log"], "Missing option '-o'"),
         (["show", "none.toml"], "error: none.toml: no such file"),
     ],
 )
@@ -230,6 +232,8 @@ def test_json_may_be_written_twice_whatever_its_name(log, tmp_path):
     ("command", "option", "module"),
     [
         ("fit", "-o", "fit"),
+        ("tune", "-o", "tune"),
+        ("tune", "--save", "tune"),
         ("review", "--json", "review"),
         ("review", "--save", "review"),
     ],

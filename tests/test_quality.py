@@ -137,7 +137,7 @@ def test_the_first_reading_of_a_channel_that_tells_its_own_zero_is_left_out():
 
 
 def test_blind_figures_are_of_what_is_read_after_ten_minutes():
-    """Steady blocks: blind or not, the scatter is all there is; the last minute before each end is three times as wild."""
+    """Of steady blocks whose readings scatter three times as much in the last minute of each ten."""
     noise = SD * white(4, 12000)
     noise[np.arange(12000) % 600 >= 540] *= 3.0
     for found in judged(noise):

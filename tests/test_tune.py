@@ -88,15 +88,16 @@ def test_quality_improves_to_what_honest_noise_has(tuned, driving):
     _, rig = driving
     assert [one.channel for one in tuned.before] == [one.channel for one in tuned.after] == list(rig.names)
     for before, after in zip(tuned.before, tuned.after, strict=True):
-        assert abs(after.nis - 1) < 0.1 < abs(before.nis - 1), after.channel
+        assert abs(after.nis - 1) < 0.15, after.channel
+        assert abs(after.nis - 1) < abs(before.nis - 1), after.channel
         assert before.readings == after.readings > 400
         assert after.blind_nis < 2
     assert max(one.blind_nis for one in tuned.before) > 5
 
 
 def test_it_tells_what_it_does(heard):
-    assert {stage for stage, _, _ in heard} == {"measurement noise", "process noise"}
-    assert [n for stage, n, _ in heard if stage == "process noise"][:3] == [1, 2, 3]
+    assert {stage for stage, _, _ in heard} == {"measurement noise", "blind minutes"}
+    assert [n for stage, n, _ in heard if stage == "blind minutes"][:3] == [1, 2, 3]
     assert np.isfinite([value for _, _, value in heard]).all()
 
 
@@ -109,7 +110,8 @@ def test_tuning_again_changes_next_to_nothing(tuned, driving, runs):
 
 def test_the_floor_is_scatter_and_unknown_zeros_of_the_thermometers(tuned):
     floor = tuned.floor
-    assert floor.temperature_K == pytest.approx(np.hypot(tuned.model["thermometers.sd"], 0.03))
+    zero = tuned.model["thermometers.zero_sd"]
+    assert floor.temperature_K == pytest.approx(np.hypot(tuned.model["thermometers.sd"], zero))
     assert floor.elongation_um == pytest.approx(tuned.model["displacement.sd"])
 
 
@@ -117,7 +119,7 @@ def test_a_channel_that_no_effect_reads_has_no_floor(model, driving, runs):
     rig = driving[1]
     bare = model - "displacement"
     floor = noise_floor(bare, Trial(bare, rig, runs[0]))
-    assert floor.temperature_K == pytest.approx(np.hypot(0.022, 0.03))
+    assert floor.temperature_K == pytest.approx(np.hypot(0.022, bare["thermometers.zero_sd"]))
     assert np.isnan(floor.elongation_um)
 
 
@@ -156,9 +158,30 @@ def test_missing_is_three_times_the_floor():
 
 def test_what_stands_for_constant_errors_of_sensors_is_no_noise_level(rig, full, driven, live):
     trial = Trial(full, rig, live(full, rig, driven(rig, 60, (10, 50)), seed=1).recording)
-    measurement, process = noise_levels(full, trial)
-    assert measurement == ["thermometers.sd", "displacement.sd"]
-    assert process == [path for path in full.values if path.endswith(".noise")]
+    assert noise_levels(full, trial) == {
+        "measurement": ["thermometers.sd", "displacement.sd"],
+        "process": [path for path in full.values if path.endswith(".noise")],
+        "drift": ["thermometers.zero_walk", "displacement.zero_walk"],
+    }
+
+
+@pytest.fixture(scope="module")
+def drifted(model, driving, live) -> Tuned:
+    """Of a displacement that drifts 0.05 um in a root of a second, 3 um in an hour, tuned from a fifth of it."""
+    drive, rig = driving
+    drifting = model.with_values({"displacement.zero_walk": 0.05 * np.sqrt(TICK_S)})  # a life walks once a tick
+    runs = [live(drifting, rig, drive, seed=seed, process=True).recording for seed in range(4)]
+    return tune(model.with_values({"displacement.zero_walk": 0.01}), rig, runs)
+
+
+def test_the_drift_of_a_zero_is_found(drifted):
+    assert {level.path: level.kind for level in drifted.levels}["displacement.zero_walk"] == "drift"
+    assert 0.05 / 1.5 < drifted.model["displacement.zero_walk"] < 0.05 * 1.5
+
+
+@pytest.mark.xfail(strict=True, reason="process noise is scaled before the drift is known, and not again")
+def test_process_noise_does_not_stand_in_for_drift(drifted):
+    assert 1 / 1.5 < drifted.factor < 1.5
 
 
 def test_a_noise_level_of_zero_stays_zero(model, driving, runs):
@@ -171,9 +194,9 @@ def test_a_noise_level_of_zero_stays_zero(model, driving, runs):
 def test_short_recordings_leave_the_process_noise_alone(model, driving, runs):
     rig = driving[1]
     short = runs[0].rows(slice(0, 100))
-    found = tune(model.with_values(OFF), rig, [short])
+    found = tune(model.with_values({path: OFF[path] for path in MEASUREMENT}), rig, [short])
     assert found.factor == 1.0
-    assert found.model["conduction.noise"] == OFF["conduction.noise"]
+    assert found.model["conduction.noise"] == 1.2
     assert found.model["thermometers.sd"] == pytest.approx(0.022, rel=0.15)
 
 
@@ -196,10 +219,11 @@ class Body(Effect):
 
 
 class Glass(Effect):
-    """A thermometer of known scatter: y = T."""
+    """Two thermometers of known scatter: y = T."""
 
     def terms(self, p, u, rig):
-        yield Read("T1", {"nut": 1.0}, 0.05)
+        for name in ("T1", "T2"):
+            yield Read(name, {"nut": 1.0}, 0.05)
 
 
 def test_a_model_without_noise_levels_cannot_be_tuned(driving, runs):

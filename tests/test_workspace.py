@@ -14,6 +14,7 @@ from conftest import ballscrew as run
 from estimator.model import load_model
 
 PAPER = Path(__file__).parents[1] / "recordings"
+ROD = Path(__file__).parents[1] / "examples" / "heated_rod"
 FREE = {"nut_friction.power", "anchor_friction.power"}
 
 
@@ -133,6 +134,125 @@ def test_fit_without_free_parameters_ends_with_2(folder):
     assert status == 2
     assert "every parameter is fixed; nothing to fit" in err
     assert not (folder / "m.toml").exists()
+
+
+def test_fit_says_in_a_table_what_changed_and_as_json_all_it_knows(folder):
+    out = folder / "new.toml"
+    status, text, _ = run("fit", folder / "logs", "-o", out, "--json", folder / "fit.json")
+    told = json.loads((folder / "fit.json").read_text())
+    assert status == 0
+    for path in FREE:
+        fitted = told["parameters"][path]
+        assert set(fitted) == {"before", "value", "sd", "unit", "at_bound", "determined"}
+        (line,) = [line for line in text.splitlines() if line.startswith(path)]
+        assert line.split()[1:5] == [f"{fitted[key]:.{digits}g}" for key, digits in (("before", 4), ("value", 4))] + [
+            f"{fitted['sd']:.2g}", "W",
+        ]  # fmt: skip
+    assert set(told) == {
+        "parameters", "one_step", "ahead", "open_loop", "kept", "process_noise_raised", "correlated", "log_likelihood",
+        "converged", "stopped", "steps",
+    }  # fmt: skip
+    assert told["log_likelihood"]["best"] >= told["log_likelihood"]["open_loop"]
+    assert told["ahead"]["after"]["temperature_K"] is None  # seven minutes
+    assert f"model: {out}" in text
+
+
+@pytest.mark.parametrize("stage", ["open loop", "likelihood"])
+def test_ctrl_c_in_a_fit_ends_with_130_and_the_model_written(folder, stage):
+    def interrupt(now: str, value: float) -> str:
+        if now == stage:
+            raise KeyboardInterrupt
+        return ""
+
+    out = folder / "so_far.toml"
+    with mock.patch("ballscrew.fit._progress", interrupt):
+        status, text, err = run("fit", folder / "logs", "-o", out, "--json", folder / "fit.json")
+    told = json.loads((folder / "fit.json").read_text())
+    assert status == 130
+    assert "stopped by Ctrl-C after " in text
+    assert "Traceback" not in err
+    assert told["stopped"]
+    assert not told["converged"]
+    model = load_model(out)
+    for path in FREE:
+        assert model[path] == pytest.approx(told["parameters"][path]["value"], rel=1e-4)
+
+
+@pytest.mark.parametrize("command", ["fit", "tune"])
+def test_quiet_is_silent_and_writes_the_model_all_the_same(folder, command):
+    assert run(command, folder / "logs", "-o", folder / "m.toml", "--quiet") == (0, "", "")
+    assert set(load_model(folder / "m.toml").values) == set(load_model(folder / "model.toml").values)
+
+
+def test_tune_writes_a_model_of_other_noise_levels_and_nothing_else(folder):
+    out = folder / "tuned.toml"
+    status, text, _ = run("tune", folder / "logs", "-o", out, "--json")
+    told = json.loads(text)
+    assert status == 0
+    before, after = load_model(folder / "model.toml"), load_model(out)
+    assert {level["of"] for level in told["levels"].values()} == {"measurement", "process", "drift"}
+    for path, value in before.values.items():
+        if path in told["levels"]:
+            level = told["levels"][path]
+            assert level["before"] == pytest.approx(value.value, rel=1e-4)
+            assert after[path] == pytest.approx(level["after"], rel=1e-4), path
+            assert after.values[path].fixed == value.fixed
+        else:
+            assert after.values[path] == value, path
+    assert after["thermometers.sd"] != before["thermometers.sd"]
+    assert told["process_factor"] == 1.0  # seven minutes: nothing was blind for ten
+
+
+def test_tune_says_in_a_table_what_changed_and_as_json_all_it_knows(tmp_path):
+    """On the rod's committed run of more than an hour, from a model that is too sure of itself."""
+    shutil.copy(ROD / "effects.py", tmp_path)
+    text = (ROD / "model.toml").read_text()
+    for old, new in (
+        ("noise = 0.265606", "noise = 0.02"),
+        ("\nsd = 0.05", "\nsd = 0.1"),
+        ("lag_noise = 2.0", "lag_noise = 0.0"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "sure.toml").write_text(text)
+    words = ["tune", ROD / "steps.csv", "--model", tmp_path / "sure.toml", "-o", tmp_path / "tuned.toml"]
+    status, text, _ = run(*words, "--json", tmp_path / "tune.json")
+    told = json.loads((tmp_path / "tune.json").read_text())
+    assert status == 0
+    assert {
+        "levels", "channels", "errors", "noise_floor", "process_factor", "missing_physics", "sentences",
+    } <= set(told)  # fmt: skip
+    assert told["levels"]["thermometers.sd"]["after"] == pytest.approx(0.05, rel=0.05)
+    assert told["levels"]["conduction.noise"]["after"] == pytest.approx(0.02 * told["process_factor"], rel=1e-4)
+    assert told["channels"]["TC1"]["nis"]["after"] == pytest.approx(1.0, abs=0.15)
+    assert told["noise_floor"]["elongation_um"] is None
+    for path, level in told["levels"].items():
+        (line,) = [line for line in text.splitlines() if line.startswith(path)]
+        numbers = [f"{level[key]:.4g}" for key in ("before", "after")]
+        assert " ".join(line.split()) == " ".join([path, level["of"], *numbers, level["unit"]])
+    assert all(sentence in text for sentence in told["sentences"])
+    assert f"model: {tmp_path / 'tuned.toml'}" in text
+    assert load_model(tmp_path / "tuned.toml")["heater.share"] == load_model(ROD / "model.toml")["heater.share"]
+
+
+def test_tune_never_opens_the_truth(folder):
+    (folder / "logs" / "FS-20.truth.csv").write_bytes(b"\xff not a table")
+    opened = []
+    real = Path.open
+    spy = mock.patch.object(Path, "open", lambda self, *a, **k: opened.append(self.name) or real(self, *a, **k))
+    with spy:
+        assert run("tune", folder / "logs", "-o", folder / "tuned.toml")[0] == 0
+    assert "FS-20.truth.csv" not in opened
+    assert "model.toml" in opened
+
+
+def test_ctrl_c_in_tuning_ends_with_130_and_no_model(tmp_path):
+    interrupt = mock.patch("estimator.tune.blind", side_effect=KeyboardInterrupt)
+    with interrupt:
+        status, _, err = run("tune", ROD / "steps.csv", "-o", tmp_path / "tuned.toml")
+    assert status == 130
+    assert err.splitlines()[-1] == "stopped by Ctrl-C"
+    assert not (tmp_path / "tuned.toml").exists()
 
 
 def test_show_prints_every_effect_with_equation_values_and_units(full):

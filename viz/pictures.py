@@ -51,7 +51,7 @@ def render(
         raise SetupError(f"pictures: {rrd}: no such file")
     moment = moment_of(rrd) if at_s is None else at_s
     if moment is None:
-        raise SetupError(f"pictures: {rrd}: not written by ballscrew review; give --at")
+        raise SetupError(f"pictures: {rrd}: not written by ballscrew; give --at")
     folder.mkdir(parents=True, exist_ok=True)
     with _viewer(rrd, window) as client:
         client.set_time(paths.TIMELINE, duration=moment, play_state="paused")
@@ -128,7 +128,7 @@ def _word(name: str) -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command line above; returns the exit code."""
     parser = argparse.ArgumentParser(prog="python -m viz.pictures", description="Every tab of a saved file as a PNG.")
-    parser.add_argument("rrd", type=Path, help="a file saved by review")
+    parser.add_argument("rrd", type=Path, help="a file saved by review or tune")
     parser.add_argument("folder", type=Path, help="where the pictures go")
     parser.add_argument("--at", type=float, metavar="SECONDS", help="moment to show; default: the first stop")
     parser.add_argument("--only", action="append", default=[], metavar="TAB", help="only tabs with this name")

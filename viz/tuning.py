@@ -61,18 +61,17 @@ def save(path: Path, channels: Sequence[str], runs: Sequence[Tuning], nis: Seque
     if not path.parent.is_dir():
         raise InputError(f"{path}: there is no folder {path.parent}")
     runs = distinct(runs)
-    figures = [tuning_figures.axes_of_bars(each.before, each.after) for each in nis]
     extent = tuning_figures.shades_of(*(side.autocorrelation for run in runs for side in (run.before, run.after)))
-    layout = blueprint(channels, runs, list(zip([each.title for each in nis], figures, strict=True)))
+    layout = blueprint(channels, runs, [each.title for each in nis])
     rec = rr.RecordingStream(paths.APPLICATION, recording_id=uuid.uuid4())
     rec.set_log_time_enabled(False)
     rec.save(path, default_blueprint=layout)
     rec.send_blueprint(layout, make_active=True, make_default=True)
     rec.send_recording_name("tuning: " + ", ".join(run.name for run in runs))
     rec.log(paths.SUMMARY, rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
-    moment.send(rec, float(runs[0].time_s[-1]))
-    for i, (each, axes) in enumerate(zip(nis, figures, strict=True)):
-        tuning_figures.send_bars(rec, f"{paths.BARS}/{i}", axes, channels, each.before, each.after)
+    moment.send(rec, float(np.floor(runs[0].time_s[-1])))
+    for i, each in enumerate(nis):
+        tuning_figures.send_bars(rec, f"{paths.BARS}/{i}", channels, each.before, each.after)
     for run in runs:
         _send(rec, channels, run, extent)
     rec.disconnect()
@@ -80,7 +79,7 @@ def save(path: Path, channels: Sequence[str], runs: Sequence[Tuning], nis: Seque
 
 def _send(rec: rr.RecordingStream, channels: Sequence[str], run: Tuning, extent: tuple[float, float]) -> None:
     root = paths.root(run.name)
-    tuning_figures.send_bar(rec, f"{root}/{paths.AUTOCORRELATION}/bar", extent)
+    tuning_figures.send_key(rec, f"{root}/{paths.AUTOCORRELATION}/key", extent)
     for name, colour in SIDES.items():
         side: Side = getattr(run, name)
         at = f"{root}/{paths.AUTOCORRELATION}/{name}"
@@ -90,7 +89,7 @@ def _send(rec: rr.RecordingStream, channels: Sequence[str], run: Tuning, extent:
             at = paths.scaled(root, name, channel)
             style(rec, at, colour)
             series.send_known(rec, f"{at}/each", run.time_s, side.scaled[:, i])
-            series.send_known(rec, f"{at}/mean", begins + 30.0, means[:, i])
+            series.send(rec, f"{at}/mean", begins + 30.0, means[:, i])
             series.send(rec, f"{at}/bounds", run.time_s[[0, -1]], np.tile([2.0, -2.0], (2, 1)))
 
 

@@ -1,20 +1,61 @@
-"""Figures of a tuning that stand still: autocorrelation as a map of channel over lag, NIS as bars from 1."""
+"""Figures of a tuning that stand still: autocorrelation as a map of channel over lag, NIS as bars from 1.
+
+Both are a picture with words around it; a view unit is a pixel of the picture, whose top left corner is (0, 0).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import rerun as rr
+from numpy.typing import ArrayLike
 
 from estimator.record import Array
 from viz import paths
-from viz.axes import Axes, colour_bar, words
-from viz.scale import DIVERGING, Range, coloured, symmetric, ticks_of
+from viz.axes import colour_bar, words
+from viz.scale import DIVERGING, Colours, Range, coloured, extent_of, symmetric, ticks_of
 
-ROW, WIDTH, LINE = 40.0, 900.0, 30.0  # view units: height of a channel, width of a frame, height of a line of text
-PALE = 0.2  # autocorrelations below are chance more often than not: the map's colours begin no lower
-NIS_TICKS = np.array([0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000])
+ROW, WIDTH = 50, 900  # pixels: height of a channel, about the width of a picture
+LINE = 30.0  # height of a line of text, which the viewer draws in points whatever the zoom
+NAMES = 150.0  # room left of the picture
+PALE = 0.2  # the map's colours reach at least so far: smaller autocorrelations are often chance
+TICKS = np.array([m * 10.0**power for power in range(-3, 4) for m in (1, 2, 5)])
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A picture with a row for each channel, the first at the top."""
+
+    width: int
+    channels: Sequence[str]
+
+    @property
+    def height(self) -> int:
+        """Pixels."""
+        return ROW * len(self.channels)
+
+    @property
+    def bounds(self) -> tuple[Range, Range]:
+        """What a view must show: the picture, names at its left, a row of words above and two below."""
+        return (-NAMES, self.width + 0.3 * NAMES), (-2.6 * LINE, self.height + 3.2 * LINE)
+
+    def draw(self, rec: rr.RecordingStream, at: str, pixels: Colours, x: ArrayLike, texts: Sequence[str]) -> None:
+        """Log the picture, the names of its rows, and the texts below it at x."""
+        rec.log(f"{at}/picture", rr.Image(np.ascontiguousarray(pixels), magnification_filter="Nearest"), static=True)
+        middles = (np.arange(len(self.channels)) + 0.5) * ROW - 0.56 * LINE
+        words(rec, f"{at}/channels", _places(-0.5 * NAMES, middles), self.channels)
+        words(rec, f"{at}/x", _places(x, self.height + 0.2 * LINE), texts)
+
+
+def _places(x: ArrayLike, y: ArrayLike) -> Array:
+    return np.stack(np.broadcast_arrays(np.asarray(x, dtype=float), y), axis=-1)
+
+
+def frame_of_map(channels: Sequence[str], lags_s: Array) -> Frame:
+    """The frame of a map: each lag is equally many pixels wide."""
+    return Frame(len(lags_s) * max(1, round(WIDTH / len(lags_s))), channels)
 
 
 def shades_of(*autocorrelations: Array) -> Range:
@@ -23,71 +64,60 @@ def shades_of(*autocorrelations: Array) -> Range:
     return -max(end, PALE), max(end, PALE)
 
 
-def axes_of_map(lags_s: Array, count: int) -> Axes:
-    """The frame of a map, around the picture's pixels; lag 0 takes the first column."""
-    half, high = (lags_s[1] - lags_s[0]) / 2, ROW * count
-    extent = float(lags_s[0] - half), float(lags_s[-1] + half)
-    return Axes(extent, (0.0, float(count)), float(_wide(lags_s) * len(lags_s)), high, LINE, down=high)
-
-
-def _wide(lags_s: Array) -> int:
-    """Pixels of one lag."""
-    return max(1, round(WIDTH / len(lags_s)))
-
-
 def send_map(
     rec: rr.RecordingStream, at: str, channels: Sequence[str], lags_s: Array, values: Array, extent: Range
 ) -> None:
-    """Log autocorrelations (m, lags) as colours, the first channel at the top."""
-    axes = axes_of_map(lags_s, len(channels))
+    """Log autocorrelations (m, lags) as colours."""
+    frame = frame_of_map(channels, lags_s)
+    wide = frame.width // len(lags_s)
     shades = coloured(values, extent, DIVERGING)[..., :3]
-    pixels = shades.repeat(int(ROW), axis=0).repeat(_wide(lags_s), axis=1)
-    rec.log(f"{at}/picture", rr.Image(pixels, magnification_filter="Nearest"), static=True)
-    lags = ticks_of(axes.x, 7)
-    words(rec, f"{at}/lags", axes.place(lags, 0.0) + [0.0, 0.2 * LINE], [f"{lag:g}" for lag in lags])
-    words(rec, f"{at}/title", axes.place([sum(axes.x) / 2], 0.0) + [0.0, 1.7 * LINE], ["lag [s]"])
-    _names(rec, at, axes, channels)
+    lags = ticks_of((0.0, float(lags_s[-1])), 7)
+    x = wide * (lags / (lags_s[1] - lags_s[0]) + 0.5)
+    frame.draw(rec, at, shades.repeat(ROW, axis=0).repeat(wide, axis=1), x, [f"{lag:g}" for lag in lags])
+    words(rec, f"{at}/title", _places([frame.width / 2], frame.height + 1.7 * LINE), ["lag [s]"])
 
 
-def send_bar(rec: rr.RecordingStream, at: str, extent: Range) -> None:
+def send_key(rec: rr.RecordingStream, at: str, extent: Range) -> None:
     """Log what the map's colours mean."""
     labels = [f"{value:+.2g}" if value else "0" for value in np.linspace(*extent, 5)]
     colour_bar(rec, at, coloured(np.linspace(*extent, 64), extent, DIVERGING), labels)
 
 
-def axes_of_bars(before: Array, after: Array) -> Axes:
-    """The frame of the bars, x as the logarithm: half of what is right is as far off as twice."""
-    values = np.concatenate([before, after])
-    values = np.log10(np.clip(values[np.isfinite(values)], NIS_TICKS[0], NIS_TICKS[-1]))
-    lo, hi = (values.min(), values.max()) if len(values) else (0.0, 0.0)
-    ticks = np.log10(NIS_TICKS)
-    left, right = ticks[ticks <= min(lo, np.log10(0.5)) + 1e-9][-1], ticks[ticks >= max(hi, np.log10(2)) - 1e-9][0]
-    return Axes((float(left), float(right)), (0.0, float(len(before))), WIDTH, ROW * len(before), LINE)
+def frame_of_bars(channels: Sequence[str]) -> Frame:
+    """The frame of bars."""
+    return Frame(WIDTH, channels)
 
 
-def send_bars(
-    rec: rr.RecordingStream, at: str, axes: Axes, channels: Sequence[str], before: Array, after: Array
-) -> None:
-    """Log two bars for each channel, from 1 to its NIS, the first channel at the top."""
-    ticks = NIS_TICKS[(np.log10(NIS_TICKS) >= axes.x[0] - 1e-9) & (np.log10(NIS_TICKS) <= axes.x[1] + 1e-9)]
-    grid = [axes.place([x, x], axes.y) for x in np.log10(ticks)]
-    thin = rr.Radius.ui_points(0.5)
-    rec.log(f"{at}/grid", rr.LineStrips2D(grid, radii=thin, colors=paths.GRID, draw_order=-10.0), static=True)
-    right = rr.LineStrips2D([axes.place([0, 0], axes.y)], radii=rr.Radius.ui_points(1), colors=paths.READING)
-    rec.log(f"{at}/right", right, static=True)
-    for name, values, shift, colour in (("before", before, 0.7, paths.BEFORE), ("after", after, 0.3, paths.AFTER)):
-        known = np.flatnonzero(np.isfinite(values))
-        ends = np.clip(np.log10(np.maximum(values[known], 1e-9)), *axes.x)
-        levels = len(channels) - 1 - known + shift
-        strips = [axes.place([0.0, end], level) for end, level in zip(ends, levels, strict=True)]
-        rec.log(f"{at}/{name}", rr.LineStrips2D(strips, radii=0.16 * ROW, colors=colour), static=True)
-    words(rec, f"{at}/ticks", axes.place(np.log10(ticks), 0.0) + [0.0, 0.2 * LINE], [f"{x:g}" for x in ticks])
-    axes.key(
-        rec, f"{at}/key", [("before", paths.BEFORE), ("after", paths.AFTER), ("1: as it should be", paths.READING)]
-    )
-    _names(rec, at, axes, channels)
+def send_bars(rec: rr.RecordingStream, at: str, channels: Sequence[str], before: Array, after: Array) -> None:
+    """Log two bars for each channel from 1 to its NIS (m,), NaN: none; on a log scale half is as far off as twice."""
+    frame, ticks = frame_of_bars(channels), ticks_of_bars(before, after)
+    frame.draw(rec, at, _bars(frame, ticks, before, after), _across(ticks, ticks), [f"{tick:g}" for tick in ticks])
+    for name, values, colour in (("grid", ticks, paths.GRID), ("right", [1.0], paths.READING)):
+        upright = [_places([x, x], [0, frame.height]) for x in _across(values, ticks)]
+        strips = rr.LineStrips2D(upright, radii=rr.Radius.ui_points(0.6), colors=colour, draw_order=5.0)
+        rec.log(f"{at}/{name}", strips, static=True)
+    texts, colours = ["before", "after", "1: the noise is right"], [paths.BEFORE, paths.AFTER, paths.READING]
+    words(rec, f"{at}/key", _places(WIDTH * np.array([0.1, 0.3, 0.6]), -1.8 * LINE), texts, colours)
 
 
-def _names(rec: rr.RecordingStream, at: str, axes: Axes, channels: Sequence[str]) -> None:
-    levels = len(channels) - 0.5 - np.arange(len(channels))
-    words(rec, f"{at}/channels", axes.place(axes.x[0], levels) - [0.07 * WIDTH, 0.56 * LINE], channels)
+def ticks_of_bars(before: Array, after: Array) -> Array:
+    """Ticks of the log scale, the first and the last at its ends."""
+    lo, hi = extent_of(np.clip([before, after], TICKS[0], TICKS[-1]), np.array([0.5, 2.0]))
+    first, last = np.flatnonzero(lo * 1.001 >= TICKS)[-1], np.flatnonzero(hi <= 1.001 * TICKS)[0]
+    return TICKS[first : last + 1]
+
+
+def _across(values: ArrayLike, ticks: Array) -> Array:
+    """Where values stand, pixels from the left."""
+    inside = np.clip(values, ticks[0], ticks[-1])
+    return WIDTH * np.log(inside / ticks[0]) / np.log(ticks[-1] / ticks[0])
+
+
+def _bars(frame: Frame, ticks: Array, before: Array, after: Array) -> Colours:
+    """Pixels (height, width, 3)."""
+    pixels = np.full((frame.height, frame.width, 3), paths.BACKGROUND, dtype=np.uint8)
+    for values, top, colour in ((before, 7, paths.BEFORE), (after, ROW // 2, paths.AFTER)):
+        for row in np.flatnonzero(np.isfinite(values)):
+            left, right = np.sort(_across([1.0, values[row]], ticks)).round().astype(int)
+            pixels[row * ROW + top : row * ROW + top + ROW // 2 - 7, left : right + 1] = colour
+    return pixels

@@ -9,10 +9,9 @@ import numpy as np
 import rerun.blueprint as rrb
 
 from viz import paths
-from viz.axes import Axes
 from viz.layout import flat, tabbed, whole
 from viz.scale import symmetric
-from viz.tuning_figures import axes_of_map
+from viz.tuning_figures import frame_of_bars, frame_of_map
 
 if TYPE_CHECKING:
     from viz.tuning import Tuning
@@ -21,13 +20,14 @@ ROWS = 4  # channels on one page
 SIDES = ("before", "after")
 
 
-def blueprint(channels: Sequence[str], runs: Sequence[Tuning], bars: Sequence[tuple[str, Axes]]) -> rrb.Blueprint:
-    """The layout of a saved file; bars: title and frame of each figure of all recordings."""
+def blueprint(channels: Sequence[str], runs: Sequence[Tuning], bars: Sequence[str]) -> rrb.Blueprint:
+    """The layout of a saved file; bars: titles of the figures of all recordings together."""
     pages = [_pages(channels, run) for run in runs]
     own = (
         pages[0] if len(runs) == 1 else [rrb.Tabs(*some, name=run.name) for run, some in zip(runs, pages, strict=True)]
     )
-    figures = [flat(f"{paths.BARS}/{i}", title, axes.bounds) for i, (title, axes) in enumerate(bars)]
+    bounds = frame_of_bars(channels).bounds
+    figures = [flat(f"{paths.BARS}/{i}", title, bounds) for i, title in enumerate(bars)]
     summary = rrb.Horizontal(rrb.TextDocumentView(origin=paths.SUMMARY, name="Summary"), name="Summary")
     return tabbed([rrb.Horizontal(*figures, name="NIS"), *own, summary])
 
@@ -38,10 +38,10 @@ def _pages(channels: Sequence[str], run: Tuning) -> list[rrb.Container]:
 
 
 def _maps(channels: Sequence[str], run: Tuning) -> rrb.Container:
-    at, bounds = f"{paths.root(run.name)}/{paths.AUTOCORRELATION}", axes_of_map(run.lags_s, len(channels)).bounds
+    at, bounds = f"{paths.root(run.name)}/{paths.AUTOCORRELATION}", frame_of_map(channels, run.lags_s).bounds
     maps = [flat(f"{at}/{side}", f"Autocorrelation of the innovations {side} [1]", bounds) for side in SIDES]
-    bar = flat(f"{at}/bar", "[1]", ((-6, 36), (-7, 75)))
-    return rrb.Horizontal(*maps, bar, column_shares=[9, 9, 1.2], name="Autocorrelation")
+    key = flat(f"{at}/key", "[1]", ((-6, 36), (-7, 75)))
+    return rrb.Horizontal(*maps, key, column_shares=[9, 9, 1.2], name="Autocorrelation")
 
 
 def _innovations(channels: Sequence[str], run: Tuning, group: range) -> rrb.Container:
@@ -55,10 +55,11 @@ def _innovations(channels: Sequence[str], run: Tuning, group: range) -> rrb.Cont
 
 
 def _innovation(run: Tuning, side: str, channel: str, extent: tuple[float, float]) -> rrb.TimeSeriesView:
+    begin, end = float(run.time_s[0]), float(run.time_s[-1])
     return rrb.TimeSeriesView(
         origin=paths.scaled(paths.root(run.name), side, channel),
         name=f"{channel} {side}: innovation over its sd [1], with ±2 and the mean of each minute",
-        axis_x=whole((float(run.time_s[0]), float(run.time_s[-1]))),
+        axis_x=whole((begin, max(end, begin + 1.0))),
         axis_y=rrb.ScalarAxis(range=extent, zoom_lock=False),
         plot_legend=rrb.PlotLegend(visible=False),
     )

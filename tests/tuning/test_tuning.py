@@ -6,13 +6,14 @@ import pytest
 
 from .compare import table, worse
 from .kept import Kept, kept_path
-from .measure import Figures, Folder, fingerprint
+from .measure import PAPER, Figures, Folder, fingerprint
 
 
 def test_no_worse_than_kept(recording: str, figure: str, folder: Folder, kept: Kept, now: Figures) -> None:
     judged = {key: value for key, value in kept.figures.items() if (key[0], key[2]) == (recording, figure)}
     found = worse(judged, now, kept.tolerance)
     if found:
-        changed = "the code changed, the model did not" if kept.model == fingerprint(folder.model) else "changed"
-        said = f'model: {changed}; if it is meant: make tuning REASON="why" (docs/tuning.md)'
+        changed = "the same, so the code changed" if kept.model == fingerprint(folder.model) else "changed"
+        own = "" if folder.path.resolve() == PAPER else f" RIG={folder.path}"
+        said = f'model: {changed}; if it is meant: make tuning REASON="why"{own}'
         pytest.fail(f"worse than in {kept_path(folder.path)}\n{table(found)}\n{said}", pytrace=False)

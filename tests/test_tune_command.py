@@ -1,0 +1,96 @@
+"""ballscrew tune: what it prints, writes and draws; and the innovations that it draws."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import PAPER
+from conftest import ballscrew as run
+from viz_read import fixed, rows, view_names
+
+from ballscrew.tune import sentences
+from drivers.recordings import read_recording
+from estimator.horizon import Error
+from estimator.model import load_model
+from estimator.quality import ChannelQuality, innovations, overall
+from estimator.trial import Trial
+from estimator.tune import Level, Tuned
+
+ROWS = 16
+
+
+@pytest.fixture(scope="module")
+def tuned(fs20_log: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, dict]:
+    """Folder with model and views, what was printed, and the JSON, of a short recording with too much noise assumed."""
+    folder = tmp_path_factory.mktemp("tuned")
+    text = (PAPER / "model.toml").read_text()
+    sd = next(line for line in text.splitlines() if line.startswith("sd =") and line.endswith("# K"))
+    (folder / "loud.toml").write_text(text.replace(sd, "sd = 0.05 # K"))
+    words = ["--model", folder / "loud.toml", "-o", folder / "new.toml", "--save", folder / "t.rrd"]
+    status, out, err = run("tune", fs20_log, *words, "--json", folder / "t.json")
+    assert status == 0, err
+    return folder, out, json.loads((folder / "t.json").read_text())
+
+
+def test_the_noise_goes_down_to_what_it_is_and_nis_up_to_one(tuned) -> None:
+    folder, _, told = tuned
+    assert told["levels"]["thermometers.sd"]["before"] == 0.05
+    assert 0.01 < told["levels"]["thermometers.sd"]["after"] < 0.03
+    assert load_model(folder / "new.toml")["thermometers.sd"] == pytest.approx(
+        told["levels"]["thermometers.sd"]["after"], rel=1e-4
+    )
+    assert told["channels"]["T15"]["nis"]["before"] * 2 < told["channels"]["T15"]["nis"]["after"] < 1.2
+
+
+def test_the_tables_fit_into_a_narrow_terminal(tuned) -> None:
+    lines = tuned[1].splitlines()
+    assert not [line for line in lines if "…" in line]
+    assert sum("->" in line for line in lines) == ROWS + 2  # the channels, all together, and the title
+    assert any(line.startswith("views: ") and "rerun" in line for line in lines)
+
+
+def test_the_views_are_of_both_models(tuned, rig, fs20_log) -> None:
+    folder, _, told = tuned
+    trial = Trial(load_model(folder / "loud.toml"), rig, read_recording(fs20_log, rig))
+    for side, name in (("before", "loud.toml"), ("after", "new.toml")):
+        known = innovations(trial, load_model(folder / name)).scaled[:, 14]
+        values = np.ravel(rows(folder / "t.rrd", f"/FS-20/scaled/{side}/T15/each", "Scalars:scalars")[1])
+        np.testing.assert_allclose(values, known[np.isfinite(known)], rtol=1e-3, atol=1e-6)
+        assert np.mean(values**2) == pytest.approx(told["channels"]["T15"]["nis"][side], rel=1e-3)
+    text = fixed(folder / "t.rrd", "/summary", "TextDocument:text")[0]
+    assert f"| thermometers.sd | measurement | 0.05 | {told['levels']['thermometers.sd']['after']:.4g} | K |" in text
+    assert "| displacement | " in text
+    assert "NIS a tick ahead [1]" in view_names(folder / "t.rrd")
+
+
+def test_autocorrelation_is_one_at_lag_zero_and_whiteness_the_largest_other(tuned, rig, fs20_log) -> None:
+    known = innovations(Trial(load_model(tuned[0] / "loud.toml"), rig, read_recording(fs20_log, rig)),
+                        load_model(tuned[0] / "new.toml"))  # fmt: skip
+    assert known.lags_s.tolist() == list(range(61))
+    assert known.autocorrelation.shape == (ROWS, 61)
+    heat = known.autocorrelation[:15]
+    np.testing.assert_allclose(heat[:, 0], 1.0)
+    np.testing.assert_allclose(known.whiteness[:15], np.abs(heat[:, 1:]).max(axis=1))
+    z = known.scaled[:, 3] - known.scaled[:, 3].mean()
+    assert heat[3, 7] == pytest.approx((z[7:] * z[:-7]).mean() / (z**2).mean())
+
+
+def test_all_channels_together_count_every_reading_alike() -> None:
+    nan = float("nan")
+    one, two = (
+        ChannelQuality("A", 300, 1.0, 0.1, 0.9, 0, nan, nan),
+        ChannelQuality("B", 100, 3.0, nan, 0.5, 4, 2.0, 1.0),
+    )
+    found = overall([one, two, ChannelQuality("C", 0, nan, nan, nan, 0, nan, nan)])
+    assert found == ChannelQuality("all", 400, 1.5, 0.1, 0.8, 4, 2.0, 1.0)
+
+
+def test_noise_that_stands_in_for_physics_is_said() -> None:
+    level, error = Level("conduction.noise", "process", 1.0, 4.0, "W"), Error(0.9, 1.0)
+    found = Tuned(None, (level,), 4.0, (), (), {"open_loop": error}, Error(0.1, 0.1), 9.0)
+    missing, louder = sentences(found)
+    assert missing.startswith("noise stands in for missing physics here: the model alone is 0.90 K off, 9.0 times")
+    assert louder.startswith("process noise rose 4.0 times")
