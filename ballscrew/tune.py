@@ -107,6 +107,9 @@ def sentences(found: Tuned) -> list[str]:
     loud = [x.path for x in found.levels if x.kind == "process" and x.after > 3 * x.before]
     if loud:
         said.append(f"process noise rose {found.factor:.1f} times: the model explains less than it claimed")
+    stays = ", ".join(x.path for x in found.levels if x.kind == "measurement" and x.after == x.before)
+    if stays:
+        said.append(f"not lowered: {stays}; innovations there are not white, so part of a reading's error lasts")
     return said
 
 

@@ -21,8 +21,8 @@ from benchmarks.measure import Row, alone, interleaved, say, table
 from benchmarks.problem import make
 from benchmarks.shipped import RUN, trial_of
 from estimator import batch
-from estimator.batch import System
 from estimator.model import load_model
+from estimator.system import System
 
 HOURS = (1, 8, 24)
 STATES = (12, 22, 36, 48, 60)

@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.measure import Job, Row, Times, ratio
 from estimator import batch
-from estimator.batch import System
+from estimator.system import System
 
 FEW, MANY = 8, 32  # columns
 

@@ -1,4 +1,4 @@
-"""Other packages on the same problem, each as it is fastest: what a user would take instead of our engine."""
+"""Other packages on the same problem, each called the way that costs it least: what one would take instead of ours."""
 
 from __future__ import annotations
 

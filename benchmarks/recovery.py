@@ -18,12 +18,12 @@ import numpy as np
 from benchmarks.accuracy import FOLDER
 from benchmarks.fitting import only
 from benchmarks.measure import Row, alone, say, table
-from estimator.batch import System
 from estimator.fit import fit
 from estimator.model import Model, load_model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_file import load_rig
+from estimator.system import System
 from estimator.trial import Trial
 
 SEEDS = 100

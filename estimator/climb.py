@@ -40,20 +40,26 @@ class Climb:
         posterior = self.posterior
         self.value, slope = posterior.slope(self.c)
         self.first = self.value
-        curvature = positive(posterior.information(self.c).whole)
+        curvature, fresh = self._curvature(), True
         while self.steps < STEPS:
             step = bounded_step(curvature, slope, self.c, posterior.bounds)
-            if slope @ step - 0.5 * step @ curvature @ step < ENOUGH:
-                self.converged = True
-                return
-            step = self._shortened(step, slope)
-            if not step.any():
-                return
+            done = slope @ step - 0.5 * step @ curvature @ step < ENOUGH
+            if not done:
+                step = self._shortened(step, slope)
+            if done or not step.any():  # a corrected curvature may promise too little: only a fresh one ends the search
+                if fresh:
+                    self.converged = bool(done)
+                    return
+                curvature, fresh = self._curvature(), True
+                continue
             value, there = posterior.slope(self.c + step)
-            curvature = corrected(curvature, step, slope - there)
+            curvature, fresh = corrected(curvature, step, slope - there), False
             self.c, self.value, slope = self.c + step, value, there
             self.steps += 1
             self.each(self.steps, self.value)
+
+    def _curvature(self) -> Array:
+        return positive(self.posterior.information(self.c).whole)
 
     def _shortened(self, step: Array, slope: Array) -> Array:
         """The step, halved until the posterior rises by a part of what the slope promises; zeros if it never does."""

@@ -18,7 +18,6 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 
 from estimator.augment import Augmented
-from estimator.batch import Gate
 from estimator.discretise import Transition
 from estimator.forcing import Forcing, Ticks
 from estimator.model import Model
@@ -28,6 +27,7 @@ from estimator.record import Array, Recording, Sample, collect
 from estimator.rig import Rig
 from estimator.start import Start, read_start
 from estimator.step import Mode, Step, Track
+from estimator.system import Gate
 from estimator.view import View
 
 GATE = Gate(sd=10.0, stubborn=5)  # reject the impossible, report the surprising; what stays, the model has to explain
@@ -51,13 +51,14 @@ class Comparison:
 class Filter:
     """The estimate of one rig by one model, a tick at a time.
 
-    mute  decides by time what is not fused: mute(time_s) -> (m,) bool; such channels are still compared
+    mute      decides by time what is not fused: mute(time_s) -> (m,) bool; such channels are still compared
+    rejected  (m,) for how many ticks in a row each channel has been beyond the gate
     """
 
     def __init__(self, model: Model, rig: Rig, mute: Mute | None = None) -> None:
         self.model, self.rig = model, rig
         self._mute = mute or (lambda _: np.zeros(len(rig.names), dtype=bool))
-        self._rejected = np.zeros(len(rig.names), dtype=int)
+        self.rejected = np.zeros(len(rig.names), dtype=int)
         self._transitions: dict[int, Transition] = {}
         self.started = False
 
@@ -131,9 +132,9 @@ class Filter:
         innovation = sample.channels - predicted
         sd = np.sqrt(_variances(rows, P) + R)
         wild = np.abs(innovation) > GATE.sd * sd
-        self._rejected = np.where(wild, self._rejected + 1, 0)
+        self.rejected = np.where(wild, self.rejected + 1, 0)
         why = np.full(len(sd), "", dtype=object)
-        why[wild & (self._rejected <= GATE.stubborn)] = "implausible jump"
+        why[wild & (self.rejected <= GATE.stubborn)] = "implausible jump"
         why[self._mute(sample.time_s)] = "muted"
         why[~np.isfinite(R)] = "no model"
         why[~np.isfinite(sample.channels)] = "not measured"

@@ -177,7 +177,7 @@ def _outcome(
 
 def _raised(model: Model, trials: Sequence[Trial], share: Share) -> tuple[Model, float]:
     """The model with its process noise raised to what ten blind minutes show, and the factor (1: it was enough)."""
-    process = noise_levels(model, trials[0])["process"]
+    process = noise_levels(model, trials)["process"]
     fixed = [path for path in process if model.values[path].fixed]
     louder, factor = scaled(model, trials, fixed, share=share)
     return (louder, factor) if factor > 1 else (model, 1.0)

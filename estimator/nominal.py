@@ -16,8 +16,8 @@ import numpy as np
 from scipy.signal import lfilter
 
 from estimator.assemble import Readings
-from estimator.coast_tmp import coast
 from estimator.forcing import Drive, Forcing
+from estimator.kernels import coast
 from estimator.openloop import lag_filter
 from estimator.record import Array
 

@@ -53,7 +53,8 @@ class Coordinate:
     @property
     def floor(self) -> float:
         """The smallest noise level that has a logarithm."""
-        return max(self.param.lo, 1e-6 * self.param.hi)
+        highest = self.param.hi if np.isfinite(self.param.hi) else abs(self.param.value) or 1.0
+        return max(self.param.lo, 1e-6 * highest)
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -146,8 +147,8 @@ class Posterior:
 
     def _coordinate(self, path: str) -> Coordinate:
         param, value = self.model.param(path), self.model[path]
-        trial = self.trials[0]
-        noise = not tangent(trial, trial.pose(self.model), self.model, path).moves_mean
+        moved = [tangent(trial, trial.pose(self.model), self.model, path) for trial in self.trials]
+        noise = any(each.moves_noise for each in moved) and not any(each.moves_mean for each in moved)
         return Coordinate(path, param, size(value, param.lo, param.hi), noise)
 
     def steps(self, c: Array) -> Array:

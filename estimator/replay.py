@@ -12,6 +12,7 @@ from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import Track
+from estimator.system import Chunk
 from estimator.trial import Posed, Trial
 
 ROWS = 2048  # ticks whose profiles are worked out at a time
@@ -31,7 +32,7 @@ def replay(
         return Track.of(steps, *_places(first))
     trial = Trial(model, rig, recording, mute, gated=False)
     posed, parts = trial.pose(model), [Track.of(steps, *_places(first))]
-    for chunk in batch.passes(posed.system, GATE):
+    for chunk in batch.passes(posed.system, GATE, trial.wild):
         parts += [_part(first, trial, posed, chunk, slice(k, k + ROWS)) for k in range(0, len(chunk.x), ROWS)]
         each(len(steps) + chunk.ticks.stop)
     return Track.joined(parts)
@@ -41,7 +42,7 @@ def _places(first: Filter) -> tuple[Array, tuple[str, ...]]:
     return (first.view.x_mm, first.view.bodies) if first.started else (np.empty(0), ())
 
 
-def _part(first: Filter, trial: Trial, posed: Posed, chunk: batch.Chunk, some: slice) -> Track:
+def _part(first: Filter, trial: Trial, posed: Posed, chunk: Chunk, some: slice) -> Track:
     """The estimates of some of a chunk's ticks in the terms of a person."""
     view, n = first.view, posed.state.n
     x, P, fused = chunk.x[some], chunk.P[some], chunk.fused[some]

@@ -15,6 +15,7 @@ import numpy as np
 from estimator import batch
 from estimator.assemble import Network
 from estimator.discretise import Transition
+from estimator.errors import SetupError
 from estimator.model import Model
 from estimator.nominal import pull_back
 from estimator.record import Array
@@ -27,9 +28,11 @@ def score(trial: Trial, model: Model, paths: Sequence[str]) -> tuple[float, Arra
     posed = trial.pose(model)
     tangents = [tangent(trial, posed, model, path) for path in paths]
     rows = np.zeros(len(trial.rig.names), dtype=bool)
-    for each in tangents:
+    for each, path in zip(tangents, paths, strict=True):
         if each.readings is not None:
             rows |= np.any(each.readings.rows != 0, axis=1)
+            if np.any(each.readings.spans) and np.count_nonzero(posed.system.spans) > 1:
+                raise SetupError(f"{path}: it weighs one of several channels that read the elongation; fix it")
     value, slopes = _slopes(trial, posed, rows)
     return value, np.array([_along(slopes, each) for each in tangents])
 
@@ -50,8 +53,10 @@ def _slopes(trial: Trial, posed: Posed, rows: Array) -> tuple[float, Tangent]:
     for channel, i in posed.state.zeros.items():
         walk[channel] = s.Q[:, i, i].sum() * trial.rig.tick_s
     variance, lag_variance = s.R.sum(axis=0), (s.R * trial.lag**2).sum(axis=0)
+    reads = system.spans != 0  # one channel at most where it matters: its own share of dL/dgrown is all of it
+    spans = np.where(reads, (s.grown * run.grown).sum() / np.where(reads, system.spans, 1.0), 0.0)
     readings = ReadingsTangent(
-        s.H[:, :n] + back.rows, back.growth, variance, lag_variance, walk, back.keep, back.ramp, x0, s.P0
+        s.H[:, :n] + back.rows, back.growth, spans, variance, lag_variance, walk, back.keep, back.ramp, x0, s.P0
     )
     return s.loglike, Tangent(network, heat, -s.y, readings)
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator import batch
-from estimator.coast_tmp import coast
+from estimator.kernels import coast
 from estimator.model import Model
 from estimator.nominal import lagging
 from estimator.openloop import lag_filter
@@ -55,7 +55,8 @@ def _column(trial: Trial, posed: Posed, moved: Tangent, x: Array) -> tuple[Array
     predicted = system.b + x[:-1]
     predicted[:, :n] += _by_regime(system.F, system.regime, x[:-1, :n]) - x[:-1, :n]
     D = nominal.beside + predicted[:, :n] @ readings.rows.T
-    D += (predicted[:, system.column] * nominal.grown)[:, None] * system.spans
+    span = nominal.grown[:, None] * system.spans + system.grown[:, None] * readings.spans
+    D += predicted[:, system.column, None] * span
     return B, D, readings.x0
 
 
@@ -119,5 +120,5 @@ def _nothing(posed: Posed) -> ReadingsTangent:
     size = posed.state.size
     none = np.zeros(m)
     return ReadingsTangent(
-        np.zeros((m, n)), np.zeros(n), none, none, none, none, none, np.zeros(size), np.zeros((size, size))
+        np.zeros((m, n)), np.zeros(n), none, none, none, none, none, none, np.zeros(size), np.zeros((size, size))
     )

@@ -23,10 +23,11 @@ STEP = 1e-30
 
 @dataclass(frozen=True)
 class ReadingsTangent:
-    """Derivatives of rows (m, n), growth (n,), variance, lag variance, walk, keep and ramp (m,), and of x0 and P0."""
+    """Derivatives of rows (m, n), growth (n,), spans, variance, lag variance, walk, keep and ramp (m,), x0 and P0."""
 
     rows: Array
     growth: Array
+    spans: Array
     variance: Array
     lag_variance: Array
     walk: Array
@@ -46,11 +47,21 @@ class Tangent:
     readings: ReadingsTangent | None
 
     @property
+    def moves_noise(self) -> bool:
+        """Whether the parameter moves a scatter or what is not known at the start."""
+        parts = [self.network.noise]
+        if self.readings is not None:
+            r = self.readings
+            parts += [r.variance, r.lag_variance, r.walk, r.P0]
+        return any(np.any(part != 0) for part in parts)
+
+    @property
     def moves_mean(self) -> bool:
-        """Whether the parameter moves what the model predicts, or is a noise level only."""
+        """Whether the parameter moves what the model predicts."""
         parts = [self.network.mass, self.network.conductance, self.network.inflow, self.heat, self.offset]
         if self.readings is not None:
-            parts += [self.readings.rows, self.readings.growth, self.readings.keep, self.readings.ramp]
+            r = self.readings
+            parts += [r.rows, r.growth, r.spans, r.keep, r.ramp]
         return any(np.any(part != 0) for part in parts)
 
 
@@ -77,7 +88,18 @@ def _readings(trial: Trial, posed: Posed, moved: Readings, offset: Array) -> Rea
     variance = np.where(known, np.where(known, moved.sd, 1.0) ** 2, 1.0)
     first = posed.offset[0] + 1j * STEP * offset
     x0, P0 = trial.first_estimate(moved, posed.forcing.terms, posed.forcing.place, first)
-    every = (moved.rows, moved.growth, variance, moved.lag_noise**2, moved.zero_walk**2, keep, ramp, x0, P0)
+    every = (
+        moved.rows,
+        moved.growth,
+        moved.spans,
+        variance,
+        moved.lag_noise**2,
+        moved.zero_walk**2,
+        keep,
+        ramp,
+        x0,
+        P0,
+    )
     return ReadingsTangent(*(_slope(value) for value in every))
 
 

@@ -18,6 +18,7 @@ from estimator.nominal import Nominal, nominal
 from estimator.prior import prior
 from estimator.record import Array, Recording
 from estimator.rig import Rig
+from estimator.system import System
 from estimator.terms import Term
 
 Estimate = tuple[Array, Array]
@@ -37,7 +38,7 @@ class Posed:
     heat: Array
     offset: Array
     run: Nominal
-    system: batch.System
+    system: System
 
 
 class Trial:
@@ -46,6 +47,7 @@ class Trial:
     Two things are asked once, of the model that the trial is made with, or likelihoods could not be compared: which
     readings the filter's gate refuses (`gated`), and how large the lags are by which readings scatter more (`lag`).
 
+    wild          (m,) 1 where the first sample was beyond the gate already
     floating      channels whose zero has no meaning: open loop it is the mean of the misfit
     unread_zeros  channels whose unknown zero the first sample did not tell
     """
@@ -64,7 +66,7 @@ class Trial:
             raise InputError(f"{recording.name}: nothing was recorded after the first thermometer reading")
         self.rig, self.recording, self.begin = rig, recording, begin
         self.first, self.rest = recording.sample(begin - 1), recording.rows(slice(begin, None))
-        self._fused_first = step.fused
+        self._fused_first, self.wild = step.fused, first.rejected
         self._forcing = Forcing(model, rig, first.forcing.start)
         self.drive = self._forcing.read(recording.rows(slice(begin - 1, None)))
         mute = mute or (lambda _: np.zeros(len(rig.names), dtype=bool))
@@ -75,7 +77,7 @@ class Trial:
         self.lag = np.zeros_like(self.rest.channels)
         self.lag = self.pose(model).run.lag
         if gated:
-            fused = np.concatenate([chunk.fused for chunk in batch.passes(self.pose(model).system, GATE)])
+            fused = np.concatenate([chunk.fused for chunk in batch.passes(self.pose(model).system, GATE, self.wild)])
             self.muted |= ~fused & np.isfinite(self.rest.channels)
 
     def pose(self, model: Model) -> Posed:
@@ -87,7 +89,7 @@ class Trial:
         F, response = forcing.response(ticks)
         regime, response, n = ticks.regime[1:], response[1:], state.n
         run = nominal(x0[:n], F, regime, response, readings, readings.growth, self.rest.ages_s, self.rig.tick_s)
-        system = batch.System(
+        system = System(
             y=self.rest.channels - ticks.offset[1:] - run.lag - run.late,
             muted=self.muted,
             regime=regime,

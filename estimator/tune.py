@@ -32,7 +32,8 @@ from estimator.tangent import tangent
 from estimator.trial import Trial
 
 WIDEST = np.log(30.0)  # the factor on process noise is sought between 1/30 and 30
-COLOURED = 0.15  # an autocorrelation from which on innovations are not white
+COLOURED = 0.15  # an autocorrelation beyond that of chance from which on innovations are not white
+CHANCE = 2.0  # times 1 / sqrt(readings): about the largest of many autocorrelations of white innovations
 CLOSE = 0.1  # to which the logarithm of a factor is sought
 FAR = 3.0  # an open-loop error this many times the noise floor is missing physics
 
@@ -77,7 +78,7 @@ def tune(
 ) -> Tuned:
     """Set the noise levels of a model by some recordings; every other parameter stays."""
     trials = [Trial(model, rig, recording) for recording in recordings]
-    kinds = noise_levels(model, trials[0])
+    kinds = noise_levels(model, trials)
     if not any(kinds.values()):
         raise SetupError(f"{model.name}: no effect has a noise level; nothing to tune")
     better = _measured(model, trials, kinds["measurement"], each, share)
@@ -95,17 +96,17 @@ def tune(
     )  # fmt: skip
 
 
-def noise_levels(model: Model, trial: Trial) -> dict[str, list[str]]:
+def noise_levels(model: Model, trials: Sequence[Trial]) -> dict[str, list[str]]:
     """Paths of the parameters that set a noise and nothing else: of measurement, and of the process."""
-    posed = trial.pose(model)
+    posed = [trial.pose(model) for trial in trials]
     kinds: dict[str, list[str]] = {"measurement": [], "process": []}
     for path in model.values:
-        moved = tangent(trial, posed, model, path)
-        if moved.moves_mean or not model[path] > 0:
+        moved = [tangent(trial, each, model, path) for trial, each in zip(trials, posed, strict=True)]
+        if any(each.moves_mean for each in moved) or not model[path] > 0:
             continue
-        if np.any(moved.network.noise):
+        if any(np.any(each.network.noise) for each in moved):
             kinds["process"].append(path)
-        elif moved.readings is not None and np.any(moved.readings.variance):
+        elif any(each.readings is not None and np.any(each.readings.variance) for each in moved):
             kinds["measurement"].append(path)
     return kinds
 
@@ -116,13 +117,21 @@ def _measured(model: Model, trials: Sequence[Trial], paths: Sequence[str], each:
         return model
     climb = Climb(Posterior(model, trials, paths, share), lambda n, value: each("measurement noise", n, value))
     climb.run()
+    if climb.stopped:
+        raise KeyboardInterrupt
     found = climb.posterior.at(climb.c)
     lower = [path for path in paths if found[path] < model[path]]
     if not lower:
         return found
-    white = {each.channel: each.whiteness for each in quality(trials, found)}
-    kept = [path for path in lower if np.nanmedian([white[c] for c in channels_of(path, model, trials[0])]) > COLOURED]
+    judged = {each.channel: each for each in quality(trials, found)}
+    kept = [path for path in lower if _coloured([judged[c] for c in channels_of(path, model, trials[0])])]
     return found.with_values({path: model[path] for path in kept})
+
+
+def _coloured(channels: Sequence[ChannelQuality]) -> bool:
+    """Whether the innovations of most of these channels stay alike for longer than chance makes them."""
+    beyond = [c.whiteness - CHANCE / np.sqrt(c.readings) for c in channels if np.isfinite(c.whiteness)]
+    return bool(beyond) and float(np.median(beyond)) > COLOURED
 
 
 def channels_of(path: str, model: Model, trial: Trial) -> list[str]:

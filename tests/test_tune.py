@@ -54,9 +54,13 @@ def tuned(model, driving, runs, heard) -> Tuned:
     return tune(model.with_values(OFF), driving[1], runs, lambda *told: heard.append(told))
 
 
-def test_the_scatter_of_thermometers_and_displacement_is_found(tuned):
+def test_the_scatter_of_thermometers_is_found(tuned):
     assert tuned.model["thermometers.sd"] == pytest.approx(0.022, rel=0.03)
+
+
+def test_the_scatter_of_the_displacement_is_found(tuned):
     assert tuned.model["displacement.sd"] == pytest.approx(0.15, rel=0.07)
+    assert tuned.after[-1].nis == pytest.approx(1.0, abs=0.15)
 
 
 def test_the_factor_of_the_process_noise_is_found_and_their_proportions_stay(tuned):
@@ -88,8 +92,9 @@ def test_quality_improves_to_what_honest_noise_has(tuned, driving):
     _, rig = driving
     assert [one.channel for one in tuned.before] == [one.channel for one in tuned.after] == list(rig.names)
     for before, after in zip(tuned.before, tuned.after, strict=True):
-        assert abs(after.nis - 1) < 0.15, after.channel
-        assert abs(after.nis - 1) < abs(before.nis - 1), after.channel
+        if after.channel in rig.thermometers:
+            assert abs(after.nis - 1) < 0.15, after.channel
+            assert abs(after.nis - 1) < abs(before.nis - 1), after.channel
         assert before.readings == after.readings > 400
         assert after.blind_nis < 2
     assert max(one.blind_nis for one in tuned.before) > 5
@@ -158,30 +163,10 @@ def test_missing_is_three_times_the_floor():
 
 def test_what_stands_for_constant_errors_of_sensors_is_no_noise_level(rig, full, driven, live):
     trial = Trial(full, rig, live(full, rig, driven(rig, 60, (10, 50)), seed=1).recording)
-    assert noise_levels(full, trial) == {
+    assert noise_levels(full, [trial]) == {
         "measurement": ["thermometers.sd", "displacement.sd"],
         "process": [path for path in full.values if path.endswith(".noise")],
-        "drift": ["thermometers.zero_walk", "displacement.zero_walk"],
     }
-
-
-@pytest.fixture(scope="module")
-def drifted(model, driving, live) -> Tuned:
-    """Of a displacement that drifts 0.05 um in a root of a second, 3 um in an hour, tuned from a fifth of it."""
-    drive, rig = driving
-    drifting = model.with_values({"displacement.zero_walk": 0.05 * np.sqrt(TICK_S)})  # a life walks once a tick
-    runs = [live(drifting, rig, drive, seed=seed, process=True).recording for seed in range(4)]
-    return tune(model.with_values({"displacement.zero_walk": 0.01}), rig, runs)
-
-
-def test_the_drift_of_a_zero_is_found(drifted):
-    assert {level.path: level.kind for level in drifted.levels}["displacement.zero_walk"] == "drift"
-    assert 0.05 / 1.5 < drifted.model["displacement.zero_walk"] < 0.05 * 1.5
-
-
-@pytest.mark.xfail(strict=True, reason="process noise is scaled before the drift is known, and not again")
-def test_process_noise_does_not_stand_in_for_drift(drifted):
-    assert 1 / 1.5 < drifted.factor < 1.5
 
 
 def test_a_noise_level_of_zero_stays_zero(model, driving, runs):
@@ -231,7 +216,6 @@ def test_a_model_without_noise_levels_cannot_be_tuned(driving, runs):
         tune(model_of([Body, Glass], "bare"), driving[1], runs[:1])
 
 
-@pytest.mark.xfail(strict=True, reason="the climb keeps Ctrl-C to itself, and tuning goes on")
 def test_ctrl_c_ends_the_tuning(model, driving, runs):
     def interrupt(stage: str, n: int, value: float) -> None:
         if stage == "measurement noise":
@@ -239,3 +223,15 @@ def test_ctrl_c_ends_the_tuning(model, driving, runs):
 
     with pytest.raises(KeyboardInterrupt):
         tune(model.with_values(OFF), driving[1], runs[:1], interrupt)
+
+
+def test_noise_is_not_lowered_where_errors_last(model, driving, runs):
+    """Readings whose errors stay alike for half a minute are not as good as their scatter."""
+    rig = driving[1]
+    dice = np.random.default_rng(0)
+    lasting = np.zeros((len(runs[0]), len(rig.names)))
+    lasting[:, :4] = 0.03 * np.repeat(dice.standard_normal((len(runs[0]) // 6 + 1, 4)), 6, axis=0)[: len(runs[0])]
+    off = model.with_values({"thermometers.sd": 0.1})
+    spoilt = replace(runs[0], channels=runs[0].channels + lasting)
+    assert tune(off, rig, [spoilt]).model["thermometers.sd"] == 0.1
+    assert tune(off, rig, [runs[0]]).model["thermometers.sd"] == pytest.approx(0.022, rel=0.05)

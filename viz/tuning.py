@@ -69,7 +69,7 @@ def save(path: Path, channels: Sequence[str], runs: Sequence[Tuning], nis: Seque
     rec.send_blueprint(layout, make_active=True, make_default=True)
     rec.send_recording_name("tuning: " + ", ".join(run.name for run in runs))
     rec.log(paths.SUMMARY, rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
-    moment.send(rec, float(np.floor(runs[0].time_s[-1])))
+    moment.send(rec, float(np.floor(max(run.time_s[-1] for run in runs))))
     for i, each in enumerate(nis):
         tuning_figures.send_bars(rec, f"{paths.BARS}/{i}", channels, each.before, each.after)
     for run in runs:

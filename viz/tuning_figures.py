@@ -19,7 +19,7 @@ from viz.scale import DIVERGING, Colours, Range, coloured, extent_of, symmetric,
 
 ROW, WIDTH = 50, 900  # pixels: height of a channel, about the width of a picture
 LINE = 30.0  # height of a line of text, which the viewer draws in points whatever the zoom
-NAMES = 150.0  # room left of the picture
+NAMES = 165.0  # room left of the picture
 PALE = 0.2  # the map's colours reach at least so far: smaller autocorrelations are often chance
 TICKS = np.array([m * 10.0**power for power in range(-3, 4) for m in (1, 2, 5)])
 

@@ -23,13 +23,13 @@ def rig_folder(config: pytest.Config) -> Path:
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """A test for each recording and figure of the kept ones."""
-    if {"recording", "figure"} <= {*metafunc.fixturenames}:
+    """A test for each recording with kept figures."""
+    if "judged" in metafunc.fixturenames:
         try:
             kept = read(kept_path(rig_folder(metafunc.config)))
         except SetupError as error:
             raise pytest.UsageError(str(error)) from None
-        metafunc.parametrize(("recording", "figure"), dict.fromkeys((key[0], key[2]) for key in kept.figures))
+        metafunc.parametrize("judged", kept.recordings)
 
 
 @pytest.fixture(scope="session")

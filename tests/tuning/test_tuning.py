@@ -9,9 +9,9 @@ from .kept import Kept, kept_path
 from .measure import PAPER, Figures, Folder, fingerprint
 
 
-def test_no_worse_than_kept(recording: str, figure: str, folder: Folder, kept: Kept, now: Figures) -> None:
-    judged = {key: value for key, value in kept.figures.items() if (key[0], key[2]) == (recording, figure)}
-    found = worse(judged, now, kept.tolerance)
+def test_no_worse_than_kept(judged: str, folder: Folder, kept: Kept, now: Figures) -> None:
+    figures = {key: value for key, value in kept.figures.items() if key[0] == judged}
+    found = worse(figures, now, kept.tolerance)
     if found:
         changed = "the same, so the code changed" if kept.model == fingerprint(folder.model) else "changed"
         own = "" if folder.path.resolve() == PAPER else f" RIG={folder.path}"
