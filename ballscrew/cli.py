@@ -17,7 +17,7 @@ COMMANDS = {
     "review": "Run the filter over recordings and say how good the estimate is.",
     "fit": "Fit a model's parameters to recordings.",
     "tune": "Set a model's noise levels by recordings.",
-    "compare": "Print how far models are from recordings: where, when and how far ahead.",
+    "compare": "Print how far models are from recordings, side by side.",
     "show": "Print a model as equations with values, units, bounds and sources.",
 }
 

@@ -230,7 +230,7 @@ def test_noise_is_not_lowered_where_errors_last(model, driving, runs):
     rig = driving[1]
     dice = np.random.default_rng(0)
     lasting = np.zeros((len(runs[0]), len(rig.names)))
-    lasting[:, :4] = 0.03 * np.repeat(dice.standard_normal((len(runs[0]) // 6 + 1, 4)), 6, axis=0)[: len(runs[0])]
+    lasting[:, :4] = 0.06 * np.repeat(dice.standard_normal((len(runs[0]) // 6 + 1, 4)), 6, axis=0)[: len(runs[0])]
     off = model.with_values({"thermometers.sd": 0.1})
     spoilt = replace(runs[0], channels=runs[0].channels + lasting)
     assert tune(off, rig, [spoilt]).model["thermometers.sd"] == 0.1
