@@ -32,9 +32,9 @@ def _keep(name: str, text: str) -> None:
     """Put a study's text in its place in the results."""
     old = RESULTS.read_text() if RESULTS.exists() else ""
     parts = re.split(r"<!-- (\w+) -->\n", old)
-    kept = dict(zip(parts[1::2], parts[2::2])) | {name: f"\n{text}\n\n"}
-    order = [each for each in STUDIES + LONG if each in kept]
-    RESULTS.write_text("# Measured\n\n" + "".join(f"<!-- {each} -->\n{kept[each]}" for each in order).rstrip() + "\n")
+    kept = dict(zip(parts[1::2], parts[2::2])) | {name: text}
+    texts = [f"<!-- {each} -->\n\n{kept[each].strip()}\n" for each in STUDIES + LONG if each in kept]
+    RESULTS.write_text("\n".join(["# Measured\n", *texts]))
 
 
 if __name__ == "__main__":

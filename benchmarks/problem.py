@@ -72,7 +72,7 @@ class Problem:
         return replace(self, F=transitions(len(self.x0), factor), B=self.B * factor, R=self.R * factor)
 
 
-def make(states: int = 22, steps: int = 28_800, seed: int = 1) -> Problem:
+def make(states: int = 22, steps: int = 28_800, seed: int = 5) -> Problem:
     """Draw a problem."""
     dice = np.random.default_rng(seed)
     shaft = states - BESIDE
