@@ -46,7 +46,7 @@ def command(
     loaded, failed = load(logs, rig, terminal)
     if not loaded:
         return InputError.exit_code
-    terminal.say_if_compiling()
+    terminal.say_if_compiling("passes", "ahead")
     recordings, found = [one.recording for one in loaded], []
     with terminal.progress("comparing", len(models)) as update, threads() as share:
         for done, model in enumerate(models):

@@ -52,7 +52,7 @@ def command(
     loaded, failed = load(logs, rig, terminal)
     if not loaded:
         return InputError.exit_code
-    terminal.say_if_compiling()
+    terminal.say_if_compiling("passes", "loglike", "score", "gram", "ahead")
     label = f"fitting {len(model.free())} parameters to {len(loaded)} recordings"
     with terminal.progress(label, None) as update, threads() as share:
         found = fit(

@@ -56,6 +56,7 @@ def command(
     loaded, failed = load(logs, rig, terminal)
     if not loaded:
         return InputError.exit_code
+    terminal.say_if_compiling("passes")
     reviews, seconds = [], []
     for one in loaded:
         began = time.perf_counter()

@@ -37,11 +37,11 @@ class Terminal:
         """One line (or a paragraph) for the reader."""
         self.out.print(text, markup=False)
 
-    def say_if_compiling(self) -> None:
-        """Why the first run after an installation takes longer."""
-        from estimator.batch import is_cold  # the compiler takes a while to import
+    def say_if_compiling(self, *functions: str) -> None:
+        """Why the first run after an installation takes longer; the functions of the engine that it needs."""
+        from estimator import batch  # the compiler takes a while to import
 
-        if is_cold() and not self.quiet:
+        if batch.is_cold(*(getattr(batch, name) for name in functions)) and not self.quiet:
             self.err.print("compiling the filter for this machine, once: some 15 s", markup=False)
 
     def say_views(self, path: Path) -> None:

@@ -36,8 +36,8 @@ def synthetic() -> str:
     rows = [
         *_agreement(problem, statsmodels, dynamax, few),
         *_smoothers_agree(problem, dynamax),
-        *_beside_peers(times, steps),
         *own_rows(times, steps),
+        *_beside_peers(times, steps),
     ]
     return table(f"Engine: {len(problem.x0)} states, {steps} steps, beside other packages", rows, _says(problem))
 
@@ -104,7 +104,6 @@ def _smoothers_agree(problem: Problem, dynamax: Dynamax) -> list[Row]:
 
 def _beside_peers(times: dict[str, Times], steps: int) -> list[Row]:
     names = {
-        "log-likelihood": "ours",
         "statsmodels": "statsmodels",
         "dynamax": "dynamax",
         "filterpy": "filterpy",
