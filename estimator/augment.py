@@ -25,7 +25,7 @@ class Augmented:
     def __init__(self, readings: Readings, expansion_tolerance: float) -> None:
         self.n = readings.rows.shape[1]
         self.growth = readings.growth
-        self._zeros = np.flatnonzero(readings.zero_sd)
+        self._zeros = np.flatnonzero(np.real(readings.zero_sd))
         self.zeros = {int(i): self.n + k for k, i in enumerate(self._zeros)}
         self.size = self.n + len(self._zeros) + 2
         self.dtype = np.result_type(readings.rows, readings.zero_sd, readings.growth)

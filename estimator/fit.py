@@ -136,6 +136,7 @@ def _followed(followed: Followed, mean: Sequence[str], climb: Climb) -> Candidat
     search = Climb(Posterior(followed.model, posterior.trials, levels, posterior.share), climb.each)
     if not climb.stopped:
         search.run()
+        climb.stopped = search.stopped
     own = _likely(search)
     both = _beside(followed.covariance, own.covariance)
     return Candidate("open loop", own.model, (*mean, *levels), both, np.append(alone, own.alone))

@@ -139,9 +139,9 @@ class Posterior:
         if self.noise.any():
             here = self.slope(c)[1]
             for i in np.flatnonzero(self.noise):
-                there = c.copy()
-                there[i] += LOG_STEP
-                data[i] = data[:, i] = (here - self.slope(there)[1]) / LOG_STEP
+                there, step = c.copy(), LOG_STEP if c[i] + LOG_STEP <= self.bounds[1][i] else -LOG_STEP
+                there[i] += step
+                data[i] = data[:, i] = (here - self.slope(there)[1]) / step
                 data[i, i] -= prior[i]
         return Information(data, prior, blocks)
 

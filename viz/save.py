@@ -10,7 +10,7 @@ import uuid
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import rerun as rr
@@ -22,17 +22,7 @@ from viz.layout import blueprint
 from viz.run import Indices, Run, first_stop_s
 from viz.scale import Scale, minutes, scale_of
 
-
-class _Named(Protocol):
-    """A dataclass with a name."""
-
-    __dataclass_fields__: Any
-
-    @property
-    def name(self) -> str: ...
-
-
-Named = TypeVar("Named", bound=_Named)
+Named = TypeVar("Named", bound=Any)  # a dataclass with a name
 
 PICTURE_S = 10.0  # profile and screw are kept every 10 s, curves at every tick
 
