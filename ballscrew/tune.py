@@ -54,7 +54,7 @@ def command(
     loaded, failed = load(logs, rig, terminal)
     if not loaded:
         return InputError.exit_code
-    terminal.say_if_compiling("passes", "loglike", "score", "gram", "ahead")
+    terminal.say_if_compiling("passes", "loglike", "score", "ahead")
     with terminal.progress(f"tuning on {len(loaded)} recordings", None) as update, threads() as share:
         found = tune(
             model, rig, [one.recording for one in loaded],

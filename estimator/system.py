@@ -54,7 +54,8 @@ class System:
         spans = spans if self.column >= 0 else np.zeros(len(H))
         entries = H != 0.0
         entries[:, self.column] |= spans != 0.0
-        start, places = np.append(0, entries.sum(axis=1).cumsum()), entries.nonzero()[1]
+        start = np.append(0, entries.sum(axis=1).cumsum())
+        places = np.ascontiguousarray(entries.nonzero()[1])  # one kind of array, however many there are
         return Model(F, Q, H, spans, int(self.column), start, places)
 
     @cached_property
