@@ -18,7 +18,11 @@ COMMANDS = {
     "fit": "Fit a model's parameters to recordings.",
     "tune": "Set a model's noise levels by recordings.",
     "compare": "Print how far models are from recordings, side by side.",
-    "show": "Print a model as equations with values, units, bounds and sources.",
+    "suggest": "Say which physical effect is missing from a model.",
+    "show": "Print a model as equations, with values, bounds and sources.",
+    "effects": "Print the catalogue of effects, or one of them; check one.",
+    "add": "Add an effect to a model.",
+    "new-effect": "Write an effect of your own into a file, ready to be changed.",
 }
 
 
@@ -31,7 +35,7 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        command = importlib.import_module(f"ballscrew.{cmd_name}").command
+        command = importlib.import_module(f"ballscrew.{cmd_name.replace('-', '_')}").command
         assert isinstance(command, click.Command)
         return command
 

@@ -64,10 +64,10 @@ class Condenser:
         for name in self.rig.inputs:
             inputs[name] = np.full(rows, np.nan)
             inputs[name][readings.get(name, NONE).row] = readings.get(name, NONE).value
-        omega, coverage = self._drive(readings.get("position", NONE), readings.get("speed", NONE), rows)
-        return Recording("", date, channels, ages, inputs, omega, coverage)
+        omega, coverage, uneven = self._drive(readings.get("position", NONE), readings.get("speed", NONE), rows)
+        return Recording("", date, channels, ages, inputs, omega, coverage, unevenness=uneven)
 
-    def _drive(self, place: Readings, speed: Readings, rows: int) -> tuple[Array, Array]:
+    def _drive(self, place: Readings, speed: Readings, rows: int) -> tuple[Array, Array, Array]:
         place = place.after(self._place)
         value = _at(place, speed)
         if len(place.row):

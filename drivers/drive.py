@@ -31,14 +31,14 @@ class Drive:
         self._last = (-np.inf, np.nan, np.nan)  # s, mm, rad/s
         self._row = -(1 << 40)
 
-    def rows(self, now: Array, place: Array, speed: Array, row: Index, rows: int) -> tuple[Array, Array]:
-        """Mean |speed|, (rows,) rad/s, and cover of the cells, (rows, cells), from frames in order.
+    def rows(self, now: Array, place: Array, speed: Array, row: Index, rows: int) -> tuple[Array, Array, Array]:
+        """Mean |speed| (rows,) rad/s, cover of the cells (rows, cells), unevenness (rows,), from frames in order.
 
         now    (n,) s       place  (n,) mm, NaN where unknown
         speed  (n,) rad/s   row    (n,) tick of each frame, rising
         """
         if not self.turns:
-            return np.zeros(rows), np.zeros((rows, self.rig.screw.cells if self.rig.screw else 0))
+            return np.zeros(rows), np.zeros((rows, self.rig.screw.cells if self.rig.screw else 0)), np.ones(rows)
         now, place, speed = (np.concatenate(([was], a)) for was, a in zip(self._last, (now, place, speed), strict=True))
         row = np.concatenate(([self._row], row))
         latest = np.searchsorted(row, np.arange(rows), side="right") - 1
@@ -50,6 +50,8 @@ class Drive:
         angle = np.bincount(row[joined + 1], turned, rows)
         time = np.bincount(row[joined + 1], passed[joined], rows)
         omega = np.divide(angle, time, out=np.abs(speed[latest]), where=time > 0)
+        squared = np.bincount(row[joined + 1], _mean_square(speed[joined], speed[joined + 1]) * passed[joined], rows)
+        uneven = np.divide(squared * time, angle**2, out=np.ones(rows), where=angle > 0)
         omega[silent] = np.nan
         weight = np.where(angle[row[joined + 1]] > 0, turned, passed[joined])
         cover = self._cover(place, joined, weight, row, rows)
@@ -57,7 +59,7 @@ class Drive:
         cover[still] = self._box(place[latest[still]])
         cover[silent] = np.nan
         self._last, self._row = (float(now[-1]), float(place[-1]), float(speed[-1])), int(row[-1]) - rows
-        return omega, cover
+        return omega, cover, uneven
 
     def _cover(self, place: Array, joined: Index, weight: Array, row: Index, rows: int) -> Array:
         screw, nut = self.rig.screw, self.rig.nut
@@ -84,3 +86,8 @@ def _mean_speed(begin: Array, end: Array) -> Array:
     size = np.abs(begin) + np.abs(end)
     turns = begin * end < 0
     return np.asarray(np.divide(begin**2 + end**2, 2 * size, out=size / 2, where=turns))
+
+
+def _mean_square(begin: Array, end: Array) -> Array:
+    """Mean of speed^2 while it runs evenly from begin to end: (n,)."""
+    return np.asarray((begin**2 + begin * end + end**2) / 3)

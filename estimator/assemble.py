@@ -20,7 +20,7 @@ from estimator.inputs import Inputs
 from estimator.model import Model
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.terms import ELONGATION, SCREW, Chain, Expand, Heat, Lag, Link, Read, Spot, Store, Term
+from estimator.terms import ELONGATION, SCREW, Chain, Expand, Heat, Lag, Link, Read, Shift, Spot, Store, Term
 
 Projection = Callable[[Any, Any, Array], Array]
 
@@ -32,12 +32,18 @@ class Layout:
     nodes: dict[str, slice]
     shapes: Array  # V, (N, n)
     knots_mm: Array
-    boundaries: tuple[str, ...]  # measured inputs that links end at
+    inputs: tuple[str, ...]  # measured inputs that links end at
+    shifts: tuple[Shift, ...] = ()  # of them; inputs and shifts together are the boundaries
 
     @property
     def size(self) -> int:
         """Number of states n."""
         return self.shapes.shape[1]
+
+    @property
+    def boundaries(self) -> int:
+        """Number of inputs and shifts that heat flows from."""
+        return len(self.inputs) + len(self.shifts)
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -101,7 +107,8 @@ def layout(terms: Sequence[Term], rig: Rig, reduced: bool = True) -> Layout:
         start += size
     ends = {end for t in terms if isinstance(t, Link) for end in (t.a, t.b)} - set(nodes)
     places = basis.knots(rig) if SCREW in nodes else np.empty(0)
-    return Layout(nodes, _shapes(places, nodes, start, rig, reduced), places, tuple(sorted(ends)))
+    shifts = tuple(t for t in terms if isinstance(t, Shift))
+    return Layout(nodes, _shapes(places, nodes, start, rig, reduced), places, tuple(sorted(ends)), shifts)
 
 
 def _shapes(places: Array, nodes: dict[str, slice], size: int, rig: Rig, reduced: bool) -> Array:
@@ -126,7 +133,7 @@ def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
     A link between two nodes whose temperatures are a'z and b'z is the matrix g (a - b)(a - b)'.
     """
     n, dtype = place.size, _dtype(terms)
-    mass, inflow = np.zeros((n, n), dtype), np.zeros((regimes, n, len(place.boundaries)), dtype)
+    mass, inflow = np.zeros((n, n), dtype), np.zeros((regimes, n, place.boundaries), dtype)
     conductance, noise = np.zeros((2, regimes, n, n), dtype)
     for term in terms:
         if isinstance(term, Store):
@@ -175,7 +182,11 @@ def _link(conductance: Array, inflow: Array, place: Layout, term: Link) -> None:
         conductance += _squares(rows - place.rows(b), term.g, regimes)
     else:
         conductance += _squares(rows, term.g, regimes)
-        inflow[:, :, place.boundaries.index(b)] += np.broadcast_to(term.g, (regimes, len(rows))) @ rows
+        g = np.broadcast_to(term.g, (regimes, len(rows)))
+        inflow[:, :, place.inputs.index(b)] += g @ rows
+        for k, shift in enumerate(place.shifts, start=len(place.inputs)):
+            if shift.input == b and np.size(shift.over) in (1, len(rows)):
+                inflow[:, :, k] += (g * shift.over) @ rows
 
 
 def spread(q: Any, over: Any, rows: Array) -> Array:
@@ -193,6 +204,12 @@ def heat(terms: Sequence[Term], place: Layout, ticks: int, projected: Projection
         if isinstance(term, Heat) and term.node in place.nodes:
             total += projected(term.q, term.over, place.rows(term.node))
     return total
+
+
+def outside(terms: Sequence[Term], u: Inputs, place: Layout) -> Array:
+    """What the boundaries are at, (ticks, boundaries): inputs, then by how much they are shifted."""
+    shifts = [np.broadcast_to(term.by, (len(u), 1)) for term in terms if isinstance(term, Shift)]
+    return np.hstack([np.empty((len(u), 0)), *(u[name] for name in place.inputs), *shifts])
 
 
 def growth(terms: Sequence[Term], rig: Rig, place: Layout, from_mm: Array | float, to_mm: Array | float) -> Array:

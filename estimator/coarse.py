@@ -31,6 +31,7 @@ def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
             ages_s=ages,
             inputs={name: _mean(_grouped(column, groups, ticks)) for name, column in recording.inputs.items()},
             omega=_mean(omega),
+            unevenness=_unevenness(recording, groups, ticks),
             coverage=(turned[..., None] * coverage).sum(axis=1) / turned.sum(axis=1)[:, None],
         ),
         replace(rig, tick_s=rig.tick_s * ticks),
@@ -39,6 +40,14 @@ def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
 
 def _grouped(column: Array, groups: int, ticks: int) -> Array:
     return column[: groups * ticks].reshape(groups, ticks, *column.shape[1:])
+
+
+def _unevenness(recording: Recording, groups: int, ticks: int) -> Array:
+    """Mean of speed^2 over the square of the mean speed, over the longer tick."""
+    squares = np.nan_to_num(recording.unevenness * recording.omega**2)
+    mean = np.nan_to_num(_mean(_grouped(recording.omega, groups, ticks)))
+    square = _grouped(squares, groups, ticks).mean(axis=1)
+    return np.divide(square, mean**2, out=np.ones_like(mean), where=mean > 0)
 
 
 def _mean(column: Array) -> Array:

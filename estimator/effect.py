@@ -22,6 +22,8 @@ class Param:
     null   the value at which the effect is invisible (only parameters that switch the effect off have one)
     sd     prior standard deviation, where a table value with a tolerance is known
     fixed  not fitted unless a model file says so
+    over   "place" or "channel": where the effect sits. Nothing tells it while the effect is at its null, so that a
+           search tries places along the screw, or the thermometers by number, 1 first
     """
 
     value: float
@@ -32,6 +34,7 @@ class Param:
     sd: float | None = None
     fixed: bool = False
     source: str = ""
+    over: str = ""
 
     def __post_init__(self) -> None:
         if not self.lo <= self.value <= self.hi:
@@ -39,8 +42,14 @@ class Param:
 
 
 class Effect:
-    """Base of all effects: subclasses declare Params as class attributes, an equation in the docstring, and `terms`."""
+    """Base of all effects: subclasses declare Params as class attributes, an equation in the docstring, and `terms`.
 
+    scales  other effects of the model whose parameters this one uses, as p.NAME; None where the model lacks one
+    trace   what it leaves in the readings, in words
+    """
+
+    scales: ClassVar[tuple[str, ...]] = ()
+    trace: ClassVar[str] = ""
     params: ClassVar[dict[str, Param]] = {}
     name: ClassVar[str] = "effect"
 
@@ -69,3 +78,12 @@ class Effect:
     def namespace(self, values: dict[str, Any]) -> SimpleNamespace:
         """Parameter values as attributes, defaults filled in."""
         return SimpleNamespace(**{key: values.get(key, param.value) for key, param in self.params.items()})
+
+
+def needed(p: SimpleNamespace, name: str) -> SimpleNamespace:
+    """Parameters of an effect that this one scales; a model without it is a SetupError."""
+    found = getattr(p, name)
+    if found is None:
+        raise SetupError(f"needs the effect '{name}', which the model has not; add it first")
+    assert isinstance(found, SimpleNamespace)
+    return found

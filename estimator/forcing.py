@@ -13,7 +13,7 @@ import numpy as np
 
 from estimator import assemble
 from estimator.discretise import Modes, Transition
-from estimator.inputs import InputReader, Inputs
+from estimator.inputs import InputReader, Inputs, no_inputs
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.regime import Regimes
@@ -43,14 +43,16 @@ class Drive:
 class Ticks:
     """K ticks made ready for the filter.
 
-    regime  (K,)    which transition
-    heat    (K, n)  W into the states: sources and boundaries
-    offset  (K, m)  what the channels read beside the temperatures
+    regime   (K,)    which transition
+    heat     (K, n)  W into the states: sources and boundaries
+    offset   (K, m)  what the channels read beside the temperatures
+    outside  (K, boundaries) what links end at outside
     """
 
     regime: Array
     heat: Array
     offset: Array
+    outside: Array
 
 
 class Forcing:
@@ -96,10 +98,10 @@ class Forcing:
         u, regime = drive.inputs, drive.regime
         terms = list(self.model.terms(u, self.rig))
         heat = assemble.heat(terms, self.place, len(u), drive.spread)
-        outside = self.outside(u)
+        outside = assemble.outside(terms, u, self.place)
         for r in np.unique(regime):
             heat[regime == r] += outside[regime == r] @ self._inflow[r].T
-        return Ticks(regime, heat, assemble.offsets(terms, self.rig, len(u)))
+        return Ticks(regime, heat, assemble.offsets(terms, self.rig, len(u)), outside)
 
     def response(self, ticks: Ticks) -> tuple[Array, Array]:
         """F (R, n, n) of the regimes, and J w, (K, n): what each tick's heat does to the states."""
@@ -109,16 +111,15 @@ class Forcing:
             b[ticks.regime == r] = ticks.heat[ticks.regime == r] @ move.J.T
         return np.array([move.F for move in moves]), b
 
-    def outside(self, u: Inputs) -> Array:
-        """The inputs that links end at, (ticks, boundaries)."""
-        return np.hstack([np.empty((len(u), 0)), *(u[name] for name in self.place.boundaries)])
+    def inflow(self, regime: int) -> Array:
+        """W/K from each boundary into the states, (n, boundaries)."""
+        return self._inflow[regime]
 
     def regime_inputs(self, first: int = 0) -> Inputs:
         """Speed and coverage of the regimes met so far, from `first` on; every other input is zero."""
         omega = np.array(self._regimes.omega[first:])[:, None]
         coverage = np.array(self._regimes.coverage[first:])
-        none = {name: np.zeros_like(omega) for name in self.rig.inputs}
-        return Inputs(omega, coverage, none, none)
+        return no_inputs(self.rig, omega, coverage)
 
     def _discretise(self) -> None:
         """Assemble and discretise the regimes met since the last call."""

@@ -68,6 +68,13 @@ def horizons(trial: Trial, model: Model) -> Horizons:
     return Horizons(one_step, ahead, open_loop, thermometers)
 
 
+def open_loop_only(trial: Trial, model: Model) -> Horizons:
+    """The open-loop prediction alone; nothing is known of the others."""
+    open_loop = open_loop_misfit(trial, trial.pose(model))
+    none = np.full_like(open_loop, np.nan)
+    return Horizons(none, none, open_loop, np.isin(trial.rig.names, trial.rig.thermometers))
+
+
 def overall(found: Sequence[Horizons], horizon: str) -> Error:
     """rms over several recordings together."""
     rests = [(getattr(each, horizon), each.thermometers) for each in found]

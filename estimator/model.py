@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import tomlkit
@@ -89,16 +90,26 @@ class Model:
 
     def terms_of(self, name: str, u: Inputs, rig: Rig) -> Iterator[Term]:
         """The terms of one effect; one that asks for what the rig has not is a SetupError that names the effect."""
-        effect = self.effects[name]
-        values = {key: self.values[f"{name}.{key}"].value for key in effect.params}
+        p = self.namespace(name)
+        for other in self.effects[name].scales:
+            setattr(p, other, self.namespace(other) if other in self.effects else None)
         try:
-            yield from effect.terms(effect.namespace(values), u, rig)
+            yield from self.effects[name].terms(p, u, rig)
         except SetupError as error:
             raise SetupError(f"{self.name}: {name}: {error}") from error
         except Exception as error:
             if name not in self.use:
                 raise
             raise SetupError(f"{self.name}: {name} ({self.use[name]}): {type(error).__name__}: {error}") from error
+
+    def namespace(self, name: str) -> SimpleNamespace:
+        """Values of one effect's parameters, as attributes."""
+        effect = self.effects[name]
+        return effect.namespace({key: self.values[f"{name}.{key}"].value for key in effect.params})
+
+    def moved_by(self, name: str) -> list[str]:
+        """The effects whose terms change with the parameters of this one: itself, and those that scale it."""
+        return [other for other, effect in self.effects.items() if other == name or name in effect.scales]
 
     def _known(self, name: str) -> None:
         if name not in self.effects:
@@ -130,7 +141,7 @@ def load_model(path: Path) -> Model:
         own = entry.get("use")
         if own is not None:
             use[name] = own
-        effect = _own_effect(str(own), path.parent) if own else _catalogued(name, path)
+        effect = own_effect(str(own), path.parent) if own else _catalogued(name, path)
         if effect.name != name:
             raise SetupError(f"{path}: {name}: the effect's name is '{effect.name}'; call the table so")
         model = model + effect
@@ -208,12 +219,20 @@ def _values(effect: type[Effect], entry: Mapping[str, Any], place: str) -> dict[
     return values
 
 
-def _own_effect(use: str, folder: Path) -> type[Effect]:
-    """Import `file.py:Class`, relative to the model's folder. Runs the user's code: only for a file the model names."""
+def own_effect(use: str, folder: Path) -> type[Effect]:
+    """Import `file.py:Class`, seen from a folder. Runs the user's code: only for a file that is named."""
     file, _, cls = use.partition(":")
     path = folder / file
     if not cls or not path.is_file():
         raise SetupError(f'{path}: no such effect file; write use = "effects.py:ClassName"')
+    found = own_effects(path)
+    if cls not in found:
+        raise SetupError(f"{path} has no effect '{cls}'; {nearest(cls, found)}")
+    return found[cls]
+
+
+def own_effects(path: Path) -> dict[str, type[Effect]]:
+    """Run a file of a user's own and find the effects in it, by class name; those it imports are there too."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
     assert spec.loader is not None
@@ -222,7 +241,4 @@ def _own_effect(use: str, folder: Path) -> type[Effect]:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         raise SetupError(f"{path}: {type(error).__name__}: {error}") from error
-    found = {k: v for k, v in vars(module).items() if isinstance(v, type) and issubclass(v, Effect) and v is not Effect}
-    if cls not in found:
-        raise SetupError(f"{path} has no effect '{cls}'; {nearest(cls, found)}")
-    return found[cls]
+    return {k: v for k, v in vars(module).items() if isinstance(v, type) and issubclass(v, Effect) and v is not Effect}

@@ -25,7 +25,7 @@ from estimator.trial import Trial
 
 LOG_STEP = 0.02
 
-Share = Callable[[Callable[[Trial], Any], Sequence[Trial]], Iterable[Any]]
+Share = Callable[[Callable[[Any], Any], Sequence[Any]], Iterable[Any]]
 
 
 @dataclass(frozen=True)

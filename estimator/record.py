@@ -25,6 +25,8 @@ class Sample:
     omega     rad/s, mean of |speed| over the tick
     coverage  (cells,) share of the tick in which the nut covers each cell of the screw; while the screw turns, of the
               angle turned in the tick
+    unevenness  mean of speed^2 over the square of the mean speed, 1: even. Friction that is not proportional to speed
+              makes another heat in short strokes, whose ends count more
     """
 
     time_s: float
@@ -33,6 +35,7 @@ class Sample:
     inputs: Mapping[str, float]
     omega: float
     coverage: Array
+    unevenness: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,11 @@ class Recording:
     frames: int = 0
     skipped: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    unevenness: Array = field(default_factory=lambda: np.ones(1))
+
+    def __post_init__(self) -> None:
+        if len(self.unevenness) != len(self.time_s):
+            object.__setattr__(self, "unevenness", np.ones(len(self.time_s)))
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -72,14 +80,14 @@ class Recording:
             inputs={name: column[which] for name, column in self.inputs.items()},
             omega=self.omega[which],
             coverage=self.coverage[which],
+            unevenness=self.unevenness[which],
         )
 
     def sample(self, k: int) -> Sample:
         """Tick k."""
         inputs = {name: float(column[k]) for name, column in self.inputs.items()}
-        return Sample(
-            float(self.time_s[k]), self.channels[k], self.ages_s[k], inputs, float(self.omega[k]), self.coverage[k]
-        )
+        time_s, omega, unevenness = (float(column[k]) for column in (self.time_s, self.omega, self.unevenness))
+        return Sample(time_s, self.channels[k], self.ages_s[k], inputs, omega, self.coverage[k], unevenness)
 
     def __iter__(self) -> Iterator[Sample]:
         return (self.sample(k) for k in range(len(self)))
@@ -98,5 +106,6 @@ def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
         inputs={key: np.array([s.inputs[key] for s in rows]) for key in rows[0].inputs},
         omega=np.array([s.omega for s in rows]),
         coverage=np.array([s.coverage for s in rows]),
+        unevenness=np.array([s.unevenness for s in rows]),
         **about,  # type: ignore[arg-type]
     )

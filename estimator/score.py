@@ -46,7 +46,7 @@ def _slopes(trial: Trial, posed: Posed, rows: Array) -> tuple[float, Tangent]:
     system, run, n = posed.system, posed.run, posed.state.n
     s = batch.score(system, rows)
     back = pull_back(run, system.F, system.regime, -s.y, -s.y, s.grown)
-    heat, network = _network(trial, posed, s.b[:, :n] + back.b, s.F + back.F, s.Q[:, :n, :n])
+    heat, outside, network = _network(posed, s.b[:, :n] + back.b, s.F + back.F, s.Q[:, :n, :n])
     x0 = s.x0.copy()
     x0[:n] += back.start
     walk = np.zeros(len(rows))
@@ -58,28 +58,29 @@ def _slopes(trial: Trial, posed: Posed, rows: Array) -> tuple[float, Tangent]:
     readings = ReadingsTangent(
         s.H[:, :n] + back.rows, back.growth, spans, variance, lag_variance, walk, back.keep, back.ramp, x0, s.P0
     )
-    return s.loglike, Tangent(network, heat, -s.y, readings)
+    return s.loglike, Tangent(network, heat, outside, -s.y, readings)
 
 
-def _network(trial: Trial, posed: Posed, b: Array, F: Array, Q: Array) -> tuple[Array, Network]:
-    """From the derivatives of each tick's response b and each regime's F and Q to heat (T, n) and the network."""
+def _network(posed: Posed, b: Array, F: Array, Q: Array) -> tuple[Array, Array, Network]:
+    """From the derivatives of each tick's response b and each regime's F and Q to heat (T, n), outside, network."""
     regime, n, regimes = posed.system.regime, posed.state.n, len(posed.forcing.modes)
-    outside = posed.forcing.outside(trial.drive.inputs)[1:]
-    heat, inflow = np.zeros_like(posed.heat), np.zeros((regimes, n, outside.shape[1]))
+    heat, outside = np.zeros_like(posed.heat), np.zeros_like(posed.outside)
+    inflow = np.zeros((regimes, n, outside.shape[1]))
     mass, conductance, noise = np.zeros((n, n)), *np.zeros((2, regimes, n, n))
     for r in np.unique(regime):
         at = regime == r
         heat[at] = b[at] @ posed.forcing.transition(r).J
-        inflow[r] = heat[at].T @ outside[at]
+        outside[at] = heat[at] @ posed.forcing.inflow(r)
+        inflow[r] = heat[at].T @ posed.outside[at]
         given = Transition(F[r], b[at].T @ posed.heat[at], Q[r])
         own, conductance[r], noise[r] = posed.forcing.modes[r].pull_back(given)
         mass += own
-    return heat, Network(mass, conductance, inflow, noise)
+    return heat, outside, Network(mass, conductance, inflow, noise)
 
 
 def _along(slopes: Tangent, each: Tangent) -> float:
     """Sum of all products of a slope with how the thing moves."""
-    pairs = [(slopes.heat, each.heat), (slopes.offset, each.offset)]
+    pairs = [(getattr(slopes, key), getattr(each, key)) for key in ("heat", "outside", "offset")]
     pairs += [(getattr(slopes.network, key), value) for key, value in vars(each.network).items()]
     if each.readings is not None:
         pairs += [(getattr(slopes.readings, key), value) for key, value in vars(each.readings).items()]

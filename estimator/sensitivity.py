@@ -78,6 +78,9 @@ class NominalColumn:
 def nominal_column(trial: Trial, posed: Posed, moved: Tangent) -> NominalColumn:
     """Take a tangent through the open-loop run."""
     system, run, n = posed.system, posed.run, posed.state.n
+    if not moved.moves_states and moved.readings is None:
+        none = np.zeros_like(posed.heat)
+        return NominalColumn(none, np.zeros_like(system.F), moved.offset, moved.offset, np.zeros(len(none)))
     b, F = _states(trial, posed, moved)
     readings = moved.readings or _nothing(posed)
     z0 = readings.x0[:n]
@@ -95,20 +98,24 @@ def nominal_column(trial: Trial, posed: Posed, moved: Tangent) -> NominalColumn:
 
 def _states(trial: Trial, posed: Posed, moved: Tangent) -> tuple[Array, Array]:
     """How the response to heat, (T, n), and F, (R, n, n), move."""
-    regime, forcing = posed.system.regime, posed.forcing
-    outside = forcing.outside(trial.drive.inputs)[1:]
+    regime, forcing, network = posed.system.regime, posed.forcing, moved.network
     b, F = np.zeros_like(posed.heat), np.zeros_like(posed.system.F)
+    conducts = np.any(network.mass) or np.any(network.conductance)
     for r in np.unique(regime):
         at = regime == r
-        F[r], J = forcing.modes[r].along(moved.network.mass, moved.network.conductance[r])
-        heat = moved.heat[at] + outside[at] @ moved.network.inflow[r].T
-        b[at] = posed.heat[at] @ J.T + heat @ forcing.transition(r).J.T
+        heat = moved.heat[at] + posed.outside[at] @ network.inflow[r].T + moved.outside[at] @ forcing.inflow(r).T
+        b[at] = heat @ forcing.transition(r).J.T
+        if conducts:
+            F[r], J = forcing.modes[r].along(network.mass, network.conductance[r])
+            b[at] += posed.heat[at] @ J.T
     return b, F
 
 
 def _by_regime(F: Array, regime: Array, x: Array) -> Array:
     """F[regime] x of each tick, (T, n)."""
-    out = np.empty_like(x)
+    out = np.zeros_like(x)
+    if not np.any(F):
+        return out
     for r in np.unique(regime):
         out[regime == r] = x[regime == r] @ F[r].T
     return out

@@ -10,8 +10,9 @@ import numpy as np
 from estimator.errors import SetupError, nearest
 from estimator.inputs import Inputs
 from estimator.model import Model
+from estimator.motion import Motion
 from estimator.rig import Rig
-from estimator.terms import ELONGATION, Chain, Heat, Lag, Link, Read, Store, Term
+from estimator.terms import ELONGATION, START, Chain, Heat, Lag, Link, Read, Shift, Store, Term
 
 
 def checked_terms(model: Model, u: Inputs, rig: Rig) -> list[Term]:
@@ -19,11 +20,12 @@ def checked_terms(model: Model, u: Inputs, rig: Rig) -> list[Term]:
     by_effect = {name: list(model.terms_of(name, u, rig)) for name in model.effects}
     stored = {term.node for terms in by_effect.values() for term in terms if isinstance(term, Store)}
     ones = {name: np.ones_like(column) for name, column in u.values.items()}
+    later = Motion(*np.ones((4, len(u), 1)))
     for name, terms in by_effect.items():
         for word, known, problem in _words(terms, stored, rig):
             if word not in known:
                 raise SetupError(f"{model.name}: {name}: {problem}; {nearest(word, known)}")
-        if not _alike(terms, list(model.terms_of(name, replace(u, values=ones, rises=ones), rig))):
+        if not _alike(terms, list(model.terms_of(name, replace(u, values=ones, rises=ones, motion=later), rig))):
             raise SetupError(
                 f"{model.name}: {name}: the g of a Link depends on an input; it may depend on parameters, u.omega and "
                 "u.coverage only"
@@ -37,7 +39,13 @@ def _words(terms: Iterable[Term], stored: set[str], rig: Rig) -> Iterator[tuple[
     for term in terms:
         if isinstance(term, Link):
             for end in (term.a, term.b):
-                yield end, stored | {*rig.inputs}, f"a Link ends at '{end}', {unstored} and {file} has not in [inputs]"
+                yield (
+                    end,
+                    stored | {*rig.inputs, START},
+                    f"a Link ends at '{end}', {unstored} and {file} has not in [inputs]",
+                )
+        elif isinstance(term, Shift):
+            yield term.input, {*rig.inputs}, f"a Shift is of '{term.input}', which {file} has not in [inputs]"
         elif isinstance(term, Chain) or (isinstance(term, Heat) and not term.spare):
             yield term.node, stored, f"a {type(term).__name__} is in '{term.node}', {unstored}"
         elif isinstance(term, (Read, Lag)):

@@ -15,7 +15,7 @@ from estimator.assemble import Network, Readings
 from estimator.model import Model
 from estimator.openloop import lag_filter
 from estimator.record import Array
-from estimator.terms import Expand, Lag, Read
+from estimator.terms import Expand, Lag, Read, Shift
 from estimator.trial import Posed, Trial
 
 STEP = 1e-30
@@ -39,10 +39,11 @@ class ReadingsTangent:
 
 @dataclass(frozen=True)
 class Tangent:
-    """Derivatives along one parameter; heat (T, n) and offset (T, m) are those of the ticks after the first sample."""
+    """Derivatives along one parameter: heat (T, n), outside (T, boundaries), offset (T, m) after the first sample."""
 
     network: Network
     heat: Array
+    outside: Array
     offset: Array
     readings: ReadingsTangent | None
 
@@ -56,30 +57,40 @@ class Tangent:
         return any(np.any(part != 0) for part in parts)
 
     @property
+    def moves_states(self) -> bool:
+        """Whether the parameter moves the temperatures after the start."""
+        parts = [self.network.mass, self.network.conductance, self.network.inflow, self.heat, self.outside]
+        return any(np.any(part != 0) for part in parts)
+
+    @property
     def moves_mean(self) -> bool:
         """Whether the parameter moves what the model predicts."""
-        parts = [self.network.mass, self.network.conductance, self.network.inflow, self.heat, self.offset]
+        parts = [self.offset]
         if self.readings is not None:
             r = self.readings
             parts += [r.rows, r.growth, r.spans, r.keep, r.ramp]
-        return any(np.any(part != 0) for part in parts)
+        return self.moves_states or any(np.any(part != 0) for part in parts)
 
 
 def tangent(trial: Trial, posed: Posed, model: Model, path: str) -> Tangent:
     """Derivatives along parameter "effect.param"."""
-    effect, forcing, drive = path.partition(".")[0], posed.forcing, trial.drive
+    forcing, drive = posed.forcing, trial.drive
     moved = model.with_values({path: model[path] + 1j * STEP})
-    ticks = len(drive.inputs)
-    of_regimes = list(moved.terms_of(effect, forcing.regime_inputs(), trial.rig))
-    network = vars(assemble.network_of(of_regimes, forcing.place, len(forcing.modes)))
-    of_ticks = list(moved.terms_of(effect, drive.inputs, trial.rig))
+    ticks, effects = len(drive.inputs), model.moved_by(path.partition(".")[0])
+    of_regimes = [term for name in effects for term in moved.terms_of(name, forcing.regime_inputs(), trial.rig)]
+    moves = vars(assemble.network_of(of_regimes, forcing.place, len(forcing.modes)))
+    of_ticks = [term for name in effects for term in moved.terms_of(name, drive.inputs, trial.rig)]
     heat = _slope(assemble.heat(of_ticks, forcing.place, ticks, drive.spread))
     offset = _slope(assemble.offsets(of_ticks, trial.rig, ticks))
+    outside = np.zeros((ticks, forcing.place.boundaries))
+    if any(isinstance(term, Shift) for term in of_ticks):
+        outside = _slope(assemble.outside(list(moved.terms(drive.inputs, trial.rig)), drive.inputs, forcing.place))
     readings = None
     if any(isinstance(term, (Read, Lag, Expand)) for term in of_ticks):
         terms = list(moved.terms(forcing.nothing(), trial.rig))
         readings = _readings(trial, posed, assemble.readings(terms, trial.rig, forcing.place), offset[0])
-    return Tangent(Network(**{key: _slope(value) for key, value in network.items()}), heat[1:], offset[1:], readings)
+    network = Network(**{key: _slope(value) for key, value in moves.items()})
+    return Tangent(network, heat[1:], outside[1:], offset[1:], readings)
 
 
 def _readings(trial: Trial, posed: Posed, moved: Readings, offset: Array) -> ReadingsTangent:

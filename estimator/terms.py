@@ -1,8 +1,8 @@
 """The vocabulary of the physics: all that an effect may say about the rig.
 
 A node is named by a string. `"screw"` is the line of all cells of the screw: its values are vectors (..., cells). Any
-other node is a body with one temperature, or, in a Link, a measured input such as "ambient". Values are scalars or
-arrays that broadcast to (ticks, 1) for a body and (ticks, cells) for the screw.
+other node is a body with one temperature, or, in a Link, a measured input such as "ambient" or "start". Values are
+scalars or arrays that broadcast to (ticks, 1) for a body and (ticks, cells) for the screw.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any
 
 SCREW = "screw"
 ELONGATION = "elongation"  # in the weights of a Read: growth of the measured span, um
+START = "start"  # where a Link may end: the temperature at which the run started
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,10 @@ class Chain:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """Heat g (T_a - T_b) W flows from a to b; g in W/K, per cell where a node is the screw. b may be an input."""
+    """Heat g (T_a - T_b) W flows from a to b; g in W/K, per cell where a node is the screw.
+
+    b may be a measured input, or "start": the temperature at which the run started.
+    """
 
     a: str
     b: str
@@ -110,4 +114,17 @@ class Expand:
     error: Any
 
 
-Term = Store | Chain | Link | Heat | Read | Lag | Expand
+@dataclass(frozen=True, eq=False)
+class Shift:
+    """What links to a measured input feel is not what its sensor shows: input + by over.
+
+    by    in the input's unit
+    over  1: wherever a link ends at the input; (cells,) along the screw, and nothing at bodies. Never of parameters
+    """
+
+    input: str
+    by: Any
+    over: Any = 1.0
+
+
+Term = Store | Chain | Link | Heat | Read | Lag | Expand | Shift

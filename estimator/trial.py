@@ -29,13 +29,15 @@ FLOATING = 10.0  # a zero so many times less known than one reading has no meani
 class Posed:
     """A model on a trial, as the engine takes it.
 
-    heat    (T, n) W into the states;   offset (T, m) beside the temperatures;   run: the open-loop run
+    heat    (T, n) W into the states;   outside (T, boundaries);   run: the open-loop run
+    offset  (T + 1, m) beside the temperatures, from the first sample on
     state   the full state;   system: the linear system of ticks after the first sample
     """
 
     forcing: Forcing
     state: Augmented
     heat: Array
+    outside: Array
     offset: Array
     run: Nominal
     system: System
@@ -104,7 +106,7 @@ class Trial:
             x0=x0,
             P0=P0,
         )
-        return Posed(forcing, state, ticks.heat[1:], ticks.offset, run, system)
+        return Posed(forcing, state, ticks.heat[1:], ticks.outside[1:], ticks.offset, run, system)
 
     def loglike(self, model: Model) -> float:
         """Log-likelihood of the readings after the first sample, given that one."""

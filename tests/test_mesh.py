@@ -13,7 +13,7 @@ from estimator import assemble, basis, regime
 from estimator.augment import Augmented
 from estimator.filter import Filter
 from estimator.forcing import Forcing
-from estimator.inputs import Inputs
+from estimator.inputs import no_inputs
 from estimator.model import load_model
 from estimator.openloop import OpenLoop
 from estimator.rig import Channel, Nut, Rig, Screw, Signal
@@ -48,15 +48,14 @@ def fine(model, rig, drive):
     forcing = Forcing(model, rig, start(rig), reduced=False)
     read = forcing.read(drive)
     place, terms = forcing.place, list(model.terms(read.inputs, rig))
-    outside = np.hstack([read.inputs[name] for name in place.boundaries])
+    outside = assemble.outside(terms, read.inputs, place)
     heat, dt = assemble.heat(terms, place, len(drive)), rig.tick_s / STEPS
     solvers: dict[int, tuple] = {}
     z, out = np.full(place.size, 22.0), []
     for r, q, air in zip(read.regime, heat, outside, strict=True):
         if r not in solvers:
-            none = {name: np.zeros((1, 1)) for name in rig.inputs}
             omega, coverage = forcing._regimes.omega[r], forcing._regimes.coverage[r]
-            u = Inputs(np.array([[omega]]), coverage[None], none, none)
+            u = no_inputs(rig, np.array([[omega]]), coverage[None])
             network = assemble.network(model, rig, place, u)
             mass, g = diags_array(np.diag(network.mass)).tocsc(), csc_matrix(network.conductance[0])
             solvers[r] = splu(mass + dt / 2 * g), mass - dt / 2 * g, network.inflow[0]

@@ -13,7 +13,7 @@ from estimator.discretise import Modes, Transition, transition
 from estimator.effect import Effect
 from estimator.errors import SetupError
 from estimator.forcing import Forcing
-from estimator.inputs import Inputs
+from estimator.inputs import Inputs, no_inputs
 from estimator.model import model_of
 from estimator.start import Start
 from estimator.structure import checked_terms
@@ -44,8 +44,7 @@ class Leaking(Effect):
 
 def two_regimes(rig) -> Inputs:
     coverage = rig.screw.overlap(np.array([20.0, 90.0]), np.array([70.0, 140.0]))
-    none = {name: np.zeros((2, 1)) for name in rig.inputs}
-    return Inputs(np.array([[0.0], [100.0]]), coverage, none, none)
+    return no_inputs(rig, np.array([[0.0], [100.0]]), coverage)
 
 
 def assembled(rig, *effects, reduced: bool = True):
@@ -79,7 +78,7 @@ def test_total_heat_is_constant_without_a_boundary(insulated):
 
 def test_what_leaves_the_network_leaves_through_the_boundaries(small):
     place, network = assembled(small, Insulated, Leaking, reduced=False)
-    assert place.boundaries == ("ambient",)
+    assert (place.inputs, place.boundaries) == (("ambient",), 1)
     np.testing.assert_allclose(network.conductance.sum(axis=1), network.inflow[:, :, 0], atol=1e-12)
     np.testing.assert_allclose(network.inflow.sum(axis=(1, 2)), 20 * 0.15 + 0.7)
 

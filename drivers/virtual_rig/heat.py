@@ -37,6 +37,7 @@ class Rig:
         layer = np.full(screw.CELLS, weather.start)
         self.now = Temperatures(layer.copy(), layer.copy(), np.array([*[weather.start] * 3, 1.0]))
         self.torque = np.zeros(2)
+        self.since_stop_s = -1.0
 
     def tick(self, t: float, motion: TableMotion) -> None:
         """From t to t + 1 s, with the table's motion at the middle of each step."""
@@ -45,10 +46,18 @@ class Rig:
             along=self.weather.air_along(t),
             air=self.weather.ambient(t) + unseen,
             base=self.weather.base(t) + unseen,
-            sources=self.heaters.always + self.heaters.driving * motion.moving.mean(),
+            sources=self.heaters.heat(motion.omega, motion.moving, self.since_stop_s),
         )
+        self._watch(motion)
         centres = nut.in_cells(nut_centre_mm(motion.position_mm))
         self.torque = advance(self.parts, self.now, motion.omega, centres, around)
+
+    def _watch(self, motion: TableMotion) -> None:
+        """Count the seconds since the table last moved."""
+        if motion.moving.any():
+            self.since_stop_s = 0.0
+        elif self.since_stop_s >= 0.0:
+            self.since_stop_s += 1.0
 
     @property
     def mean(self) -> np.ndarray:

@@ -27,13 +27,14 @@ class NutFriction(Effect):
     noise  scatter of q, sqrt(s): share of q, with a memory of one second
     """
 
+    trace = "Wherever the nut travels the screw is too cold while driving."
     power = Param(60.0, "W", lo=0.0, hi=300.0, null=0.0, source="109 W at 2 kN preload and 20 m/min, 0.3 - 0.7 of it")
     power_nut = Param(50.0, "W", lo=0.0, hi=300.0, null=0.0, source="the rest of the 109 W")
-    n = Param(1.0, "1", lo=0.7, hi=1.7, source="1.0 constant torque ... 1.67 viscous")
+    n = Param(1.0, "1", lo=0.7, hi=1.7, fixed=True, source="1.0 constant torque ... 1.67 viscous")
     noise = Param(0.3, "sqrt(s)", lo=0.0, hi=10.0, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        relative = rig.the_screw().relative_speed(u.omega) ** p.n
+        relative = u.speed_law(rig.the_screw(), p.n)
         into_screw, into_nut = p.power * relative * per_cell(rig), p.power_nut * relative
         yield Heat(SCREW, into_screw, over=u.coverage, noise=p.noise * into_screw)
         yield Heat("nut", into_nut, noise=p.noise * into_nut, spare=True)
@@ -45,6 +46,7 @@ class NutBody(Effect):
     C dT/dt = q_nut - g (T - T_screw) - g_air (T - T_air)
     """
 
+    trace = "Heat comes back after the stop, where the nut parks and nowhere else."
     capacity = Param(1500.0, "J/K", lo=700.0, hi=3500.0, sd=300.0, source="1000 - 2000 computed from drawings")
     g = Param(2.0, "W/K", lo=0.0, hi=12.0, null=0.0, source="0.8 - 1.6 unsealed, more with grease and balls under load")
     g_air = Param(1.0, "W/K", lo=0.0, hi=10.0, source="surface 0.05 m2, and what the table takes")

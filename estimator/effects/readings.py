@@ -1,14 +1,15 @@
-"""What the sensors make of the temperatures: thermometers in the bore, and the displacement probes."""
+"""What thermometers make of the temperatures: lag, offset, gain, and drift of their circuit board."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from types import SimpleNamespace
+from typing import Any
 
 from estimator.effect import Effect, Param
 from estimator.inputs import Inputs
 from estimator.rig import Rig
-from estimator.terms import ELONGATION, SCREW, Lag, Read, Spot, Term
+from estimator.terms import SCREW, START, Lag, Read, Spot, Term
 
 
 class Thermometers(Effect):
@@ -24,13 +25,14 @@ class Thermometers(Effect):
     """
 
     sd = Param(0.022, "K", lo=0.005, hi=0.5, fixed=True, source="0.02 K scatter and 0.01 K steps")
-    tau = Param(8.0, "s", lo=0.0, hi=30.0, null=0.0, source="3 - 15 s")
+    trace = "None of its own: without it no temperature is read."
+    tau = Param(8.0, "s", lo=0.0, hi=30.0, null=0.0, fixed=True, source="3 - 15 s")
     lag_noise = Param(
         1.0, "1", lo=0.0, hi=20.0, fixed=True, source="by coverage on simulated runs; lags spread by a quarter"
     )
     zero_sd = Param(0.015, "K", lo=0.0, hi=1.0, fixed=True, source="0.05 K between 15 channels after warm-up")
     zero_walk = Param(0.0001, "K/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="0.006 K in an hour")
-    board = Param(0.0, "K/K", lo=-0.02, hi=0.02, null=0.0, sd=0.003, source="0.03 K per 10 K")
+    board = Param(0.0, "K/K", lo=-0.02, hi=0.02, null=0.0, sd=0.003, fixed=True, source="0.03 K per 10 K")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         offset = p.board * u.rise("board")
@@ -43,20 +45,69 @@ class Thermometers(Effect):
                 yield Read(name, {channel.node: 1.0}, p.sd, offset, p.zero_sd, p.zero_walk)
 
 
-class Displacement(Effect):
-    """The probes read the growth of the measured span, and their own and the bar's expansion.
+class SensorLag(Effect):
+    """Thermometers follow the screw more slowly than the effect `thermometers` says.
 
-    y = elongation + probe (T_probe - T_probe(0)) - bar (T_bar - T_bar(0)) + zero
-
-    The zero is unknown, since the peak hold of the turning screw has no reading at rest to compare with.
+    (tau_thermometers + tau) dy/dt = T(x) - y
     """
 
-    sd = Param(0.15, "um", lo=0.01, hi=5.0, fixed=True, source="0.1 um scatter, hold error up to 0.19 um")
-    probe = Param(0.3, "um/K", lo=0.0, hi=2.0, sd=0.3, source="at most 0.6 um in a run")
-    bar = Param(0.5, "um/K", lo=0.0, hi=2.0, sd=0.3, source="super Invar, 0 - 1e-6 1/K over 0.94 m; at most 0.8 um")
-    zero_sd = Param(100.0, "um", lo=0.0, hi=1000.0, fixed=True, source="disc wobble")
-    zero_walk = Param(0.002, "um/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="tuned")
+    trace = "Only while temperatures change: follows dT/dt, gone within a minute of a stop."
+    tau = Param(15.0, "s", lo=0.0, hi=120.0, null=0.0, source="3 - 15 s where they press on the bore, more where not")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        offset = p.probe * u.rise("probe") - p.bar * u.rise("bar")
-        yield Read("displacement", {ELONGATION: 1.0}, p.sd, offset, zero_sd=p.zero_sd, zero_walk=p.zero_walk)
+        yield from (Lag(name, p.tau) for name in rig.thermometers)
+
+
+class BoardDrift(Effect):
+    """All thermometers shift with the temperature of their circuit board, more than their own drift says.
+
+    y = s + drift (T_board - T_board(0))
+    """
+
+    trace = "All thermometers alike, in step with the board's temperature; the elongation is right."
+    drift = Param(0.01, "K/K", lo=-0.3, hi=0.3, null=0.0, source="up to 0.5 K in 10 K for a cheap reference junction")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        u["board"]
+        yield from (Read(name, {}, 0.0, p.drift * u.rise("board")) for name in rig.thermometers)
+
+
+class ChannelOffset(Effect):
+    """One thermometer jumps when the screw first turns, and stays off by a constant.
+
+    y = s + offset from the first motion on
+    """
+
+    trace = "One channel alone, by a constant, from the first motion on."
+    offset = Param(0.3, "K", lo=-5.0, hi=5.0, null=0.0, source="a contact or wire that moved")
+    channel = Param(
+        1.0, "1", lo=1.0, hi=99.0, fixed=True, over="channel", source="by search; 1 is the first thermometer"
+    )
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        for number, name in enumerate(rig.thermometers, start=1):
+            yield Read(name, {}, 0.0, _of(number, p.channel) * p.offset * u.motion.moved)
+
+
+class ChannelGain(Effect):
+    """One thermometer shows more or less than the rise since the start.
+
+    y = T_start + (1 + gain) (T - T_start)
+    """
+
+    trace = "One channel alone, in proportion to its own rise, at rest and while driving."
+    gain = Param(0.05, "1", lo=-0.5, hi=0.5, null=0.0, source="a wrong type constant, 1 - 5 %")
+    channel = Param(
+        1.0, "1", lo=1.0, hi=99.0, fixed=True, over="channel", source="by search; 1 is the first thermometer"
+    )
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        for number, name in enumerate(rig.thermometers, start=1):
+            gain, channel = _of(number, p.channel) * p.gain, rig.channels[name]
+            spot = {SCREW: Spot(channel.at_mm, gain)} if channel.at_mm is not None else {str(channel.node): gain}
+            yield Read(name, spot, 0.0, -gain * u[START])
+
+
+def _of(number: int, channel: Any) -> float:
+    """1 for the thermometer that is meant."""
+    return float(number == round(channel.real))

@@ -10,7 +10,7 @@ import numpy as np
 from estimator.effect import Effect, Param
 from estimator.inputs import Inputs
 from estimator.rig import Rig
-from estimator.terms import SCREW, Chain, Expand, Store, Term
+from estimator.terms import SCREW, Chain, Store, Term
 
 
 class Conduction(Effect):
@@ -22,6 +22,7 @@ class Conduction(Effect):
     noise  heat that no effect describes, W/sqrt(Hz) per sqrt(m)
     """
 
+    trace = "Peaks too sharp or too flat."
     scale = Param(1.0, "1", lo=0.9, hi=1.1, fixed=True, source="SCM420: 42 - 50 W/(m K)")
     noise = Param(1.2, "W/sqrt(Hz m)", lo=0.01, hi=100.0, fixed=True, source="by coverage on simulated runs")
 
@@ -30,15 +31,3 @@ class Conduction(Effect):
         capacity = screw.density * screw.heat_capacity * screw.area * screw.length
         yield Store(SCREW, capacity, p.noise * np.sqrt(screw.length))
         yield Chain(SCREW, p.scale * screw.conductivity * screw.area / screw.length)
-
-
-class ExpansionError(Effect):
-    """The screw expands by another coefficient than the rig file's.
-
-    rho = rho_rig (1 + error)
-    """
-
-    error = Param(0.0, "1", lo=-0.1, hi=0.1, null=0.0, sd=0.01, source="11.2 - 12.3e-6 1/K for SCM420")
-
-    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        yield Expand(p.error)

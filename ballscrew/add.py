@@ -1,0 +1,63 @@
+"""ballscrew add: add an effect to a model."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from ballscrew.named import Named, named_effect
+from ballscrew.options import output_options, writable
+from ballscrew.terminal import Terminal
+from ballscrew.workspace import open_rig
+from estimator.errors import SetupError
+from estimator.exercise import instants
+from estimator.model import Model, load_model, save_model
+from estimator.structure import checked_terms
+
+
+@click.command("add", help=__doc__)
+@click.argument("effect", metavar="EFFECT")
+@click.argument("model_path", type=click.Path(path_type=Path), metavar="MODEL")
+@click.option(
+    "-o", "out", type=click.Path(path_type=Path), required=True, callback=writable, metavar="MODEL",
+    help="Write the model here; the same file to change it in place.",
+)  # fmt: skip
+@click.option(
+    "--rig", "rig_path", type=click.Path(path_type=Path),
+    help="Rig folder that it must fit; else the nearest one at or above MODEL, else the built-in rig.",
+)  # fmt: skip
+@output_options
+def command(
+    effect: str, model_path: Path, out: Path, rig_path: Path | None, json_path: str | None, quiet: bool, debug: bool
+) -> None:
+    """Add EFFECT to MODEL, at its default values.
+
+    EFFECT is an effect of the catalogue, or your own: FILE.py:Class. That file is Python, and runs.
+    """
+    terminal = Terminal(json_path, quiet)
+    one, model = named_effect(effect), load_model(model_path)
+    name = one.effect.name
+    if name in model.effects:
+        raise SetupError(f"{model_path} has the effect '{name}' already; change its values in the file, or fit them")
+    added = _with(model, one)
+    checked_terms(added, instants(rig := open_rig([model_path], rig_path, terminal)), rig)
+    if missing := [other for other in one.effect.scales if other not in model.effects]:
+        terminal.warn(f"{name} acts on {', '.join(missing)} too, which {model_path} has not: without it, it does less")
+    save_model(added, out)
+    terminal.say(f"{out}: {name} added to {len(model.effects)} effects, at its defaults")
+    terminal.say(f"next: ballscrew fit LOG... --model {out} -o MODEL")
+    parameters = {key: added[f"{name}.{key}"] for key in one.effect.params}
+    terminal.json({"model": str(out), "effect": name, "parameters": parameters, "missing": missing})
+
+
+def _with(model: Model, one: Named) -> Model:
+    """The model with the effect; the file of one's own is kept as seen from the model's folder."""
+    added = model + one.effect
+    if one.file is None:
+        return added
+    assert model.folder is not None
+    file = Path(os.path.relpath(one.file, model.folder)).as_posix()
+    return replace(added, use={**model.use, one.effect.name: f"{file}:{one.effect.__name__}"})

@@ -1,0 +1,55 @@
+"""A file of Python gets one more class at its end, and the imports that it lacks for it. Nothing of it runs."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from pathlib import Path
+
+from estimator.errors import SetupError
+
+
+def with_class(text: str, added: str, vocabulary: Mapping[str, str], path: Path) -> str:
+    """A file's text with the class `added`; `vocabulary`: the module of each name that may have to be imported."""
+    try:
+        tree = ast.parse(text)
+    except SyntaxError as error:
+        raise SetupError(f"{path}: line {error.lineno} is not Python: {error.msg}; correct it first") from error
+    (own,) = (node.name for node in ast.parse(added).body if isinstance(node, ast.ClassDef))
+    used = {node.id for node in ast.walk(ast.parse(added)) if isinstance(node, ast.Name)} & set(vocabulary)
+    taken = {node.name for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    for name in (own, *sorted(used)):
+        if name in taken:
+            raise SetupError(f"{path}: '{name}' is there already; choose another name, or another file with -o")
+    lines = text.rstrip().splitlines()
+    for name in (name for name in vocabulary if name in used - _imported(tree)):
+        _import(lines, vocabulary[name], name)
+    return "\n".join([*lines, "", "", added])
+
+
+def _imported(tree: ast.Module) -> set[str]:
+    """Names that a file imports at its top level."""
+    imports = [node for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))]
+    return {alias.asname or alias.name for node in imports for alias in node.names}
+
+
+def _import(lines: list[str], module: str, name: str) -> None:
+    """Import a name: beside others of its module where those stand in one line, else in a line behind all imports."""
+    body = ast.parse("\n".join(lines)).body
+    imports = [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
+    for node in imports:
+        alone = node.lineno == node.end_lineno and "#" not in lines[node.lineno - 1]
+        if isinstance(node, ast.ImportFrom) and node.module == module and alone:
+            names = [ast.unparse(alias) for alias in node.names]
+            lines[node.lineno - 1] = f"from {module} import {', '.join(sorted([*names, name], key=_rank))}"
+            return
+    head = [node for node in body[:1] if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)]
+    at = max((node.end_lineno or 0 for node in (*head, *imports)), default=0)
+    apart = bool(lines[:at]) and (not imports or isinstance(imports[-1], ast.Import))
+    line = f"import numpy as {name}" if module == "numpy" else f"from {module} import {name}"
+    lines[at:at] = ["", line] if apart else [line]
+
+
+def _rank(name: str) -> tuple[int, str]:
+    """Constants first, then classes, then the rest, as import sorters have it."""
+    return (0 if name.isupper() else 1 if name[0].isupper() else 2), name

@@ -1,0 +1,139 @@
+"""ballscrew suggest: say which physical effect is missing from a model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from ballscrew.named import Named, named_effects
+from ballscrew.options import logs_argument, output_options, rig_options
+from ballscrew.terminal import Terminal
+from ballscrew.threads import threads
+from ballscrew.verdict import Finding, as_json, sentence
+from ballscrew.workspace import load, open_model, open_rig
+from estimator.effect import Effect
+from estimator.effects import CATALOGUE
+from estimator.errors import InputError
+from estimator.horizon import Error, open_loop_only, overall
+from estimator.hypothesis import Hypothesis
+from estimator.model import Model
+from estimator.moments import trials_of
+from estimator.next_run import next_run
+from estimator.posterior import Share
+from estimator.record import Recording
+from estimator.rig import Rig
+from estimator.suggest import Progress, suggest
+
+SHOWN = 6
+
+
+def search_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """--held-out and --effects, the same on every command that searches."""
+    held = click.option(
+        "--held-out", "held_out", multiple=True, type=click.Path(path_type=Path), metavar="LOG",
+        help="A recording, or folder of them, that is never used to choose or fit, only reported; may be repeated.",
+    )  # fmt: skip
+    own = click.option(
+        "--effects", "own", multiple=True, metavar="FILE.py[:Class]",
+        help="Effects of your own to try as well. The file is Python, and runs.",
+    )  # fmt: skip
+    return held(own(command))
+
+
+def wanted_effects(model: Model, own: Sequence[str]) -> list[Named]:
+    """The catalogue, the effects named on the command line, and those beside the ones that the model uses."""
+    files = [str((model.folder or Path()) / use.partition(":")[0]) for use in model.use.values()]
+    mine = {one.effect.name: one for word in dict.fromkeys([*files, *own]) for one in named_effects(word)}
+    return [*(Named(effect) for name, effect in CATALOGUE.items() if name not in mine), *mine.values()]
+
+
+@click.command("suggest")
+@logs_argument
+@rig_options
+@search_options
+@output_options
+def command(
+    logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, held_out: tuple[Path, ...],
+    own: tuple[str, ...], json_path: str | None, quiet: bool, debug: bool,
+) -> int:  # fmt: skip
+    """Say which effect is missing from the model, as judged by all LOGs: each is left out once.
+
+    The verdict is an effect; a tie, with the run that would decide; a wrong input of one recording; nothing in the
+    catalogue, with the place and what it follows; or nothing missing. A truth file is never opened.
+    """
+    terminal = Terminal(json_path, quiet)
+    rig = open_rig(logs, rig_path, terminal)
+    model = open_model(rig, model_path, terminal)
+    effects = [one.effect for one in wanted_effects(model, own)]
+    loaded, failed = load(logs, rig, terminal)
+    if not loaded:
+        return InputError.exit_code
+    apart, failed_too = load(held_out, rig, terminal) if held_out else ([], [])
+    with terminal.progress("looking for what is missing", 1.0) as update, threads() as share:
+        found = find(
+            model, rig, [one.recording for one in loaded], [one.recording for one in apart], effects,
+            lambda stage, part: update(part, stage), share,
+        )  # fmt: skip
+    print_finding(terminal, found, rig)
+    terminal.json(as_json(found, rig))
+    return InputError.exit_code if failed or failed_too else 0
+
+
+def find(
+    model: Model, rig: Rig, recordings: Sequence[Recording], held_out: Sequence[Recording],
+    effects: Sequence[type[Effect]], each: Progress, share: Share,
+) -> Finding:  # fmt: skip
+    """Search, then look at the recordings held out, and for a run that decides a tie."""
+    found = suggest(model, rig, recordings, effects, each, share)
+    run = None
+    if found.verdict == "tie" and len(found.tie) > 1:
+        each("looking for the run that decides", 0.95)
+        rivals = [h for h in found.found if h.names[0] in found.tie][:2]
+        if len(rivals) == 2:
+            run = next_run(rivals[0], rivals[1], rig, recordings, trials_of(rivals[1].model, rig, recordings), share)
+    held = [_held(h.model, rig, held_out) for h in (found.before, *found.found)] if held_out else []
+    return Finding(found, held, run)
+
+
+def _held(model: Model, rig: Rig, recordings: Sequence[Recording]) -> Error:
+    return overall([open_loop_only(trial, model) for trial in trials_of(model, rig, recordings)], "open_loop")
+
+
+def print_finding(terminal: Terminal, found: Finding, rig: Rig) -> None:
+    """The ranking as a table, and the verdict."""
+    suggestion = found.suggestion
+    head = ["open loop, rms", "K", "um", *(["held out, K", "um"] if found.held_out else []), "fitted", "value"]
+    rows = [_row("the model as given", suggestion.as_given, None)]
+    before = found.held_out[0] if found.held_out else None
+    if suggestion.before is not suggestion.as_given:
+        rows.append(_row("fitted again", suggestion.before, before))
+    elif before is not None:
+        rows[0][3:5] = _pair(before)
+    for i, h in enumerate(suggestion.found[:SHOWN], start=1):
+        rows.append(_row(f"+ {h.names[0]}", h, found.held_out[i] if found.held_out else None))
+    width = len(head)
+    terminal.table("", head, [[*row, *[""] * (width - len(row))] for row in rows], prose=width - 1)
+    note = "each recording left out once" if not found.held_out else "each left out once; held out: never looked at"
+    terminal.say(f"({note}; best first)")
+    terminal.say()
+    terminal.say(sentence(found, rig))
+
+
+def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
+    cells = [title, *_pair(Error(h.judged.heat_K, h.judged.length_um))]
+    if held is not None:
+        cells += _pair(held)
+    own = {path: value for path, value in h.parameters().items() if path.partition(".")[0] in h.names}
+    values = ", ".join(
+        f"{path.partition('.')[2]} {value.value:.3g} +- {value.sd:.1g} {h.model.param(path).unit}"
+        for path, value in own.items()
+    )
+    return [*cells, "all" if h.refit else "it alone" if h.names else "", values]
+
+
+def _pair(error: Error) -> list[str]:
+    return [f"{error.temperature_K:.3f}", f"{error.elongation_um:.2f}" if np.isfinite(error.elongation_um) else ""]

@@ -1,0 +1,177 @@
+"""What a search for a missing effect found, in words and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from estimator.horizon import Error
+from estimator.hypothesis import Hypothesis
+from estimator.next_run import NextRun
+from estimator.rig import Rig
+from estimator.screen import Screened
+from estimator.suggest import Suggestion
+from estimator.unknown import TEMPERATURE, bodies, followers
+
+PHASE_OF = {"drive": "drive", "early_drive": "drive", "speed": "drive", "speed2": "drive", "early_stop": "early_stop"}
+APART_SD = 3.0  # a run that sets rivals less apart does not tell
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A suggestion with what it says of recordings held out, and of a run to make.
+
+    held_out  open-loop error by hypothesis, in the order of `before`, then all of `found`; empty without such recordings
+    """
+
+    suggestion: Suggestion
+    held_out: Sequence[Error]
+    next_run: NextRun | None
+
+
+@dataclass(frozen=True)
+class Stranger:
+    """Where something sits that no effect of the catalogue explains, and what it follows."""
+
+    heat: bool
+    follows: str
+    at_mm: float | None
+    what: str
+
+
+def stranger_of(found: Screened, rig: Rig) -> Stranger:
+    """A stand-in for something unknown, in the words of the rig."""
+    at = {path.partition(".")[2]: value for path, value in found.candidate.at.items()}
+    names = (*followers(rig), TEMPERATURE)
+    follows = names[round(at["follows"])]
+    if found.candidate.kind == "heat":
+        place = at.get("at")
+        what = f"at {place:.0f} mm" if place is not None else f"in {bodies(rig)[round(at['node'])]}"
+        return Stranger(True, follows, place, what)
+    number = round(at["channel"])
+    return Stranger(False, follows, None, rig.names[number - 1] if number else "all thermometers")
+
+
+def sentence(finding: Finding, rig: Rig) -> str:
+    """The verdict in words."""
+    found = finding.suggestion
+    if found.verdict == "input_error" and found.wrong_input is not None:
+        wrong = found.wrong_input
+        size = f"{wrong.ratio:.2f} times" if wrong.ratio != 1 else f"{wrong.shift_K:+.1f} K off"
+        return (
+            f"Nothing is missing but in {wrong.run}, where {wrong.signal} is {size} what it should be: check that run."
+        )
+    if found.verdict == "nothing_in_catalogue" and found.stranger is not None:
+        who = stranger_of(found.stranger, rig)
+        line = "heat" if who.heat else "an offset of"
+        return (
+            f"No effect of the catalogue explains it. Something like {line} {who.what} does, which follows"
+            f" {_followed(who.follows)}. Begin with: {new_effect_line(who)}"
+        )
+    if found.verdict == "nothing_missing":
+        return _nothing(found)
+    best = found.found[0]
+    if found.verdict == "tie":
+        return _tie(found, finding.next_run)
+    more = f" A second one besides: {_other(found)}." if found.pair else ""
+    return f"{best.names[0]} is missing: {_gain(found.before, best)}.{more}"
+
+
+def new_effect_line(who: Stranger) -> str:
+    """The command that writes an effect file to start from."""
+    if not who.heat:
+        channel = "all" if who.what == "all thermometers" else who.what
+        return f"ballscrew new-effect my_reading --reading {channel} --follows {who.follows}"
+    at = f" --at {who.at_mm:.0f}mm" if who.at_mm is not None else ""
+    return f"ballscrew new-effect my_heat{at} --follows {who.follows}"
+
+
+def _followed(name: str) -> str:
+    words = {"always": "nothing: it is always there", "drive": "the drive", "rest": "the rests", "time": "the clock",
+             "early_drive": "the first minutes of drives", "early_stop": "the first minutes of stops",
+             "speed2": "the speed squared", TEMPERATURE: "the screw's temperature there"}  # fmt: skip
+    return words.get(name, f"the {name}")
+
+
+def _nothing(found: Suggestion) -> str:
+    left = f"{found.before.judged.heat_K:.3f} K" + _length(found.before.judged.length_um)
+    if found.before.refit and found.as_given.misfit > 1.2 * found.before.misfit:
+        return f"Nothing is missing, but the parameters are off: fit the model again, which leaves {left}."
+    return f"Nothing is missing: the model alone leaves {left}, and no effect makes that clearly less."
+
+
+def _tie(found: Suggestion, run: NextRun | None) -> str:
+    names = " or ".join(found.tie)
+    if run is None or run.separation_sd < APART_SD:
+        return f"{names}: these recordings cannot tell, and no run of the patterns and speeds seen would."
+    low, high = run.stroke_mm
+    return (
+        f"{names}: these recordings cannot tell. A run {run.pattern} ({low:.0f} - {high:.0f} mm) at {run.speed_m_min:g}"
+        f" m/min, {run.drive_s / 60:.0f} min of drive and {run.stop_s / 60:.0f} min of stop, sets them"
+        f" {run.separation_sd:.0f} sd apart."
+    )
+
+
+def _other(found: Suggestion) -> str:
+    rest = [name for name in found.pair if name != found.found[0].names[0]]
+    return rest[0] if rest else found.pair[-1]
+
+
+def _gain(before: Hypothesis, after: Hypothesis) -> str:
+    a, b = before.judged, after.judged
+    length = f", elongation {a.length_um:.2f} -> {b.length_um:.2f} um" if np.isfinite(b.length_um) else ""
+    return f"temperatures {a.heat_K:.3f} -> {b.heat_K:.3f} K{length} on recordings left out"
+
+
+def _length(um: float) -> str:
+    return f" and {um:.2f} um" if np.isfinite(um) else ""
+
+
+def as_json(finding: Finding, rig: Rig) -> dict[str, Any]:
+    """The verdict for programs."""
+    found, run = finding.suggestion, finding.next_run
+    held = list(finding.held_out)
+    wrong, stranger = found.wrong_input, found.stranger and stranger_of(found.stranger, rig)
+    where = None
+    if stranger is not None and found.verdict == "nothing_in_catalogue":
+        at = stranger.at_mm
+        where = {
+            "from_mm": at - 30.0 if at is not None else None, "to_mm": at + 30.0 if at is not None else None,
+            "phase": PHASE_OF.get(stranger.follows), "follows": stranger.follows, "what": stranger.what,
+        }  # fmt: skip
+    return {
+        "verdict": found.verdict,
+        "effects": [_effect(found.before, h, held[:1], held[i : i + 1]) for i, h in enumerate(found.found, start=1)],
+        "tie": list(found.tie),
+        "next_run": None if run is None or found.verdict != "tie" else {
+            "pattern": run.pattern, "speed_m_min": run.speed_m_min, "drive_s": run.drive_s, "stop_s": run.stop_s,
+            "separation_sd": run.separation_sd, "stroke_mm": run.stroke_mm,
+        },
+        "input": None if wrong is None or found.verdict != "input_error" else {
+            "run": wrong.run, "signal": wrong.signal, "ratio": wrong.ratio, "shift_K": wrong.shift_K,
+        },
+        "where": where,
+        "pair": list(found.pair),
+        "sentence": sentence(finding, rig),
+    }  # fmt: skip
+
+
+def _effect(before: Hypothesis, h: Hypothesis, held_before: Sequence[Error], held: Sequence[Error]) -> dict[str, Any]:
+    own = {path: value for path, value in h.parameters().items() if path.partition(".")[0] in h.names}
+    return {
+        "name": h.names[0], "score": before.misfit / h.misfit, "refitted": h.refit,
+        "before": _error(before), "after": _error(h),
+        "held_out_before": vars(held_before[0]) if held_before else None,
+        "held_out_after": vars(held[0]) if held else None,
+        "parameters": {
+            path.partition(".")[2]: {"value": value.value, "sd": value.sd, "unit": h.model.param(path).unit}
+            for path, value in own.items()
+        },
+    }  # fmt: skip
+
+
+def _error(h: Hypothesis) -> Mapping[str, float]:
+    return {"temperature_K": h.judged.heat_K, "elongation_um": h.judged.length_um}

@@ -1,0 +1,100 @@
+"""What friction depends on beside a constant torque: speed, temperature, and grease that has just been at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+from estimator.effect import Effect, Param, needed
+from estimator.effects.bearings import under_bearing
+from estimator.effects.nut import per_cell
+from estimator.inputs import Inputs
+from estimator.rig import Rig
+from estimator.terms import SCREW, START, Heat, Link, Term
+
+BEARINGS = ("anchor", "free")
+
+
+class NutSpeedExponent(Effect):
+    """The nut's friction grows faster with speed than its own law says, and is the same at the reference speed.
+
+    q = P (|omega / omega_ref|^(n + extra) - |omega / omega_ref|^n), P and n of nut_friction
+    """
+
+    scales = ("nut_friction",)
+    trace = "None at the reference speed; at others the nut's heat is wrong, and more so the further off they are."
+    extra = Param(0.2, "1", lo=-0.5, hi=0.8, null=0.0, source="0 constant torque ... 0.5 rolling ... 0.67 viscous")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        nut, screw = needed(p, "nut_friction"), rig.the_screw()
+        more = u.speed_law(screw, nut.n + p.extra) - u.speed_law(screw, nut.n)
+        yield Heat(SCREW, nut.power * more * per_cell(rig), over=u.coverage)
+        yield Heat("nut", nut.power_nut * more, spare=True)
+
+
+class BearingSpeedExponent(Effect):
+    """The bearings' friction grows faster with speed than its own law says, and is the same at the reference speed.
+
+    q = P (|omega / omega_ref|^(n + extra) - |omega / omega_ref|^n), P and n of anchor_friction and free_friction
+    """
+
+    scales = ("anchor_friction", "free_friction")
+    trace = "None at the reference speed; at others the ends of the screw are too warm or too cold."
+    extra = Param(0.2, "1", lo=-0.6, hi=0.8, null=0.0, source="1.0 load ... 1.67 viscous, Palmgren")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        screw = rig.the_screw()
+        for support in BEARINGS:
+            bearing = needed(p, f"{support}_friction")
+            more = u.speed_law(screw, bearing.n + p.extra) - u.speed_law(screw, bearing.n)
+            yield Heat(SCREW, bearing.power * more, over=under_bearing(rig, support))
+            yield Heat(f"{support}_housing", bearing.power_housing * more, spare=True)
+
+
+class FrictionThinning(Effect):
+    """Friction of nut and bearings falls as the grease warms.
+
+    q = -rate P |omega / omega_ref|^n (T - T_start), P and n of nut_friction;   ratio times that rate at the bearings
+    """
+
+    scales = ("nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing")
+    trace = "The curve bends early: less heat the warmer it is, whatever the time; worse for short strokes."
+    rate = Param(0.03, "1/K", lo=0.0, hi=0.08, null=0.0, source="3.1 - 3.5 %/K, Vogel-Cameron for VG100 - VG220")
+    ratio = Param(1.35, "1", lo=0.0, hi=3.0, fixed=True, source="bearings 4.2 %/K, Palmgren, against 3.1")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        w = rig.the_screw().relative_speed(u.omega)
+        nut = needed(p, "nut_friction")
+        turn = p.rate * w**nut.n
+        yield Link(SCREW, START, turn * nut.power * per_cell(rig) * u.coverage)
+        if p.nut_body is not None:
+            yield Link("nut", START, turn * nut.power_nut)
+        for support in BEARINGS:
+            bearing = getattr(p, f"{support}_friction")
+            if bearing is None:
+                continue
+            turn = p.rate * p.ratio * w**bearing.n
+            yield Link(SCREW, START, turn * bearing.power * under_bearing(rig, support))
+            if getattr(p, f"{support}_housing") is not None:
+                yield Link(f"{support}_housing", START, turn * bearing.power_housing)
+
+
+class Churning(Effect):
+    """Grease that has rested churns: the nut's friction is higher at the start of a drive and settles.
+
+    q = share f P |omega / omega_ref|^n, P and n of nut_friction;   f falls with motion, and comes back at rest
+    """
+
+    scales = ("nut_friction",)
+    trace = "The first minutes of every drive after a long rest are too cold, wherever the nut travels."
+    share = Param(
+        0.4, "1", lo=-0.5, hi=3.0, null=0.0, source="starting torque of greased screws, up to twice the running"
+    )
+    decay = Param(600.0, "s", lo=60.0, hi=3600.0, fixed=True, source="grease runs in within minutes")
+    recovery = Param(900.0, "s", lo=60.0, hi=36000.0, fixed=True, source="grease flows back within a stop")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        nut = needed(p, "nut_friction")
+        w = p.share * u.motion.freshness(p.decay, p.recovery) * u.speed_law(rig.the_screw(), nut.n)
+        yield Heat(SCREW, nut.power * w * per_cell(rig), over=u.coverage)
+        yield Heat("nut", nut.power_nut * w, spare=True)

@@ -1,0 +1,107 @@
+"""All candidates at once, none of them fitted: how much of the misfit each explains, and how large it is then.
+
+Each is taken at its null, alone and beside the model's own parameters; signed, and inside its bounds. Of an effect that
+may sit in many places the best few are judged on recordings left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.candidates import Candidate
+from estimator.model import Model
+from estimator.moments import Column, moments
+from estimator.panel import Judged, Panel
+from estimator.posterior import Share
+from estimator.trial import Trial
+
+GROUP = 96  # columns in one pass
+SEATS = 2  # of an effect, that are judged
+
+
+@dataclass(frozen=True)
+class Screened:
+    """A candidate, and what it explains while the model's own parameters stay, or move.
+
+    first  values from which a full fit may begin, of the candidate's parameters and of all
+    """
+
+    candidate: Candidate
+    stay: Judged
+    move: Judged
+    first_stay: Mapping[str, float]
+    first_move: Mapping[str, float]
+
+    def judged(self, refit: bool) -> Judged:
+        """One or the other."""
+        return self.move if refit else self.stay
+
+    def first(self, refit: bool) -> Mapping[str, float]:
+        """One or the other."""
+        return self.first_move if refit else self.first_stay
+
+
+@dataclass(frozen=True)
+class Screen:
+    """The model alone, as it is and with its own parameters fitted again, and all candidates, best seats only."""
+
+    stay: Judged
+    move: Judged
+    found: tuple[Screened, ...]
+
+    def best(self, refit: bool) -> list[Screened]:
+        """The best seat of each effect, best effect first."""
+        best: dict[str, Screened] = {}
+        for each in sorted(self.found, key=lambda s: s.judged(refit).misfit):
+            best.setdefault(each.candidate.name, each)
+        return list(best.values())
+
+
+def screen(
+    model: Model, wide: Model, candidates: Sequence[Candidate], trials: Sequence[Trial], share: Share = map
+) -> Screen:  # fmt: skip
+    """Screen candidates of a model; `wide` is the model with all of them at their nulls."""
+    own = [Column(wide, path) for path in model.free()]
+    groups = _groups(candidates)
+    found: list[Screened] = []
+    panel = Panel(own, moments(trials, wide, own, share))
+    alone, again = panel.judge([]), panel.judge(range(len(own)))
+    for group in groups:
+        columns = [Column(c.place(wide), path) for c in group for path in c.paths]
+        found += _screened(group, own, Panel([*own, *columns], moments(trials, wide, [*own, *columns], share)))
+    return Screen(alone, again, tuple(found))
+
+
+def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
+    """Candidates in groups of limited size, the seats of one effect together."""
+    groups: list[list[Candidate]] = []
+    for each in candidates:
+        if not groups or len(groups[-1]) >= GROUP:
+            groups.append([])
+        groups[-1].append(each)
+    return groups
+
+
+def _screened(group: Sequence[Candidate], own: Sequence[Column], panel: Panel) -> list[Screened]:
+    k, sizes = len(own), [len(c.paths) for c in group]
+    starts = k + np.append(0, np.cumsum(sizes[:-1])).astype(int)
+    gains = [panel.gains(range(0)), panel.gains(range(k))]
+    kept: set[int] = set()
+    for name in {c.name for c in group}:
+        seats = [i for i, c in enumerate(group) if c.name == name]
+        for gain in gains:
+            kept |= set(sorted(seats, key=lambda i: -float(gain[starts[i] : starts[i] + sizes[i]].max()))[:SEATS])
+    return [_judged(group[i], k, range(starts[i], starts[i] + sizes[i]), panel) for i in sorted(kept)]
+
+
+def _judged(candidate: Candidate, k: int, at: Sequence[int], panel: Panel) -> Screened:
+    stay, move = panel.judge(list(at)), panel.judge([*range(k), *at])
+    return Screened(candidate, stay, move, _values(panel, stay), _values(panel, move))
+
+
+def _values(panel: Panel, judged: Judged) -> dict[str, float]:
+    pairs = zip(judged.chosen, judged.change, strict=True)
+    return {panel.columns[i].path: float(panel.at[i] + change) for i, change in pairs}

@@ -1,0 +1,212 @@
+"""Which effect is missing from a model, if it can be told.
+
+Every hypothesis is judged by the open-loop misfit on recordings left out, temperatures and elongation alike:
+
+    the model as it is, or with its own parameters fitted again
+    either of these with one effect more, or with two
+    either of these with one input of one recording set right
+    either of these with heat at some place, or an offset of a reading, that follows something (`unknown`)
+
+An effect must leave clearly less than the model does without it, and a second effect that leaves as little is named
+beside it as a tie. Recordings held out are never looked at for this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from estimator.candidates import candidates
+from estimator.effect import Effect
+from estimator.hypothesis import Hypothesis, refined
+from estimator.mislabel import Mislabel, mislabel
+from estimator.model import Model
+from estimator.moments import Column, moments, trials_of
+from estimator.panel import Judged, Panel
+from estimator.posterior import Share
+from estimator.record import Recording
+from estimator.rig import Rig
+from estimator.screen import Screen, Screened, screen
+from estimator.trial import Trial
+from estimator.unknown import UnknownBodyHeat, UnknownHeat, UnknownReading
+
+MATERIAL = 0.85  # an effect leaves at most this share of the misfit, or it is not missing ...
+MATERIAL_K, MATERIAL_UM = 0.02, 0.12  # ... and takes at least so much off one of the errors
+ALIKE = 1.10  # a misfit within this of the best is as good
+EXPLAINS = 0.9  # of what a new fit of all parameters gains, that one parameter alone may stand for
+STRANGE = 0.8  # something unknown leaves at most this share of what the best effects leave
+GOOD = 1.3  # a misfit that is good enough not to look for strangers
+REFINED = 3  # effects of each kind that are fitted in full
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """The verdict and what it rests on.
+
+    verdict  "effect", "tie", "input_error", "nothing_in_catalogue" or "nothing_missing"
+    found    hypotheses with an effect each, best first;  tie: names that these recordings cannot tell apart
+    before   the model without them: as it is, or fitted again, whichever predicts better
+    pair     two effects together, where they explain clearly more than one
+    """
+
+    verdict: str
+    found: tuple[Hypothesis, ...]
+    tie: tuple[str, ...]
+    as_given: Hypothesis
+    before: Hypothesis
+    pair: tuple[str, ...] = ()
+    wrong_input: Mislabel | None = None
+    stranger: Screened | None = None
+    scores: dict[str, float] = field(default_factory=dict)
+
+
+def suggest(
+    model: Model, rig: Rig, recordings: Sequence[Recording], effects: Iterable[type[Effect]],
+    each: Progress = lambda stage, share: None, share: Share = map,
+) -> Suggestion:  # fmt: skip
+    """Look for what is missing. `each` hears the stage and the share of the work that is done."""
+    return Search(model, rig, recordings, list(effects), each, share).run()
+
+
+class Search:
+    """One search: the recordings made ready once, and hypotheses tried on them."""
+
+    def __init__(
+        self, model: Model, rig: Rig, recordings: Sequence[Recording], effects: Sequence[type[Effect]],
+        each: Progress, share: Share,
+    ) -> None:  # fmt: skip
+        self.model, self.rig, self.recordings, self.effects = model, rig, recordings, effects
+        self.each, self.share = each, share
+        self.wide, self.candidates = candidates(model, rig, effects)
+
+    def run(self) -> Suggestion:
+        """All stages, and the verdict."""
+        self.each("reading the misfit", 0.0)
+        self.trials = trials_of(self.wide, self.rig, self.recordings)
+        as_given = refined(self.model, self.trials, [], False, {}, self.share)
+        self.each("fitting the model again", 0.05)
+        again = refined(self.model, self.trials, [], True, {}, self.share)
+        self.each("screening the catalogue", 0.15)
+        found = screen(self.model, self.wide, self.candidates, self.trials, self.share)
+        self.each("fitting the best effects", 0.4)
+        fitted = self._fitted(found)
+        before = min(as_given, again, key=lambda h: h.misfit)
+        pair = self._pair(found)
+        best = fitted[0].misfit if fitted else np.inf
+        self.each("looking for a wrong input", 0.75)
+        wrong = self._wrong(before, min(best, pair[1]))
+        self.each("looking for something unknown", 0.85)
+        stranger = self._stranger(min(before.misfit, best, pair[1]))
+        return self._verdict(as_given, again, before, fitted, pair, wrong, stranger)
+
+    def _fitted(self, found: Screen) -> list[Hypothesis]:
+        """The best effects of the screen, fitted in full, best first; each in the way that predicts better."""
+        tried = []
+        for refit in (False, True):
+            for one in found.best(refit)[:REFINED]:
+                tried.append(self._refined(one, refit))
+        best: dict[str, Hypothesis] = {}
+        for each in sorted(tried, key=lambda h: h.misfit):
+            best.setdefault(each.names[0], each)
+        return list(best.values())
+
+    def _refined(self, one: Screened, refit: bool) -> Hypothesis:
+        first = dict(one.first(refit))
+        return refined(self.model, self.trials, [one.candidate], refit, first, self.share)
+
+    def _pair(self, found: Screen) -> tuple[tuple[str, ...], float]:
+        """The best two effects together, and their misfit; no names where there are none."""
+        seats = {s.candidate.name: s.candidate for refit in (True, False) for s in found.best(refit)[: 2 * REFINED]}
+        own = [Column(self.wide, path) for path in self.model.free()]
+        columns, at = list(own), {}
+        for name, seat in seats.items():
+            at[name] = range(len(columns), len(columns) + len(seat.paths))
+            columns += [Column(seat.place(self.wide), path) for path in seat.paths]
+        panel = Panel(columns, moments(self.trials, self.wide, columns, self.share))
+        best: tuple[tuple[str, ...], float] = ((), np.inf)
+        for a, b in combinations(seats, 2):
+            for beside in (range(0), range(len(own))):
+                misfit = panel.judge([*beside, *at[a], *at[b]]).misfit
+                if misfit < best[1]:
+                    best = ((a, b), misfit)
+        return best
+
+    def _wrong(self, before: Hypothesis, best: float) -> Mislabel | None:
+        """A wrong input that explains clearly more than any effects."""
+        found = [
+            mislabel(self.model, self.rig, self.recordings, self.trials, refit, self.share) for refit in (False, True)
+        ]
+        known = [each for each in found if each is not None]
+        if not known:
+            return None
+        least = min(known, key=lambda m: m.judged.misfit)
+        return least if least.judged.misfit < min(MATERIAL * before.misfit, best / ALIKE) else None
+
+    def _stranger(self, best: float) -> Screened | None:
+        """What explains clearly more than the best effects, and is in no catalogue."""
+        if best <= GOOD:
+            return None
+        wide, unknown = candidates(self.model, self.rig, [UnknownHeat, UnknownBodyHeat, UnknownReading])
+        found = screen(self.model, wide, unknown, self.trials, self.share)
+        both = [(one, refit) for refit in (False, True) for one in found.best(refit)[:1]]
+        if not both:
+            return None
+        one, refit = min(both, key=lambda pair: pair[0].judged(pair[1]).misfit)
+        return one if one.judged(refit).misfit < STRANGE * best else None
+
+    def _verdict(
+        self, as_given: Hypothesis, again: Hypothesis, before: Hypothesis, fitted: list[Hypothesis],
+        pair: tuple[tuple[str, ...], float], wrong: Mislabel | None, stranger: Screened | None,
+    ) -> Suggestion:  # fmt: skip
+        two = pair[0] if fitted and pair[1] < MATERIAL * fitted[0].misfit else ()
+        if two and not set(two) & {fitted[0].names[0]}:
+            fitted = sorted(fitted, key=lambda h: h.names[0] not in two)
+        found = [h for h in fitted if material(h, as_given, again)]
+        tie: tuple[str, ...] = ()
+        if wrong is not None:
+            verdict = "input_error"
+        elif stranger is not None:
+            verdict = "nothing_in_catalogue"
+        elif found:
+            tie = tuple(h.names[0] for h in found if h.misfit <= ALIKE * found[0].misfit)
+            verdict = "tie" if len(tie) > 1 else "effect"
+        else:
+            tie = self._refit_alike(as_given, again, fitted)
+            verdict = "nothing_missing" if not tie else "tie" if len(tie) > 1 else "effect"
+            found = [h for h in fitted if h.names[0] in tie]
+        tie = tie if len(tie) > 1 else ()
+        rest = [h for h in fitted if h not in found]
+        return Suggestion(verdict, (*found, *rest), tie, as_given, before, two, wrong, stranger)
+
+    def _refit_alike(self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis]) -> tuple[str, ...]:
+        """Effects, in the model or not, one of which alone explains what fitting all parameters again gains."""
+        gain = as_given.misfit - again.misfit
+        if gain < (1 - MATERIAL) * as_given.misfit or as_given.misfit < GOOD:
+            return ()
+        enough = as_given.misfit - EXPLAINS * gain
+        absent = [h.names[0] for h in fitted if not h.refit and h.misfit <= enough]
+        own = []
+        for path in self.model.free():
+            alone = refined(self.model, self.trials, [], False, {}, self.share, only=[path])
+            if alone.misfit <= enough:
+                own.append(path.partition(".")[0])
+        return tuple(dict.fromkeys([*absent, *own])) if absent else ()
+
+
+def material(h: Hypothesis, as_given: Hypothesis, again: Hypothesis) -> bool:
+    """Whether an effect takes enough off the misfit of the model without it."""
+    less = h.misfit <= MATERIAL * as_given.misfit and h.misfit <= (MATERIAL if h.refit else 0.95) * again.misfit
+    rival: Judged = (again if h.refit else as_given).judged
+    heat = rival.heat_K**2 - h.judged.heat_K**2
+    length = np.nan_to_num(rival.length_um**2 - h.judged.length_um**2)
+    return bool(less and (heat > MATERIAL_K**2 or length > MATERIAL_UM**2))
+
+
+def trials_for(model: Model, rig: Rig, recordings: Sequence[Recording]) -> list[Trial]:
+    """Recordings made ready to judge one model on, open loop."""
+    return trials_of(model, rig, recordings)
