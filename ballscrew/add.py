@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import os
-from dataclasses import replace
 from pathlib import Path
 
 import click
 
-from ballscrew.named import Named, named_effect
+from ballscrew.named import named_effect
 from ballscrew.options import output_options, writable
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_rig
 from estimator.errors import SetupError
 from estimator.exercise import instants
-from estimator.model import Model, load_model, save_model
+from estimator.model import load_model, save_model
 from estimator.structure import checked_terms
 
 
@@ -42,7 +40,7 @@ def command(
     name = one.effect.name
     if name in model.effects:
         raise SetupError(f"{model_path} has the effect '{name}' already; change its values in the file, or fit them")
-    added = _with(model, one)
+    added = one.used_by(model + one.effect)
     checked_terms(added, instants(rig := open_rig([model_path], rig_path, terminal)), rig)
     if missing := [other for other in one.effect.scales if other not in model.effects]:
         terminal.warn(f"{name} acts on {', '.join(missing)} too, which {model_path} has not: without it, it does less")
@@ -51,13 +49,3 @@ def command(
     terminal.say(f"next: ballscrew fit LOG... --model {out} -o MODEL")
     parameters = {key: added[f"{name}.{key}"] for key in one.effect.params}
     terminal.json({"model": str(out), "effect": name, "parameters": parameters, "missing": missing})
-
-
-def _with(model: Model, one: Named) -> Model:
-    """The model with the effect; the file of one's own is kept as seen from the model's folder."""
-    added = model + one.effect
-    if one.file is None:
-        return added
-    assert model.folder is not None
-    file = Path(os.path.relpath(one.file, model.folder)).as_posix()
-    return replace(added, use={**model.use, one.effect.name: f"{file}:{one.effect.__name__}"})

@@ -18,6 +18,7 @@ COMMANDS = {
     "fit": "Fit a model's parameters to recordings.",
     "tune": "Set a model's noise levels by recordings.",
     "compare": "Print how far models are from recordings, side by side.",
+    "diagnose": "Say whether a model is adequate, where it fails, and what that follows.",
     "suggest": "Say which physical effect is missing from a model.",
     "show": "Print a model as equations, with values, bounds and sources.",
     "effects": "Print the catalogue of effects, or one of them; check one.",

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
 import numpy as np
 
 from ballscrew.fit import HORIZONS
-from ballscrew.options import logs_argument, output_options
+from ballscrew.options import logs_argument, output_options, save_option
+from ballscrew.page import Section
 from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
 from ballscrew.workspace import load, open_model, open_rig
@@ -30,16 +32,19 @@ KEYS = {"one_step": "one_step", "ahead": "ahead_10min", "open_loop": "open_loop"
     "--model", "model_paths", type=click.Path(path_type=Path), multiple=True,
     help="Model TOML, once for each model to compare; else the rig folder's model.toml.",
 )  # fmt: skip
+@save_option
 @output_options
 def command(
-    logs: tuple[Path, ...], rig_path: Path | None, model_paths: tuple[Path, ...], json_path: str | None, quiet: bool,
-    debug: bool,
+    logs: tuple[Path, ...], rig_path: Path | None, model_paths: tuple[Path, ...], rrd: Path | None,
+    json_path: str | None, quiet: bool, debug: bool,
 ) -> int:  # fmt: skip
     """Print how far one or more models are from the readings in all LOGs: where, when, and how far ahead.
 
     One tick ahead, ten minutes ahead, and by the model alone from the first sample on; by channel, by phase and by
-    speed, with what the sensors alone would leave beside it.
+    speed, with what the sensors alone would leave beside it. The views show one model, or two: before and after.
     """
+    if rrd is not None and len(model_paths) > 2:
+        raise click.UsageError("--save shows one model, or two beside each other")
     terminal = Terminal(json_path, quiet)
     rig = open_rig(logs, rig_path, terminal)
     models = [open_model(rig, path, terminal) for path in (model_paths or (None,))]
@@ -52,33 +57,49 @@ def command(
         for done, model in enumerate(models):
             update(done, model.name)
             found.append(compare(model, rig, recordings, share))
-    _print(terminal, found)
+    _print(terminal, tables := sections(found))
     terminal.json({"models": [_as_json(each) for each in found]})
+    if rrd is not None:
+        from ballscrew.comparison_views import save_views  # rerun takes half a second to import
+
+        save_views(terminal, rrd, rig, models, loaded, tables)
     return InputError.exit_code if failed else 0
 
 
-def _print(terminal: Terminal, found: list[Comparison]) -> None:
+def _print(terminal: Terminal, tables: Sequence[Section]) -> None:
+    for i, (title, _, (head, *rows)) in enumerate(tables):
+        if i:
+            terminal.say(f"\n{title}")
+        terminal.table("", head, rows)
+    for _, said, _ in tables:
+        for sentence in said:
+            terminal.say(sentence)
+
+
+def sections(found: Sequence[Comparison]) -> list[Section]:
+    """The tables: by horizon, by phase and speed, by channel."""
     names = [each.name for each in found]
-    head = [cell for name in names for cell in (f"{name}, K", "um")]
+    head = ["", *(cell for name in names for cell in (f"{name}, K", "um"))]
     rows = [[title, *_cells([each.whole[key] for each in found])] for key, title in HORIZONS.items()]
     rows.append(["sensors alone", *_cells([each.floor for each in found])])
     if any(each.held_out for each in found):
         rows.append(["held out: model alone", *_cells([_held_out(each) for each in found])])
-    terminal.table("", ["error, rms", *head], rows)
+    said = [f"{each.name}: {warning}" for each in found for warning in each.warnings]
     parts = {PHASES[p]: [each.by_phase[p] for each in found] for p in PHASES}
     parts |= {f"at {v:g} m/min": [each.by_speed[v] for each in found] for v in found[0].by_speed}
-    terminal.say("\nby the model alone (open loop)")
-    terminal.table(
-        "", ["", *head], [[title, *_cells([e["open_loop"] for e in errors])] for title, errors in parts.items()]
-    )
+    alone = [[title, *_cells([e["open_loop"] for e in errors])] for title, errors in parts.items()]
+    return [
+        ("how far ahead", said, [["error, rms", *head[1:]], *rows]),
+        ("by the model alone (open loop)", (), [head, *alone]),
+        _by_channel(found, names),
+    ]
+
+
+def _by_channel(found: Sequence[Comparison], names: Sequence[str]) -> Section:
     shown = list(HORIZONS) if len(found) == 1 else ["open_loop"]
     head = ["1 tick", "10 min", "alone"] if len(found) == 1 else names
     title = "channels, rms in K or um" + ("" if len(found) == 1 else ", by the model alone")
-    terminal.say(f"\n{title}")
-    terminal.table("", ["channel", *head], [_channel(found, name, shown) for name in found[0].by_channel])
-    for each in found:
-        for warning in each.warnings:
-            terminal.say(f"{each.name}: {warning}")
+    return title, (), [["channel", *head], *(_channel(found, name, shown) for name in found[0].by_channel)]
 
 
 def _held_out(each: Comparison) -> Error:
@@ -89,7 +110,7 @@ def _cells(errors: list[Error]) -> list[str]:
     return [cell for e in errors for cell in (_number(e.temperature_K, 3), _number(e.elongation_um, 2))]
 
 
-def _channel(found: list[Comparison], name: str, horizons: list[str]) -> list[str]:
+def _channel(found: Sequence[Comparison], name: str, horizons: list[str]) -> list[str]:
     return [name, *(_number(each.by_channel[name][key], 3) for each in found for key in horizons)]
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import os
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from estimator.effect import Effect
 from estimator.effects import CATALOGUE
 from estimator.errors import SetupError, nearest
-from estimator.model import own_effect, own_effects
+from estimator.model import Model, own_effect, own_effects
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,14 @@ class Named:
     def use(self) -> str:
         """As a command line names it."""
         return f"{self.file}:{self.effect.__name__}" if self.file else self.effect.name
+
+    def used_by(self, model: Model) -> Model:
+        """A model that has the effect, with the file of one's own kept as seen from the model's folder."""
+        if self.file is None:
+            return model
+        assert model.folder is not None
+        file = Path(os.path.relpath(self.file, model.folder)).as_posix()
+        return replace(model, use={**model.use, self.effect.name: f"{file}:{self.effect.__name__}"})
 
 
 def named_effects(word: str) -> list[Named]:

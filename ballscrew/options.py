@@ -60,4 +60,8 @@ def output_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
+save_option = click.option(
+    "--save", "rrd", type=click.Path(path_type=Path), callback=writable, metavar="OUT.rrd",
+    help="Write the views as a rerun file.",
+)  # fmt: skip
 logs_argument = click.argument("logs", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="LOG...")

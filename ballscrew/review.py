@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from ballscrew.muting import chosen_thermometers, muted
-from ballscrew.options import logs_argument, output_options, rig_options, writable
+from ballscrew.options import logs_argument, output_options, rig_options, save_option
 from ballscrew.report import as_json, markdown, print_reviews
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import Loaded, load, open_model, open_rig
@@ -29,14 +29,7 @@ from viz.run import Run, first_stop_s
     "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO]",
     help="Do not use a channel, `telemeter` or `displacement` from FROM to TO: seconds from the start, or stop1 ...",
 )  # fmt: skip
-@click.option(
-    "--save",
-    "rrd",
-    type=click.Path(path_type=Path),
-    callback=writable,
-    metavar="OUT.rrd",
-    help="Write the views as a rerun file.",
-)
+@save_option
 @click.option("--view", is_flag=True, help="Open the views in the rerun viewer, where there is a screen.")
 @output_options
 def command(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,11 @@ import click
 import numpy as np
 
 from ballscrew.named import Named, named_effects
-from ballscrew.options import logs_argument, output_options, rig_options
+from ballscrew.options import logs_argument, output_options, rig_options, save_option
 from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
 from ballscrew.verdict import Finding, as_json, sentence
-from ballscrew.workspace import load, open_model, open_rig
+from ballscrew.workspace import Loaded, load, open_model, open_rig
 from estimator.effect import Effect
 from estimator.effects import CATALOGUE
 from estimator.errors import InputError
@@ -26,7 +27,7 @@ from estimator.next_run import next_run
 from estimator.posterior import Share
 from estimator.record import Recording
 from estimator.rig import Rig
-from estimator.suggest import Progress, suggest
+from estimator.suggest import Progress, Suggestion, suggest
 
 SHOWN = 6
 
@@ -55,15 +56,17 @@ def wanted_effects(model: Model, own: Sequence[str]) -> list[Named]:
 @logs_argument
 @rig_options
 @search_options
+@save_option
 @output_options
 def command(
     logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, held_out: tuple[Path, ...],
-    own: tuple[str, ...], json_path: str | None, quiet: bool, debug: bool,
+    own: tuple[str, ...], rrd: Path | None, json_path: str | None, quiet: bool, debug: bool,
 ) -> int:  # fmt: skip
     """Say which effect is missing from the model, as judged by all LOGs: each is left out once.
 
     The verdict is an effect; a tie, with the run that would decide; a wrong input of one recording; nothing in the
-    catalogue, with the place and what it follows; or nothing missing. A truth file is never opened.
+    catalogue, with the place and what it follows; or nothing missing. A truth file is never opened. The views show the
+    model, and beside it the one with the best effect.
     """
     terminal = Terminal(json_path, quiet)
     rig = open_rig(logs, rig_path, terminal)
@@ -80,6 +83,8 @@ def command(
         )  # fmt: skip
     print_finding(terminal, found, rig)
     terminal.json(as_json(found, rig))
+    if rrd is not None:
+        _save(terminal, rrd, rig, model, loaded, found)
     return InputError.exit_code if failed or failed_too else 0
 
 
@@ -89,6 +94,14 @@ def find(
 ) -> Finding:  # fmt: skip
     """Search, then look at the recordings held out, and for a run that decides a tie."""
     found = suggest(model, rig, recordings, effects, each, share)
+    return finding_of(found, rig, recordings, held_out, each, share)
+
+
+def finding_of(
+    found: Suggestion, rig: Rig, recordings: Sequence[Recording], held_out: Sequence[Recording], each: Progress,
+    share: Share,
+) -> Finding:  # fmt: skip
+    """What was found, with the run that decides a tie and the recordings held out."""
     run = None
     if found.verdict == "tie" and len(found.tie) > 1:
         each("looking for the run that decides", 0.95)
@@ -105,26 +118,52 @@ def _held(model: Model, rig: Rig, recordings: Sequence[Recording]) -> Error:
 
 def print_finding(terminal: Terminal, found: Finding, rig: Rig) -> None:
     """The ranking as a table, and the verdict."""
-    suggestion = found.suggestion
-    head = ["open loop, rms", "K", "um", *(["held out, K", "um"] if found.held_out else []), "fitted", "value"]
-    rows = [_row("the model as given", suggestion.as_given, None)]
-    before = found.held_out[0] if found.held_out else None
-    if suggestion.before is not suggestion.as_given:
-        rows.append(_row("fitted again", suggestion.before, before))
-    elif before is not None:
-        rows[0][3:5] = _pair(before)
-    for i, h in enumerate(suggestion.found[:SHOWN], start=1):
-        rows.append(_row(f"+ {h.names[0]}", h, found.held_out[i] if found.held_out else None))
-    width = len(head)
-    terminal.table("", head, [[*row, *[""] * (width - len(row))] for row in rows], prose=width - 1)
-    note = "each recording left out once" if not found.held_out else "each left out once; held out: never looked at"
-    terminal.say(f"({note}; best first)")
+    head, *rows = ranking(found)
+    terminal.table("", head, rows, prose=len(head) - 1)
+    terminal.say(f"({_note(found)})")
     terminal.say()
     terminal.say(sentence(found, rig))
 
 
+def ranking(found: Finding) -> list[list[str]]:
+    """The table of hypotheses, its head first."""
+    head = ["open loop, rms", "K", "um", *(["held out, K", "um"] if found.held_out else []), "fitted", "value"]
+    rows = [_row(*each) for each in _ranked(found)]
+    return [head, *([*row, *[""] * (len(head) - len(row))] for row in rows)]
+
+
+def _ranked(found: Finding) -> list[tuple[str, Hypothesis, Error | None]]:
+    """Hypotheses with their title and error held out: the model, fitted again, and the best effects."""
+    suggestion, held = found.suggestion, [*found.held_out] or [None] * (1 + len(found.suggestion.found))
+    ranked = [("the model as given", suggestion.as_given, None)]
+    if suggestion.before is suggestion.as_given:
+        ranked = [("the model as given", suggestion.as_given, held[0])]
+    else:
+        ranked.append(("fitted again", suggestion.before, held[0]))
+    return ranked + [(f"+ {h.names[0]}", h, e) for h, e in zip(suggestion.found[:SHOWN], held[1:], strict=False)]
+
+
+def _note(found: Finding) -> str:
+    said = "each left out once; held out: never looked at" if found.held_out else "each recording left out once"
+    return f"{said}; best first"
+
+
+def _save(terminal: Terminal, path: Path, rig: Rig, model: Model, loaded: Sequence[Loaded], found: Finding) -> None:
+    from ballscrew.comparison_views import error_bars, save_views  # rerun takes half a second to import
+
+    best = [replace(h.model, name=f"with {h.names[0]}") for h in found.suggestion.found[:1]]
+    section = "What is missing", [sentence(found, rig), _note(found)], ranking(found)
+    figures = error_bars([(title, error_of(h), held) for title, h, held in _ranked(found)])
+    save_views(terminal, path, rig, [model, *best], loaded, [section], figures)
+
+
+def error_of(h: Hypothesis) -> Error:
+    """Open-loop error on recordings left out."""
+    return Error(h.judged.heat_K, h.judged.length_um)
+
+
 def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
-    cells = [title, *_pair(Error(h.judged.heat_K, h.judged.length_um))]
+    cells = [title, *_pair(error_of(h))]
     if held is not None:
         cells += _pair(held)
     own = {path: value for path, value in h.parameters().items() if path.partition(".")[0] in h.names}

@@ -9,6 +9,7 @@ import click
 import numpy as np
 
 from ballscrew.options import logs_argument, output_options, rig_options, writable
+from ballscrew.page import page
 from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
 from ballscrew.workspace import Loaded, load, open_model, open_rig
@@ -87,7 +88,7 @@ def _channels(found: Tuned) -> list[list[str]]:
 
 
 def _save(terminal: Terminal, path: Path, rig: Rig, model: Model, loaded: Sequence[Loaded], found: Tuned) -> None:
-    from ballscrew.tune_views import page, save_views  # rerun takes half a second to import
+    from ballscrew.tune_views import save_views  # rerun takes half a second to import
 
     levels = "Noise levels", sentences(found), [LEVELS, *_levels(found)]
     channels = "Innovations, before->after", LEGEND, [COLUMNS, *_channels(found)]

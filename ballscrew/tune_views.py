@@ -1,4 +1,4 @@
-"""What the views of a tuning show: innovations before and after, and the tables as a page."""
+"""What the views of a tuning show: innovations before and after."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from estimator.rig import Rig
 from estimator.trial import Trial
 from estimator.tune import Tuned
 from viz.tuning import Nis, Side, Tuning, save
-
-Rows = Sequence[Sequence[str]]
 
 
 def save_views(path: Path, rig: Rig, model: Model, loaded: Sequence[Loaded], found: Tuned, page: str) -> None:
@@ -37,12 +35,3 @@ def _tuning(one: Loaded, trial: Trial, *models: Model) -> Tuning:
 def _nis(title: str, found: Tuned, figure: str) -> Nis:
     before, after = (np.array([getattr(each, figure) for each in some]) for some in (found.before, found.after))
     return Nis(title, before, after)
-
-
-def page(sections: Sequence[tuple[str, Sequence[str], Rows]]) -> str:
-    """Sections of a title, sentences and a table, head first, as markdown."""
-    lines: list[str] = []
-    for title, sentences, (head, *rows) in sections:
-        table = ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows)]
-        lines += [f"# {title}", "", *(f"- {sentence}" for sentence in sentences), "", *table, ""]
-    return "\n".join(lines)

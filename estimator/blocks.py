@@ -36,10 +36,11 @@ class Blocks:
 
     def mean(self, column: Array) -> Array:
         """Mean of a column (T,) over each block, (B,), of what is finite; NaN where nothing is."""
-        known = np.isfinite(column)
-        count = np.bincount(self.of_tick, known, len(self))
-        total = np.bincount(self.of_tick, np.where(known, column, 0.0), len(self))
-        return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+        return _mean(column, self.of_tick, len(self))
+
+    def bin_mean(self, column: Array) -> Array:
+        """Likewise over each bin, (bins,)."""
+        return _mean(column, self.bin_of_tick, len(self.bin_at_s))
 
     def alike(self) -> Array:
         """Correlation (B, B) of what is smooth in time: exp(-distance / 20 min)."""
@@ -69,3 +70,10 @@ def blocks(recording: Recording, tick_s: float) -> Blocks:
         np.bincount(of_tick, time_s) / count, count * tick_s,
         used // (len(BINS_S) + 1), np.bincount(bin_of_tick, time_s) / np.bincount(bin_of_tick),
     )  # fmt: skip
+
+
+def _mean(column: Array, group: Array, groups: int) -> Array:
+    known = np.isfinite(column)
+    count = np.bincount(group, known, groups)
+    total = np.bincount(group, np.where(known, column, 0.0), groups)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)

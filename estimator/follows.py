@@ -1,9 +1,10 @@
 """What a series of values over time follows, and whether that may be chance.
 
 Each follower is regressed on, with a constant; the best explains the largest share of the variance. How large a share
-chance and the choice among many followers would reach is told by the same values in other orders: within each
-recording they are shifted in a circle, turned round, and their parts exchanged, so that neighbours mostly stay
-neighbours. A series that hardly varies follows nothing; if it is surely not zero it is "always" there.
+chance and the choice among many followers would reach is told by the same values in other orders: recordings are
+exchanged, and the values of each laid out in a circle, there and back, to be read from anywhere on. So neighbours stay
+neighbours, and what differs between recordings keeps doing so. One recording has too few orders for a name.
+A series that hardly varies and is surely not zero is "always" there.
 """
 
 from __future__ import annotations
@@ -86,18 +87,19 @@ def _shapes(followers: Array, root: Array) -> Array:
 def _orders(lengths: Sequence[int]) -> Array:
     """Other orders of the values of recordings of these lengths, (orders, b)."""
     dice = np.random.default_rng(SEED)
-    found = np.empty((ORDERS, sum(lengths)), dtype=int)
-    for row in found:
-        first = 0
-        for length in lengths:
-            row[first : first + length] = first + _order(length, dice)
-            first += length
-    return found
+    first = np.append(0, np.cumsum(lengths))
+    found = []
+    for _ in range(ORDERS):
+        given = dice.permutation(len(lengths))
+        found.append(
+            np.concatenate([first[g] + _order(lengths[g], n, dice) for g, n in zip(given, lengths, strict=True)])
+        )
+    return np.array(found)
 
 
-def _order(length: int, dice: np.random.Generator) -> Array:
-    """One recording's values shifted in a circle, perhaps turned round, and cut in two parts that change places."""
-    order = np.roll(np.arange(length), dice.integers(length))
-    low, high = np.sort(dice.integers(0, length + 1, 2))
-    order = np.concatenate([order[:low], order[low:high][::-1], order[high:]])
-    return order[::-1] if dice.integers(2) else order
+def _order(length: int, wanted: int, dice: np.random.Generator) -> Array:
+    """One recording's values there and back in a circle, from anywhere on, for as many blocks as are wanted."""
+    there = np.arange(length)
+    return np.append(there, there[::-1])[
+        (np.arange(wanted) * length // wanted + dice.integers(2 * length)) % (2 * length)
+    ]

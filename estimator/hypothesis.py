@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.candidates import Candidate
+from estimator.candidates import APART_MM, Candidate
 from estimator.model import Model, Value
 from estimator.moments import Column, moments
 from estimator.panel import Judged, Panel
 from estimator.posterior import Share
+from estimator.rig import Rig
 from estimator.trial import Trial
 
 ROUNDS = 6
@@ -80,16 +81,21 @@ def _step(
     change = panel.judge(range(len(paths))).change
     for halving in range(HALVINGS):
         values = dict(zip(paths, panel.at + change * 0.5**halving, strict=True))
-        there = model.with_values({path: _inside(model, path, value) for path, value in values.items()})
+        there = model.with_values({p: _inside(model, trials[0].rig, p, value) for p, value in values.items()})
         seen = _panel(there, trials, paths, share)
         if seen.cost < cost:
             return there, seen
     return None, panel
 
 
-def _inside(model: Model, path: str, value: float) -> float:
+def _inside(model: Model, rig: Rig, path: str, value: float) -> float:
+    """A value inside its bounds; a place moves a little at a time and stays on the screw."""
     param = model.param(path)
-    return float(np.clip(value, param.lo, param.hi))
+    lo, hi = param.lo, param.hi
+    if param.over == "place":
+        here, screw = model[path], rig.the_screw()
+        lo, hi = max(lo, screw.from_mm, here - APART_MM), min(hi, screw.to_mm, here + APART_MM)
+    return float(np.clip(value, lo, hi))
 
 
 def _panel(model: Model, trials: Sequence[Trial], paths: Sequence[str], share: Share) -> Panel:

@@ -8,7 +8,7 @@ again, where that predicts recordings left out better.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 from estimator.effect import Effect
@@ -44,10 +44,10 @@ class Step:
 
 @dataclass(frozen=True)
 class Improvement:
-    """All steps, from the model as given to the best, and the last verdict."""
+    """All steps, from the model as given to the best, and the last verdict; None: stopped by Ctrl-C before it."""
 
     steps: tuple[Step, ...]
-    last: Suggestion
+    last: Suggestion | None
 
     @property
     def model(self) -> Model:
@@ -59,20 +59,22 @@ def improve(
     model: Model, rig: Rig, recordings: Sequence[Recording], held_out: Sequence[Recording],
     effects: Sequence[type[Effect]], each: Progress = lambda step, stage, share: None, share: Share = map,
 ) -> Improvement:  # fmt: skip
-    """Improve a model. `each` hears the step, the stage and the share of it that is done."""
+    """Improve a model. `each` hears the step, the stage and the share of it that is done. Ctrl-C keeps the best so far."""
     first = refined(model, trials_of(model, rig, recordings), [], False, {}, share)
     steps = [_step("", (), first, rig, held_out)]
-    while True:
-        found = suggest(model, rig, recordings, effects, partial(each, len(steps)), share)
-        taken = _taken(found) if len(steps) <= MOST else None
-        if taken is None:
-            break
-        name = taken.names[0] if taken.names else ""
-        model = with_sd(taken)
-        steps.append(_step(name, tuple(n for n in found.tie if n != name), replace(taken, model=model), rig, held_out))
-    last = _fitted(found)
-    if last is not None:
-        steps.append(_step("", (), last, rig, held_out))
+    try:
+        while True:
+            found = suggest(steps[-1].model, rig, recordings, effects, partial(each, len(steps)), share)
+            taken = _taken(found) if len(steps) <= MOST else None
+            if taken is None:
+                break
+            name = taken.names[0] if taken.names else ""
+            steps.append(_step(name, tuple(n for n in found.tie if n != name), taken, rig, held_out))
+        last = _fitted(found)
+        if last is not None:
+            steps.append(_step("", (), last, rig, held_out))
+    except KeyboardInterrupt:
+        return Improvement(tuple(steps), None)
     return Improvement(tuple(steps), found)
 
 
@@ -98,8 +100,8 @@ def _fitted(found: Suggestion) -> Hypothesis | None:
 
 
 def _step(added: str, tie: tuple[str, ...], h: Hypothesis, rig: Rig, held_out: Sequence[Recording]) -> Step:
-    held = None
+    model, held = with_sd(h), None
     if held_out:
-        found = [open_loop_only(trial, h.model) for trial in trials_of(h.model, rig, held_out)]
+        found = [open_loop_only(trial, model) for trial in trials_of(model, rig, held_out)]
         held = overall(found, "open_loop")
-    return Step(added, tie, h.model, Error(h.judged.heat_K, h.judged.length_um), held)
+    return Step(added, tie, model, Error(h.judged.heat_K, h.judged.length_um), held)

@@ -7,6 +7,7 @@ A misfit of heat and of lasting errors is slow; averaged, a recording of hours i
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +35,7 @@ class Misfit:
     open_loop  (T, m) reading minus the model alone at each tick; NaN where not measured, or a spike
     y, variance  (N,) average misfit, K or um, and the variance of its scatter
     channel, bin  (N,) which channel, and which bin of `blocks`
+    rate  (N,) how fast the model's reading rises, K/s or um/s
     A  (N, B Z) how an average moves with 1 W/m in zone z during block b, column b Z + z
     """
 
@@ -45,6 +47,7 @@ class Misfit:
     variance: Array
     channel: Array
     bin: Array
+    rate: Array
     A: Array
 
 
@@ -70,10 +73,12 @@ def misfit(model: Model, rig: Rig, recording: Recording) -> Misfit:
     for k, column in enumerate(_columns(trial, posed, cut, places)):
         A[:, k] = mean(column)
     variance = mean(np.broadcast_to(posed.system.R, rest.shape)) / count
-    return Misfit(trial, cut, places, rest, mean(rest), variance, rows % m, rows // m, A)
+    rate = np.diff(posed.run.lagged, axis=0, prepend=posed.run.spot[:1]) / slow.tick_s
+    return Misfit(trial, cut, places, rest, mean(rest), variance, rows % m, rows // m, mean(rate), A)
 
 
-def _columns(trial: Trial, posed: Posed, cut: Blocks, places: tuple[Zone, ...]):
+def _columns(trial: Trial, posed: Posed, cut: Blocks, places: tuple[Zone, ...]) -> Iterator[Array]:
+    """How each reading moves, (T, m), with the heat of each block and zone."""
     R, n = posed.system.F.shape[:2]
     boundaries = posed.forcing.place.boundaries
     none = Network(np.zeros((n, n)), np.zeros((R, n, n)), np.zeros((R, n, boundaries)), np.zeros((R, n, n)))

@@ -4,8 +4,8 @@
 
 h   W/m in each zone and block of time: unknown and smooth in place; the sum of four, each of a size that the
     recordings tell: steady, and smooth in time, at all times, and while driving
-e   of each reading: a constant from the first motion on, and something that wanders within 20 minutes; the latter also
-    of all thermometers together; each of a size that the recordings tell
+e   of each reading: a constant from the first motion on, seconds of lag, and something that wanders within 20
+    minutes; lag and wandering also of all thermometers together; each of a size that is told likewise
 
 All are Gaussian, so that the answer is exact given the sizes. One bad thermometer moves alone and at once; heat moves
 its neighbours too, late, and the elongation: so the two are told apart, and both are kept.
@@ -26,18 +26,23 @@ from estimator.shares import Cause, Measured, Solved, most_likely, solved
 from estimator.zones import Zone, alike
 
 HEATS = ("heat", "heat while driving", "changing heat", "changing heat while driving")
-ALL = "thermometers"
+ALL = "thermometers"  # an error that they share
 FIRST_W_M, LEAST_W_M = 5.0, 1e-3
-FIRST_K, LEAST_K = 0.01, 0.01
-FIRST_UM, LEAST_UM = 0.05, 0.05
+KINDS = ("drift", "offset", "lag")
+FIRST = {"drift": 0.01, "offset": 0.01, "lag": 1.0}  # K, K, s; of a length in 5 um
+LEAST = {"drift": 0.01, "offset": 0.01, "lag": 0.01}
+PER_K = 5.0  # um that stand for 1 K
 ZERO_UM = 100.0  # sd of a zero that has no meaning
 
 
 @dataclass(frozen=True)
 class ReadingError:
-    """What a reading shows beside the truth, over the blocks in which it was read: mean (b,), covariance (b, b)."""
+    """What a reading shows beside the truth, over the bins in which it was read: mean (b,), covariance (b, b).
 
-    blocks: Array
+    Where its zero has no meaning the error is that of its changes, zero on the mean.
+    """
+
+    bins: Array
     mean: Array
     covariance: Array
 
@@ -80,8 +85,9 @@ def missing_heat(found: Sequence[Misfit], share: Share = map) -> list[MissingHea
     rig = found[0].trial.rig
     first, least = dict.fromkeys(HEATS, FIRST_W_M), dict.fromkeys(HEATS, LEAST_W_M)
     for name in {name for each in measured for name in each.causes} - {*HEATS}:
-        heat = name == ALL or name.partition(" ")[2] in rig.thermometers
-        first[name], least[name] = (FIRST_K, LEAST_K) if heat else (FIRST_UM, LEAST_UM)
+        kind, _, channel = name.partition(" ")
+        unit = 1.0 if channel in (ALL, *rig.thermometers) else PER_K
+        first[name], least[name] = FIRST[kind] * unit, LEAST[kind] * unit
     sizes = most_likely(measured, first, least, share)
     return [_answer(each, one, sizes) for each, one in zip(found, measured, strict=True)]
 
@@ -94,25 +100,31 @@ def _priors(found: Misfit) -> dict[str, Array]:
 
 
 def _measured(found: Misfit) -> Measured:
-    trial, at_s = found.trial, found.blocks.bin_at_s
+    trial = found.trial
     known = np.diag(found.variance)
     for channel in trial.floating:
         rows = np.flatnonzero(found.channel == channel)
         known[np.ix_(rows, rows)] += ZERO_UM**2
     every = np.arange(len(found.y))
     causes = {name: Cause(every, found.A @ prior @ found.A.T) for name, prior in _priors(found).items()}
-    names = trial.rig.names
-    heat = np.flatnonzero(np.isin(found.channel, [names.index(name) for name in trial.rig.thermometers]))
-    near = np.exp(-np.abs(at_s[:, None] - at_s) / ALIKE_S)
-    if len(np.unique(found.channel[heat])) > 2:
-        causes[ALL] = Cause(heat, near[np.ix_(found.bin[heat], found.bin[heat])])
-    step = moved(found)
+    names, heat = trial.rig.names, np.isin(trial.rig.names, trial.rig.thermometers)
+    together = np.flatnonzero(heat[found.channel])
+    if len(np.unique(found.channel[together])) > 2:
+        causes |= _errors(found, ALL, together, ("drift", "lag"))
     for channel in np.unique(found.channel):
-        rows = np.flatnonzero(found.channel == channel)
-        bins = found.bin[rows]
-        causes[f"drift {names[channel]}"] = Cause(rows, near[np.ix_(bins, bins)])
-        causes[f"offset {names[channel]}"] = Cause(rows, np.outer(step[bins], step[bins]))
+        kinds = KINDS if heat[channel] else KINDS[:2]
+        causes |= _errors(found, names[channel], np.flatnonzero(found.channel == channel), kinds)
     return Measured(found.y, known, causes)
+
+
+def _errors(found: Misfit, name: str, rows: Array, kinds: Sequence[str]) -> dict[str, Cause]:
+    """Errors of these kinds that the averages `rows` share."""
+    bins = found.bin[rows]
+    at_s = found.blocks.bin_at_s[bins]
+    shapes = {"offset": moved(found)[bins], "lag": -found.rate[rows]}
+    wander = np.exp(-np.abs(at_s[:, None] - at_s) / ALIKE_S)
+    covariances = {kind: wander if kind == "drift" else np.outer(shapes[kind], shapes[kind]) for kind in kinds}
+    return {f"{kind} {name}": Cause(rows, covariance) for kind, covariance in covariances.items()}
 
 
 def moved(found: Misfit) -> Array:
@@ -128,29 +140,26 @@ def _answer(found: Misfit, measured: Measured, sizes: Mapping[str, float]) -> Mi
     seen = found.A @ prior
     mean = (seen.T @ now.pull).reshape(len(found.blocks), len(found.zones))
     covariance = prior - seen.T @ now.inverse @ seen
-    names = found.trial.rig.names
-    readings = {}
-    for channel in np.unique(found.channel):
-        own = [measured.causes[f"{kind} {names[channel]}"] for kind in ("drift", "offset")]
-        both = sum(
-            sizes[f"{kind} {names[channel]}"] ** 2 * cause.covariance
-            for kind, cause in zip(("drift", "offset"), own, strict=True)
-        )
-        readings[names[channel]] = _error(found, own[0].rows, np.asarray(both), now)
-    if ALL in measured.causes:
-        cause = measured.causes[ALL]
-        readings[ALL] = _error(found, cause.rows, sizes[ALL] ** 2 * cause.covariance, now)
-    return MissingHeat(found, mean, covariance, readings, sizes)
+    readings = {name: _error(found, name, measured, sizes, now) for name in (*found.trial.rig.names, ALL)}
+    return MissingHeat(found, mean, covariance, {n: error for n, error in readings.items() if error is not None}, sizes)
 
 
-def _error(found: Misfit, rows: Array, covariance: Array, now: Solved) -> ReadingError:
-    """A reading's error averaged over blocks, from its covariance (r, r) over the averages in which it shows."""
-    block = found.blocks.block_of_bin[found.bin[rows]]
-    ticks = np.bincount(found.blocks.bin_of_tick)[found.bin[rows]]
-    blocks, of_row = np.unique(block, return_inverse=True)
-    mean = np.zeros((len(blocks), len(rows)))
-    mean[of_row, np.arange(len(rows))] = ticks
+def _error(
+    found: Misfit, name: str, measured: Measured, sizes: Mapping[str, float], now: Solved
+) -> ReadingError | None:  # fmt: skip
+    """A reading's error in each bin, of all kinds together; None where it was not read."""
+    own = {cause: measured.causes[cause] for kind in KINDS if (cause := f"{kind} {name}") in measured.causes}
+    if not own:
+        return None
+    rows = next(iter(own.values())).rows
+    covariance = np.sum([sizes[cause] ** 2 * part.covariance for cause, part in own.items()], axis=0)
+    bins, of_row = np.unique(found.bin[rows], return_inverse=True)
+    mean = np.zeros((len(bins), len(rows)))
+    mean[of_row, np.arange(len(rows))] = 1.0
     mean /= mean.sum(axis=1, keepdims=True)
+    if np.isin(found.channel[rows], found.trial.floating).all():
+        ticks = np.bincount(found.blocks.bin_of_tick)[found.bin[rows]]
+        mean -= ticks / ticks.sum()
     seen = mean @ covariance
     left = seen @ mean.T - seen @ now.inverse[np.ix_(rows, rows)] @ seen.T
-    return ReadingError(blocks, seen @ now.pull[rows], left)
+    return ReadingError(bins, seen @ now.pull[rows], left)

@@ -94,10 +94,10 @@ class Panel:
         whole = self._weighted.sum(axis=0)
         slope, curvature = whole[:-1, -1].copy(), np.diag(whole)[:-1] + self._prior
         if len(other):
-            own = whole[np.ix_(other, other)] + np.diag(self._prior[other] + RIDGE * np.diag(whole)[other])
-            across = np.linalg.solve(own, whole[other, :-1])
-            slope -= across.T @ (whole[other, -1] - self._prior[other] * self._off[other])
-            curvature = curvature - np.einsum("ij,ij->j", whole[other, :-1], across)
+            lower, scale, own = self._factor(whole, other)
+            across = np.linalg.solve(lower, whole[other, :-1] * scale[:, None])
+            slope -= across.T @ np.linalg.solve(lower, own * scale)
+            curvature = curvature - (across**2).sum(axis=0)
         known = curvature > RIDGE * np.diag(whole)[:-1]
         change = np.divide(slope, curvature, out=np.zeros_like(slope), where=known)
         change = np.clip(change, self._lo, self._hi)

@@ -14,7 +14,7 @@ beside it as a tie. Recordings held out are never looked at for this.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -30,13 +30,13 @@ from estimator.posterior import Share
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.screen import Screen, Screened, screen
-from estimator.trial import Trial
 from estimator.unknown import UnknownBodyHeat, UnknownHeat, UnknownReading
 
 MATERIAL = 0.85  # an effect leaves at most this share of the misfit, or it is not missing ...
 MATERIAL_K, MATERIAL_UM = 0.02, 0.12  # ... and takes at least so much off one of the errors
-ALIKE = 1.10  # a misfit within this of the best is as good
-EXPLAINS = 0.9  # of what a new fit of all parameters gains, that one parameter alone may stand for
+ALIKE = 1.04  # a misfit within this of the best is as good
+EXPLAINS = 0.95  # of what a new fit of all parameters gains, that one effect alone may stand for ...
+FEW = 4.0  # ... if its misfit is within this of the best: one number instead of many
 STRANGE = 0.8  # something unknown leaves at most this share of what the best effects leave
 GOOD = 1.3  # a misfit that is good enough not to look for strangers
 REFINED = 3  # effects of each kind that are fitted in full
@@ -62,7 +62,6 @@ class Suggestion:
     pair: tuple[str, ...] = ()
     wrong_input: Mislabel | None = None
     stranger: Screened | None = None
-    scores: dict[str, float] = field(default_factory=dict)
 
 
 def suggest(
@@ -166,36 +165,46 @@ class Search:
         two = pair[0] if fitted and pair[1] < MATERIAL * fitted[0].misfit else ()
         if two and not set(two) & {fitted[0].names[0]}:
             fitted = sorted(fitted, key=lambda h: h.names[0] not in two)
-        found = [h for h in fitted if material(h, as_given, again)]
-        tie: tuple[str, ...] = ()
+        few = self._few(as_given, again, fitted)
+        found = few or [h for h in fitted if material(h, as_given, again)]
+        tie = tuple(h.names[0] for h in found if alike(h, found[0]))
         if wrong is not None:
             verdict = "input_error"
         elif stranger is not None:
             verdict = "nothing_in_catalogue"
         elif found:
-            tie = tuple(h.names[0] for h in found if h.misfit <= ALIKE * found[0].misfit)
             verdict = "tie" if len(tie) > 1 else "effect"
         else:
-            tie = self._refit_alike(as_given, again, fitted)
-            verdict = "nothing_missing" if not tie else "tie" if len(tie) > 1 else "effect"
-            found = [h for h in fitted if h.names[0] in tie]
-        tie = tie if len(tie) > 1 else ()
-        rest = [h for h in fitted if h not in found]
-        return Suggestion(verdict, (*found, *rest), tie, as_given, before, two, wrong, stranger)
+            verdict = "nothing_missing"
+        rest = [h for h in fitted if h.names[0] not in {each.names[0] for each in found}]
+        tied = tie if verdict == "tie" else ()
+        return Suggestion(verdict, (*found, *rest), tied, as_given, before, two, wrong, stranger)
 
-    def _refit_alike(self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis]) -> tuple[str, ...]:
-        """Effects, in the model or not, one of which alone explains what fitting all parameters again gains."""
+    def _few(self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis]) -> list[Hypothesis]:
+        """Effects, in the model or not, one of which alone explains nearly all that fitting all parameters again gains.
+
+        One number that explains as much as many is the better explanation. None where a new fit gains little.
+        """
         gain = as_given.misfit - again.misfit
+        best = min([again.misfit, *(h.misfit for h in fitted)])
+        enough = min(as_given.misfit - EXPLAINS * gain, FEW * best)
         if gain < (1 - MATERIAL) * as_given.misfit or as_given.misfit < GOOD:
-            return ()
-        enough = as_given.misfit - EXPLAINS * gain
-        absent = [h.names[0] for h in fitted if not h.refit and h.misfit <= enough]
-        own = []
+            return []
+        absent = [h for h in fitted if not h.refit and h.misfit <= enough]
+        if not absent:
+            return []
+        own: dict[str, Hypothesis] = {}
         for path in self.model.free():
-            alone = refined(self.model, self.trials, [], False, {}, self.share, only=[path])
-            if alone.misfit <= enough:
-                own.append(path.partition(".")[0])
-        return tuple(dict.fromkeys([*absent, *own])) if absent else ()
+            h = refined(self.model, self.trials, [], False, {}, self.share, only=[path])
+            name = path.partition(".")[0]
+            if h.misfit <= enough and (name not in own or h.misfit < own[name].misfit):
+                own[name] = replace(h, names=(name,))
+        return sorted([*absent, *own.values()], key=lambda h: h.misfit)
+
+
+def alike(h: Hypothesis, best: Hypothesis) -> bool:
+    """Whether a hypothesis explains as well as the best one; with all parameters moved it must do better for that."""
+    return h.misfit <= (best.misfit if h.refit and not best.refit else ALIKE * best.misfit)
 
 
 def material(h: Hypothesis, as_given: Hypothesis, again: Hypothesis) -> bool:
@@ -205,8 +214,3 @@ def material(h: Hypothesis, as_given: Hypothesis, again: Hypothesis) -> bool:
     heat = rival.heat_K**2 - h.judged.heat_K**2
     length = np.nan_to_num(rival.length_um**2 - h.judged.length_um**2)
     return bool(less and (heat > MATERIAL_K**2 or length > MATERIAL_UM**2))
-
-
-def trials_for(model: Model, rig: Rig, recordings: Sequence[Recording]) -> list[Trial]:
-    """Recordings made ready to judge one model on, open loop."""
-    return trials_of(model, rig, recordings)

@@ -12,7 +12,7 @@ from estimator.rig import Rig
 from estimator.terms import SCREW
 from estimator.unknown import bodies
 
-ZONE_MM = 50.0  # about: a thermometer every 70 mm tells no more
+ZONE_MM = 50.0  # about
 ALIKE_MM = 150.0  # heat stays alike over such a distance
 
 
@@ -48,12 +48,13 @@ def heat_of(zone: Zone, rig: Rig, place: Layout) -> Array:
 
 
 def alike(found: tuple[Zone, ...]) -> Array:
-    """Correlation (zones, zones) of heats that are smooth along the screw: exp(-distance / 150 mm); bodies have none.
+    """Correlation (zones, zones) of heats that are smooth along the screw: (1 + d) exp(-d), d = sqrt(3) distance / 150 mm.
 
     The heats of bodies are independent of each other and of the screw's.
     """
     at = np.array(
         [(z.from_mm + z.to_mm) / 2 if z.from_mm is not None and z.to_mm is not None else np.nan for z in found]
     )
-    near = np.exp(-np.abs(at[:, None] - at) / ALIKE_MM)
+    way = np.sqrt(3) * np.abs(at[:, None] - at) / ALIKE_MM
+    near = (1 + way) * np.exp(-way)
     return np.where(np.isfinite(near), near, np.eye(len(found)))

@@ -30,6 +30,8 @@ EVENTS = "events"
 MOMENT = "moment"
 
 BARS = "bars"
+COMPARED = "compared"
+SIDES = ("before", "after")
 AUTOCORRELATION = "autocorrelation"
 
 LEGEND_ENTRIES = 12  # a longer legend would scroll
@@ -50,6 +52,8 @@ MEASURED: Colour = (255, 180, 60)
 LEFT_OUT: Colour = (225, 90, 90)
 BEFORE: Colour = (240, 130, 60)
 AFTER: Colour = (90, 170, 255)
+CROSS_VALIDATED: Colour = (120, 210, 130)
+HELD_OUT: Colour = (250, 220, 60)
 BOUND: Colour = (150, 150, 155)
 METAL: Colour = (92, 94, 102)
 NUT: Colour = (200, 200, 80)
@@ -67,6 +71,11 @@ def root(name: str) -> str:
 def scaled(above: str, side: str, channel: str) -> str:
     """Where the scaled innovations of a channel are: `above` a run's root, side "before" or "after"."""
     return f"{above}/scaled/{side}/{root(channel)}"
+
+
+def compared(above: str, what: str, *parts: str) -> str:
+    """Where views of two models on a run begin: `above` the run's root; parts such as a side or a channel."""
+    return "/".join([above, COMPARED, what, *map(root, parts)])
 
 
 def channel_names(rig: Rig, unit: str) -> list[str]:

@@ -30,6 +30,7 @@ class Frame:
 
     width: int
     channels: Sequence[str]
+    room: float = NAMES
 
     @property
     def height(self) -> int:
@@ -39,13 +40,13 @@ class Frame:
     @property
     def bounds(self) -> tuple[Range, Range]:
         """What a view must show: the picture, names at its left, a row of words above and two below."""
-        return (-NAMES, self.width + 0.3 * NAMES), (-2.6 * LINE, self.height + 3.2 * LINE)
+        return (-self.room, self.width + 0.3 * NAMES), (-2.6 * LINE, self.height + 3.2 * LINE)
 
     def draw(self, rec: rr.RecordingStream, at: str, pixels: Colours, x: ArrayLike, texts: Sequence[str]) -> None:
         """Log the picture, the names of its rows, and the texts below it at x."""
         rec.log(f"{at}/picture", rr.Image(np.ascontiguousarray(pixels), magnification_filter="Nearest"), static=True)
         middles = (np.arange(len(self.channels)) + 0.5) * ROW - 0.56 * LINE
-        words(rec, f"{at}/channels", _places(-0.5 * NAMES, middles), self.channels)
+        words(rec, f"{at}/channels", _places(-0.5 * self.room, middles), self.channels)
         words(rec, f"{at}/x", _places(x, self.height + 0.2 * LINE), texts)
 
 

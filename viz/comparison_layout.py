@@ -1,0 +1,115 @@
+"""Which view of two models stands where: what holds for all recordings first, then each recording's own tabs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import rerun.blueprint as rrb
+
+from viz import comparison_curves, paths
+from viz.bars import Bars
+from viz.comparison_maps import BODIES, HEAT, INNOVATION, OPEN_LOOP, TITLES, UNITS, frame_of, map_of
+from viz.layout import LEGEND_ROOM, flat, tabbed, whole
+from viz.scale import Range
+
+if TYPE_CHECKING:
+    from viz.comparison import Compared
+
+PLOTS = 4  # thermometers on one page
+LEGEND_AT_END = 0.2  # of a plot's time
+
+
+def blueprint(runs: Sequence[Compared], models: Sequence[str], figures: Sequence[Bars]) -> rrb.Blueprint:
+    """The layout of a saved file."""
+    pages = [_pages(run, models) for run in runs]
+    own = (
+        pages[0] if len(runs) == 1 else [rrb.Tabs(*some, name=run.name) for run, some in zip(runs, pages, strict=True)]
+    )
+    text = rrb.TextDocumentView(origin=paths.SUMMARY, name="Summary")
+    drawn = [flat(f"{paths.BARS}/{i}", each.title, each.frame.bounds) for i, each in enumerate(figures)]
+    beside = [rrb.Grid(*drawn, grid_columns=1 + (len(drawn) > 2))] if drawn else []
+    return tabbed(
+        [rrb.Horizontal(text, *beside, column_shares=[2, 1 + len(drawn)][: 1 + len(beside)], name="Summary"), *own]
+    )
+
+
+def _pages(run: Compared, models: Sequence[str]) -> list[rrb.Container]:
+    count = len(run.rig.thermometers)
+    groups = [range(first, min(first + PLOTS, count)) for first in range(0, count, PLOTS)]
+    return [
+        *_heat(run, models),
+        _residuals(run, models),
+        *([_elongation(run)] if run.rig.screw is not None or len(run.lengths) else []),
+        *(_temperatures(run, group) for group in groups),
+    ]
+
+
+def titles(models: Sequence[str]) -> dict[str, str]:
+    """What a view says of its model, by "before" and "after"."""
+    if len(models) == 1:
+        return {paths.SIDES[0]: models[0]}
+    return {side: f"{side}: {name}" for side, name in zip(paths.SIDES, models, strict=True)}
+
+
+def _residuals(run: Compared, models: Sequence[str]) -> rrb.Container:
+    return rrb.Vertical(_maps(run, models, OPEN_LOOP), _maps(run, models, INNOVATION), name="Residuals")
+
+
+def _heat(run: Compared, models: Sequence[str]) -> list[rrb.Container]:
+    heat, views = run.sides[0].heat, []
+    if len(heat.places_mm):
+        views.append(_maps(run, models, HEAT))
+    if heat.bodies:
+        name = f"Heat that the model alone lacks in {', '.join(heat.bodies)} [W]"
+        views.append(_plot(run, paths.compared(paths.root(run.name), BODIES), name, None, True))
+    return [rrb.Vertical(*views, name="Missing heat")] if views else []
+
+
+def _maps(run: Compared, models: Sequence[str], what: str) -> rrb.Container:
+    root, bounds = paths.root(run.name), frame_of(map_of(run, run.sides[0], what), what).bounds
+    views = [
+        flat(paths.compared(root, what, side), f"{title}: {TITLES[what]}", bounds) for side, title in titles(models).items()
+    ]
+    views.append(flat(paths.compared(root, f"{what}_key"), f"[{UNITS[what]}]", ((-6, 36), (-7, 75))))
+    return rrb.Horizontal(*views, column_shares=[*[9] * len(models), 1.3])
+
+
+def _elongation(run: Compared) -> rrb.Container:
+    root, views = paths.root(run.name), []
+    if run.rig.screw is not None:
+        low, high = comparison_curves.elongation(run)
+        extent = low, low + LEGEND_ROOM * (high - low)
+        views.append(_plot(run, paths.compared(root, "elongation"), "Elongation [µm]", extent, True))
+    if len(run.lengths):
+        name, (low, high) = (
+            "Displacement reading − open-loop, unknown zero taken out [µm]",
+            comparison_curves.misfit(run),
+        )
+        extent = low, low + LEGEND_ROOM * (high - low)
+        views.append(_plot(run, paths.compared(root, "displacement"), name, extent, True))
+    return rrb.Vertical(*views, row_shares=[3, 2][: len(views)], name="Elongation")
+
+
+def _temperatures(run: Compared, group: range) -> rrb.Container:
+    plots, at = [], paths.channel_names(run.rig, "°C")
+    for i in group:
+        channel, extent = run.rig.thermometers[i], comparison_curves.temperatures(run, int(run.thermometers[i]))
+        origin = paths.compared(paths.root(run.name), "temperature", channel)
+        plots.append(_plot(run, origin, at[i], extent, True, LEGEND_AT_END))
+    first, *_, last = [run.rig.thermometers[i] for i in group] * 2
+    name = f"{first} ... {last}" if len(group) > 1 else first
+    return rrb.Grid(*plots, grid_columns=2 if len(group) > 1 else 1, name=name)
+
+
+def _plot(
+    run: Compared, origin: str, name: str, extent: Range | None, legend: bool = False, room: float = 0.0
+) -> rrb.TimeSeriesView:
+    begin, end = float(run.time_s[0]), float(run.time_s[-1])
+    return rrb.TimeSeriesView(
+        origin=origin,
+        name=name,
+        axis_x=whole((begin, max(end, begin + 1.0)), room),
+        axis_y=rrb.ScalarAxis(range=extent, zoom_lock=False) if extent else None,
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend),
+    )

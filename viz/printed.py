@@ -1,0 +1,94 @@
+"""Pictures of one or two models for a report, as PNG files: bars of errors, and maps on one scale of colours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viz import paths
+from viz.bars import Bars
+from viz.comparison_layout import titles
+from viz.comparison_maps import TITLES, UNITS, Map, map_of, scales_of
+from viz.scale import DIVERGING
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from viz.comparison import Compared
+
+DOTS = 120  # per inch
+INCHES = 6.4  # width of one map
+ROW_INCHES = 0.15
+
+
+def print_bars(path: Path, figures: Sequence[Bars]) -> None:
+    """Figures side by side."""
+    rows = max(len(each.rows) for each in figures)
+    sheet = _sheet(INCHES * len(figures), 1.1 + 0.42 * rows)
+    for bars, axes in zip(figures, np.ravel(sheet.subplots(1, len(figures), squeeze=False)), strict=True):
+        _bars(axes, bars)
+    sheet.savefig(path, dpi=DOTS)
+
+
+def print_maps(path: Path, runs: Sequence[Compared], models: Sequence[str], what: str) -> bool:
+    """A row for each run, a column for each model; False where there is nothing to show."""
+    maps = [[map_of(run, side, what) for side in run.sides] for run in runs]
+    if not maps[0][0].rows:
+        return False
+    sheet = _sheet(INCHES * len(models) + 0.8, 0.9 + len(runs) * (0.55 + ROW_INCHES * len(maps[0][0].rows)))
+    grid = sheet.subplots(len(runs), len(models), squeeze=False, sharex="row", sharey=True)
+    drawn: Any = None
+    for run, row, found in zip(runs, grid, maps, strict=True):
+        for axes, title, one in zip(row, titles(models).values(), found, strict=True):
+            axes.set_title(f"{run.name}, {title}", fontsize=9)
+            drawn = _map(axes, one, scales_of(runs)[what])
+    for axes in grid[-1]:
+        axes.set_xlabel("time [min]")
+    sheet.suptitle(TITLES[what])
+    bar = sheet.colorbar(drawn, ax=grid, fraction=0.04, aspect=30)
+    bar.set_label(f"[{UNITS[what]}]")
+    sheet.savefig(path, dpi=DOTS)
+    return True
+
+
+def _sheet(width: float, height: float) -> Figure:
+    """An empty figure in the colours of the views."""
+    from matplotlib.figure import Figure  # takes a third of a second to import
+
+    return Figure((width, height), facecolor=_part(paths.BACKGROUND), layout="constrained")
+
+
+def _bars(axes: Axes, bars: Bars) -> None:
+    height = 0.8 / len(bars.series)
+    for i, each in enumerate(bars.series):
+        at = np.arange(len(bars.rows)) + (i + 0.5) * height - 0.4
+        drawn = axes.barh(at, np.nan_to_num(each.values), height * 0.92, color=_part(each.colour), label=each.name)
+        texts = [f"{value:.3f}" if np.isfinite(value) else "" for value in each.values]
+        axes.bar_label(drawn, texts, padding=3, fontsize=8)
+    axes.set_yticks(np.arange(len(bars.rows)), bars.rows)
+    axes.invert_yaxis()
+    axes.set_xlim(0.0, bars.end)
+    axes.set_xlabel(bars.title)
+    axes.legend(loc="lower right", fontsize=8)
+
+
+def _map(axes: Axes, found: Map, extent: tuple[float, float]) -> Any:
+    from matplotlib.colors import LinearSegmentedColormap
+
+    colours = LinearSegmentedColormap.from_list("diverging", [_part(colour) for colour in DIVERGING])
+    end = float(len(found.begins_s))
+    box = (0.0, end, len(found.rows) - 0.5, -0.5)
+    drawn = axes.imshow(
+        np.ma.masked_invalid(found.values.T), colours, aspect="auto", interpolation="nearest", extent=box,
+        vmin=extent[0], vmax=extent[1],
+    )  # fmt: skip
+    axes.set_yticks(np.arange(len(found.rows)), found.rows, fontsize=6)
+    return drawn
+
+
+def _part(colour: Sequence[int]) -> tuple[float, ...]:
+    return tuple(part / 255 for part in colour)
