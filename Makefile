@@ -9,8 +9,11 @@ PEERS := $(VENV)/.peers
 FITTED := FS-20 FS-5 CS-10 ES-2.5
 TWELVE := FS-20 FS-10 FS-5 FS-2.5 CS-20 CS-10 CS-5 CS-2.5 ES-20 ES-10 ES-5 ES-2.5
 LOGS := $(TWELVE:%=recordings/%.blf)
+HIDDEN := recordings/hidden/amber
+MODEL := recordings/base.toml
+SHOWN := FS-20
 
-.PHONY: demo test check bench bench-engine study-fit pictures recordings model tuning tuning-test clean
+.PHONY: demo test check bench bench-engine study-fit pictures pictures-improve recordings model tuning tuning-test clean
 
 demo: $(READY) recordings/FS-20.blf
 	$(BIN)/ballscrew review recordings/FS-20.blf --save demo.rrd --view
@@ -33,11 +36,16 @@ bench-engine: $(PEERS) $(FITTED:%=recordings/%.blf)
 study-fit: $(READY)
 	$(BIN)/python -m benchmarks recovery
 
-pictures: $(READY) $(LOGS)
+pictures: $(READY) $(LOGS) pictures-improve
 	$(BIN)/ballscrew review recordings/FS-20.blf --quiet --save demo.rrd
 	$(BIN)/python -m viz.pictures demo.rrd docs/pictures --window 1280x800 --only Overview --only Residuals
 	$(BIN)/ballscrew review $(LOGS) --quiet --save twelve.rrd
 	$(BIN)/python -m viz.pictures twelve.rrd docs/pictures --window 1280x800 --only Accuracy
+
+# HIDDEN=FOLDER names other recordings of a machine with an effect that MODEL has not
+pictures-improve: $(READY)
+	$(BIN)/ballscrew improve $(HIDDEN) --held-out $(HIDDEN)/held-out --model $(MODEL) --quiet -o improved.toml
+	$(BIN)/python -m viz.pictures improved.rrd docs/pictures/improve --window 1280x800 --only Summary --only $(SHOWN)
 
 recordings: $(LOGS)
 
@@ -65,4 +73,4 @@ $(PEERS): $(READY)
 	touch $@
 
 clean:
-	rm -rf $(VENV) build *.egg-info *.rrd
+	rm -rf $(VENV) build *.egg-info *.rrd improved*

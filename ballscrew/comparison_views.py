@@ -24,6 +24,8 @@ from estimator.step import Track
 from viz import paths
 from viz.bars import Bars, Series
 from viz.comparison import Compared, HeatMap, Side, save
+from viz.comparison_maps import HEAT, OPEN_LOOP
+from viz.printed import print_bars, print_maps
 from viz.scale import minutes
 
 
@@ -42,7 +44,23 @@ def write_views(
     path: Path, runs: Sequence[Compared], models: Sequence[Model], sections: Sequence[Section], figures: Sequence[Bars]
 ) -> None:
     """Write what is known of one model, or of two."""
-    save(path, runs, [model.name for model in models], [*figures, *by_channel(runs)], page(sections))
+    names, tabs = [model.name for model in models], {"Errors": figures, "Channels": by_channel(runs)}
+    save(path, runs, names, {tab: some for tab, some in tabs.items() if some}, page(sections))
+
+
+def write_pictures(
+    stem: Path, runs: Sequence[Compared], models: Sequence[Model], figures: Sequence[Bars]
+) -> dict[str, Path]:
+    """Write bars and maps as STEM-WHAT.png; paths by what they show."""
+    names = [model.name for model in models]
+    pictures = {what: stem.with_name(f"{stem.name}-{what}.png") for what in ("steps", "residuals", "missing-heat")}
+    print_bars(pictures["steps"], figures)
+    print_maps(pictures["residuals"], runs, names, OPEN_LOOP)
+    if not len(runs[0].sides[0].heat.places_mm):
+        del pictures["missing-heat"]
+        return pictures
+    print_maps(pictures["missing-heat"], runs, names, HEAT)
+    return pictures
 
 
 def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], share: Share = map) -> list[Compared]:
@@ -65,7 +83,7 @@ def error_bars(errors: Sequence[tuple[str, Error, Error | None]]) -> list[Bars]:
             held = np.array([getattr(held, key) if held else np.nan for _, _, held in errors])
             series.append(Series("held out", held, paths.HELD_OUT))
         figures.append(Bars(f"Model alone, rms of {what} [{unit}]", rows, series))
-    return figures
+    return [each for each in figures if each.known]
 
 
 def by_channel(runs: Sequence[Compared]) -> list[Bars]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -9,7 +10,8 @@ import numpy as np
 
 from ballscrew.compare import KEYS, PHASES
 from ballscrew.fit import HORIZONS
-from ballscrew.options import logs_argument, output_options, rig_options
+from ballscrew.options import logs_argument, output_options, rig_options, save_option
+from ballscrew.page import Section
 from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
 from ballscrew.workspace import load, open_model, open_rig
@@ -24,10 +26,11 @@ from estimator.wrong_reading import Wrong
 @click.command("diagnose")
 @logs_argument
 @rig_options
+@save_option
 @output_options
 def command(
-    logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, json_path: str | None, quiet: bool,
-    debug: bool,
+    logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, rrd: Path | None, json_path: str | None,
+    quiet: bool, debug: bool,
 ) -> int:  # fmt: skip
     """Say whether a model is adequate for all LOGs, where it fails, and what the failure follows.
 
@@ -43,26 +46,20 @@ def command(
     terminal.say_if_compiling("passes", "ahead")
     with terminal.progress("diagnosing", 1.0) as update, threads() as share:
         found = diagnose(model, rig, [one.recording for one in loaded], lambda stage, done: update(done, stage), share)
-    _print(terminal, found)
+    _print(terminal, found, tables := _sections(found))
     terminal.json(_as_json(found))
+    if rrd is not None:
+        from ballscrew.comparison_views import save_views  # rerun takes half a second to import
+
+        save_views(terminal, rrd, rig, [model], loaded, [(f"{model.name}: diagnosis", found.sentences, ()), *tables])
     return InputError.exit_code if failed else 0
 
 
-def _print(terminal: Terminal, found: Diagnosis) -> None:
-    rows = [
-        [title, f"{error.temperature_K:.3f}", _number(error.elongation_um, 2)]
-        for title, error in [(HORIZONS[key], found.errors[key]) for key in HORIZONS]
-    ]
-    rows.append(["sensors alone", f"{found.floor.temperature_K:.3f}", _number(found.floor.elongation_um, 2)])
-    rows.append(["good enough alone", f"{found.limits.temperature_K:.3f}", _number(found.limits.elongation_um, 2)])
-    terminal.table("", ["error, rms", "K", "um"], rows)
-    if found.where:
-        terminal.say("\nmissing heat; what it would take to repair the run, mean over all recordings")
-        terminal.table("", ["place", "when", "W", "sd", "follows", "p"], [_heat_row(each) for each in found.where])
-    if found.readings:
-        terminal.say("\nwrong readings; what no heat explains")
-        head = ["channel", "offset", "sd", "rms", "unit", "follows", "p"]
-        terminal.table("", head, [_reading_row(each) for each in found.readings])
+def _print(terminal: Terminal, found: Diagnosis, tables: Sequence[Section]) -> None:
+    for i, (title, said, (head, *rows)) in enumerate(tables):
+        if i:
+            terminal.say("\n" + "; ".join([title, *said]))
+        terminal.table("", head, rows)
     white = overall(found.quality)
     worst = max(found.quality, key=lambda each: np.nan_to_num(each.whiteness))
     terminal.say(
@@ -71,6 +68,25 @@ def _print(terminal: Terminal, found: Diagnosis) -> None:
     )
     for sentence in found.sentences:
         terminal.say(sentence)
+
+
+def _sections(found: Diagnosis) -> list[Section]:
+    """The tables: errors, missing heat, wrong readings."""
+    rows = [
+        [title, f"{error.temperature_K:.3f}", _number(error.elongation_um, 2)]
+        for title, error in [(HORIZONS[key], found.errors[key]) for key in HORIZONS]
+    ]
+    rows.append(["sensors alone", f"{found.floor.temperature_K:.3f}", _number(found.floor.elongation_um, 2)])
+    rows.append(["good enough alone", f"{found.limits.temperature_K:.3f}", _number(found.limits.elongation_um, 2)])
+    tables: list[Section] = [("how far ahead", (), [["error, rms", "K", "um"], *rows])]
+    if found.where:
+        head = ["place", "when", "W", "sd", "follows", "p"]
+        said = ["what it would take to repair the run, mean over all recordings"]
+        tables.append(("missing heat", said, [head, *map(_heat_row, found.where)]))
+    if found.readings:
+        head = ["channel", "offset", "sd", "rms", "unit", "follows", "p"]
+        tables.append(("wrong readings", ["what no heat explains"], [head, *map(_reading_row, found.readings)]))
+    return tables
 
 
 def _heat_row(each: Missing) -> list[str]:

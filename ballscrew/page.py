@@ -8,13 +8,13 @@ Rows = Sequence[Sequence[str]]
 Section = tuple[str, Sequence[str], Rows]
 
 
-def page(sections: Sequence[Section]) -> str:
-    """All sections; the first row of a table is its head, and no rows are no table."""
+def page(sections: Sequence[Section], level: int = 1) -> str:
+    """All sections under headings of a level; the first row of a table is its head, and no rows are no table."""
     lines: list[str] = []
     for title, sentences, rows in sections:
-        lines += [f"# {title}", "", *(f"- {sentence}" for sentence in sentences), ""]
-        if rows:
-            lines += [*table(rows), ""]
+        lines += [f"{'#' * level} {title}", ""]
+        lines += [*(f"- {sentence}" for sentence in sentences), ""] if sentences else []
+        lines += [*table(rows), ""] if rows else []
     return "\n".join(lines)
 
 

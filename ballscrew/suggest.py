@@ -108,7 +108,7 @@ def finding_of(
         rivals = [h for h in found.found if h.names[0] in found.tie][:2]
         if len(rivals) == 2:
             run = next_run(rivals[0], rivals[1], rig, recordings, trials_of(rivals[1].model, rig, recordings), share)
-    held = [_held(h.model, rig, held_out) for h in (found.before, *found.found)] if held_out else []
+    held = [_held(h.model, rig, held_out) for h in (found.as_given, found.again, *found.found)] if held_out else []
     return Finding(found, held, run)
 
 
@@ -134,13 +134,13 @@ def ranking(found: Finding) -> list[list[str]]:
 
 def _ranked(found: Finding) -> list[tuple[str, Hypothesis, Error | None]]:
     """Hypotheses with their title and error held out: the model, fitted again, and the best effects."""
-    suggestion, held = found.suggestion, [*found.held_out] or [None] * (1 + len(found.suggestion.found))
-    ranked = [("the model as given", suggestion.as_given, None)]
-    if suggestion.before is suggestion.as_given:
-        ranked = [("the model as given", suggestion.as_given, held[0])]
-    else:
-        ranked.append(("fitted again", suggestion.before, held[0]))
-    return ranked + [(f"+ {h.names[0]}", h, e) for h, e in zip(suggestion.found[:SHOWN], held[1:], strict=False)]
+    suggestion = found.suggestion
+    ranked = [("the model as given", suggestion.as_given), ("all parameters fitted again", suggestion.again)]
+    for h in suggestion.found[:SHOWN]:
+        there = h.names[0] in suggestion.as_given.model.effects
+        ranked.append((f"{h.names[0]} fitted again" if there else f"+ {h.names[0]}", h))
+    held = [*found.held_out] or [None] * len(ranked)
+    return [(*each, error) for each, error in zip(ranked, held, strict=False)]
 
 
 def _note(found: Finding) -> str:

@@ -24,7 +24,7 @@ APART_SD = 3.0  # a run that sets rivals less apart does not tell
 class Finding:
     """A suggestion with what it says of recordings held out, and of a run to make.
 
-    held_out  open-loop error by hypothesis, in the order of `before`, then all of `found`; empty without such recordings
+    held_out  open-loop error of the model as given, fitted again, then of all `found`; empty without such recordings
     """
 
     suggestion: Suggestion
@@ -77,7 +77,14 @@ def sentence(finding: Finding, rig: Rig) -> str:
     if found.verdict == "tie":
         return _tie(found, finding.next_run)
     more = f" A second one besides: {_other(found)}." if found.pair else ""
-    return f"{best.names[0]} is missing: {_gain(found.before, best)}.{more}"
+    return f"{_missing(found, best)}: {_gain(found.without(best), best)}.{more}"
+
+
+def _missing(found: Suggestion, best: Hypothesis) -> str:
+    name = best.names[0]
+    return (
+        f"{name} is there, but not as the model says" if name in found.as_given.model.effects else f"{name} is missing"
+    )
 
 
 def new_effect_line(who: Stranger) -> str:
@@ -144,7 +151,10 @@ def as_json(finding: Finding, rig: Rig) -> dict[str, Any]:
         }  # fmt: skip
     return {
         "verdict": found.verdict,
-        "effects": [_effect(found.before, h, held[:1], held[i : i + 1]) for i, h in enumerate(found.found, start=1)],
+        "effects": [
+            _effect(found.without(h), h, held[h.refit : h.refit + 1], held[i : i + 1])
+            for i, h in enumerate(found.found, start=2)
+        ],
         "tie": list(found.tie),
         "next_run": None if run is None or found.verdict != "tie" else {
             "pattern": run.pattern, "speed_m_min": run.speed_m_min, "drive_s": run.drive_s, "stop_s": run.stop_s,

@@ -8,6 +8,7 @@ thermometers, at the bearings and halfway in wide gaps agree with 500 linear cel
 
 from __future__ import annotations
 
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -51,4 +52,13 @@ def shapes(places_mm: Array, x_mm: Array) -> Array:
 
     Their ends are free: whether heat crosses the end of the bar is for the network to say.
     """
-    return CubicSpline(places_mm, np.eye(len(places_mm)), bc_type="not-a-knot")(x_mm)
+    return _shapes(places_mm.tobytes(), x_mm.tobytes())
+
+
+@lru_cache(maxsize=1024)
+def _shapes(places_mm: bytes, x_mm: bytes) -> Array:
+    """The same of arrays as bytes: the places of thermometers are asked for again and again."""
+    places = np.frombuffer(places_mm)
+    found = CubicSpline(places, np.eye(len(places)), bc_type="not-a-knot")(np.frombuffer(x_mm))
+    found.flags.writeable = False
+    return found

@@ -10,7 +10,9 @@ from estimator.phase import phase_of
 from estimator.record import Array, Recording
 
 LONGEST_S = 600.0
-BINS_S = (60.0, 180.0)  # a block's readings are averaged up to here, up to here, and after it
+# a block's readings are averaged up to each of these times, and after the last
+BINS_S = {"drive": (60.0, 180.0), "early_stop": (60.0, 180.0), "late_stop": (300.0,)}
+PARTS = 3
 ALIKE_S = 1200.0  # what is missing stays alike for so long
 
 
@@ -62,13 +64,15 @@ def blocks(recording: Recording, tick_s: float) -> Blocks:
             began.append(time)
         of_tick[k] = opened[phase]
         since[k] = time - began[of_tick[k]]
-    part = of_tick * (len(BINS_S) + 1) + np.where(phases == "late_stop", 0, np.searchsorted(BINS_S, since, "right"))
+    part = of_tick * PARTS
+    for phase, ends in BINS_S.items():
+        part += np.where(phases == phase, np.searchsorted(ends, since, "right"), 0)
     used, bin_of_tick = np.unique(part, return_inverse=True)
     count = np.bincount(of_tick)
     return Blocks(
         of_tick, bin_of_tick, phases[np.unique(of_tick, return_index=True)[1]],
         np.bincount(of_tick, time_s) / count, count * tick_s,
-        used // (len(BINS_S) + 1), np.bincount(bin_of_tick, time_s) / np.bincount(bin_of_tick),
+        used // PARTS, np.bincount(bin_of_tick, time_s) / np.bincount(bin_of_tick),
     )  # fmt: skip
 
 

@@ -58,13 +58,14 @@ def reading_series(found: MissingHeat, name: str) -> Series:
     error, rig = found.readings[name], found.misfit.trial.rig
     own = name != ALL and name in rig.thermometers
     near = np.isin(rig.names, [name] if own else rig.thermometers) / (1 if own else len(rig.thermometers))
-    read = np.isfinite(found.misfit.open_loop[:, [rig.index(name)] if name != ALL else slice(None)]).any(axis=1)
+    shown = slice(None) if name == ALL else [rig.index(name)]
+    read = np.asarray(np.isfinite(found.misfit.open_loop[:, shown]).any(axis=1))
     sd = np.sqrt(np.maximum(np.diag(error.covariance), 0.0))
     return Series(error.mean, sd, _followers(found, near, read, found.blocks.bin_mean)[error.bins])
 
 
 def _followers(found: MissingHeat, near: Array, read: Array, mean: Callable[[Array], Array]) -> Array:
-    """Followers averaged over the ticks of each block or bin that were `read` (T,), (b, F); temperature as `near` (m,)."""
+    """Followers averaged over the ticks of each block or bin that were `read` (T,), (b, F); `near` weighs channels."""
     trial = found.misfit.trial
     u, used = trial.drive.inputs, np.flatnonzero(near)
     columns = [following(name, u, trial.rig)[1:, 0] for name in followers(trial.rig)]

@@ -82,9 +82,8 @@ def _step(
     for halving in range(HALVINGS):
         values = dict(zip(paths, panel.at + change * 0.5**halving, strict=True))
         there = model.with_values({p: _inside(model, trials[0].rig, p, value) for p, value in values.items()})
-        seen = _panel(there, trials, paths, share)
-        if seen.cost < cost:
-            return there, seen
+        if _cost(there, trials, paths, share) < cost:
+            return there, _panel(there, trials, paths, share)
     return None, panel
 
 
@@ -96,6 +95,11 @@ def _inside(model: Model, rig: Rig, path: str, value: float) -> float:
         here, screw = model[path], rig.the_screw()
         lo, hi = max(lo, screw.from_mm, here - APART_MM), min(hi, screw.to_mm, here + APART_MM)
     return float(np.clip(value, lo, hi))
+
+
+def _cost(model: Model, trials: Sequence[Trial], paths: Sequence[str], share: Share) -> float:
+    """The misfit alone, priors of the parameters included."""
+    return Panel([], moments(trials, model, [], share)).cost_with([Column(model, path) for path in paths])
 
 
 def _panel(model: Model, trials: Sequence[Trial], paths: Sequence[str], share: Share) -> Panel:

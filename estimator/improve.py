@@ -59,7 +59,7 @@ def improve(
     model: Model, rig: Rig, recordings: Sequence[Recording], held_out: Sequence[Recording],
     effects: Sequence[type[Effect]], each: Progress = lambda step, stage, share: None, share: Share = map,
 ) -> Improvement:  # fmt: skip
-    """Improve a model. `each` hears the step, the stage and the share of it that is done. Ctrl-C keeps the best so far."""
+    """Improve a model. `each` hears the step, the stage and the share of it done. Ctrl-C keeps the best so far."""
     first = refined(model, trials_of(model, rig, recordings), [], False, {}, share)
     steps = [_step("", (), first, rig, held_out)]
     try:

@@ -17,7 +17,7 @@ from estimator.blocks import Blocks, blocks
 from estimator.coarse import coarse
 from estimator.follow import EVERY, open_loop_misfit
 from estimator.model import Model
-from estimator.moments import STEPS_OF_60_S
+from estimator.moments import SHORTEST_S
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.sensitivity import nominal_column
@@ -53,7 +53,7 @@ class Misfit:
 
 def misfit(model: Model, rig: Rig, recording: Recording) -> Misfit:
     """Run the model alone beside a recording. The filter's gate has no say: it would hide a sensor that is far off."""
-    short, slow = coarse(recording, rig, max(1, min(EVERY, round(STEPS_OF_60_S / rig.tick_s / 4))))
+    short, slow = coarse(recording, rig, max(1, min(EVERY, round(SHORTEST_S / rig.tick_s))))
     trial = Trial(model, slow, short, gated=False)
     posed = trial.pose(model)
     cut = blocks(trial.rest, slow.tick_s)

@@ -110,7 +110,7 @@ def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> float:
     """Logarithm of the ratio, or shift in K, with which a model suits a run best."""
 
     def misfit(size: float) -> float:
-        trials = trials_of(model, rig, [corrected(recording, rig, signal, size)])
+        trials = trials_of(model, rig, [corrected(recording, rig, signal, size)], gated=False)
         return Panel([], moments(trials, model, [])).cost
 
     widest = SHIFT_K if _is_shift(rig, signal) else WIDEST

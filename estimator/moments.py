@@ -24,7 +24,7 @@ from estimator.sensitivity import nominal_column
 from estimator.tangent import tangent
 from estimator.trial import Trial
 
-STEPS_OF_60_S = 60.0
+SHORTEST_S = 15.0  # a tick that still shows a drive of a few minutes
 
 
 @dataclass(frozen=True)
@@ -62,10 +62,11 @@ class Moments:
         return self.blocks * ((self.heat_count > 0) + (self.length_count > 0))
 
 
-def trials_of(model: Model, rig: Rig, recordings: Sequence[Recording]) -> list[Trial]:
+def trials_of(model: Model, rig: Rig, recordings: Sequence[Recording], gated: bool = True) -> list[Trial]:
     """Recordings made ready for open-loop runs, at a tick that serves for slow heat."""
-    every = max(1, min(EVERY, round(STEPS_OF_60_S / rig.tick_s / 4)))
-    return [Trial(model, slow, short) for short, slow in (coarse(r, rig, every) for r in recordings)]
+    every = max(1, min(EVERY, round(SHORTEST_S / rig.tick_s)))
+    slower = (coarse(recording, rig, every) for recording in recordings)
+    return [Trial(model, slow, short, gated=gated) for short, slow in slower]
 
 
 def moments(trials: Sequence[Trial], model: Model, columns: Sequence[Column], share: Share = map) -> list[Moments]:

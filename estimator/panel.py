@@ -55,8 +55,12 @@ class Panel:
     @property
     def cost(self) -> float:
         """Misfit of all recordings as it stands, with what the priors add, in the units of `judge`."""
-        weights = sum(m.weight for m in self.found)
-        return float(self._weighted[:, -1, -1].sum() + (self._prior * self._off**2).sum()) / weights
+        return self.cost_with(self.columns)
+
+    def cost_with(self, columns: Sequence[Column]) -> float:
+        """The same with the priors of these parameters."""
+        off = [(float(c.model[c.path]) - p.value) / p.sd for c in columns if (p := c.model.param(c.path)).sd]
+        return float(self._weighted[:, -1, -1].sum() + sum(x**2 for x in off)) / sum(m.weight for m in self.found)
 
     def judge(self, parameters: Sequence[int]) -> Judged:
         """Free these parameters, by number."""

@@ -46,10 +46,14 @@ class Screened:
 
 @dataclass(frozen=True)
 class Screen:
-    """The model alone, as it is and with its own parameters fitted again, and all candidates, best seats only."""
+    """The model alone, as it is and with its own parameters fitted again, and all candidates, best seats only.
+
+    own  what each of the model's own parameters explains alone, by its path
+    """
 
     stay: Judged
     move: Judged
+    own: Mapping[str, Judged]
     found: tuple[Screened, ...]
 
     def best(self, refit: bool) -> list[Screened]:
@@ -72,7 +76,8 @@ def screen(
     for group in groups:
         columns = [Column(c.place(wide), path) for c in group for path in c.paths]
         found += _screened(group, own, Panel([*own, *columns], moments(trials, wide, [*own, *columns], share)))
-    return Screen(alone, again, tuple(found))
+    singly = {column.path: panel.judge([i]) for i, column in enumerate(own)}
+    return Screen(alone, again, singly, tuple(found))
 
 
 def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:

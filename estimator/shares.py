@@ -27,6 +27,10 @@ class Cause:
     rows: Array
     covariance: Array
 
+    def part(self, matrix: Array) -> Array:
+        """Where the cause is, of a matrix (N, N); a view where it is everywhere."""
+        return matrix if len(self.rows) == len(matrix) else matrix[np.ix_(self.rows, self.rows)]
+
 
 @dataclass(frozen=True)
 class Measured:
@@ -49,7 +53,10 @@ def solved(measured: Measured, sizes: Mapping[str, float]) -> Solved:
     """Invert the covariance that these sizes give."""
     S = measured.known.copy()
     for name, cause in measured.causes.items():
-        S[np.ix_(cause.rows, cause.rows)] += sizes[name] ** 2 * cause.covariance
+        if len(cause.rows) == len(S):
+            S += sizes[name] ** 2 * cause.covariance
+        else:
+            S[np.ix_(cause.rows, cause.rows)] += sizes[name] ** 2 * cause.covariance
     upper, fault = dpotrf(S)
     if fault:
         raise np.linalg.LinAlgError("the covariance of the misfits is not positive definite")
@@ -84,6 +91,6 @@ def _pulls(measured: Measured, sizes: Mapping[str, float]) -> dict[str, tuple[fl
     found = {}
     for name, cause in measured.causes.items():
         pull = now.pull[cause.rows]
-        part = now.inverse[np.ix_(cause.rows, cause.rows)]
-        found[name] = float(pull @ cause.covariance @ pull), float((part * cause.covariance).sum())
+        expected = np.vdot(cause.part(now.inverse), cause.covariance)
+        found[name] = float(pull @ cause.covariance @ pull), float(expected)
     return found

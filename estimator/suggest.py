@@ -50,7 +50,7 @@ class Suggestion:
 
     verdict  "effect", "tie", "input_error", "nothing_in_catalogue" or "nothing_missing"
     found    hypotheses with an effect each, best first;  tie: names that these recordings cannot tell apart
-    before   the model without them: as it is, or fitted again, whichever predicts better
+    as_given, again  the model without them, as it is and fitted again
     pair     two effects together, where they explain clearly more than one
     """
 
@@ -58,10 +58,19 @@ class Suggestion:
     found: tuple[Hypothesis, ...]
     tie: tuple[str, ...]
     as_given: Hypothesis
-    before: Hypothesis
+    again: Hypothesis
     pair: tuple[str, ...] = ()
     wrong_input: Mislabel | None = None
     stranger: Screened | None = None
+
+    @property
+    def before(self) -> Hypothesis:
+        """The model without any effect more, as it is or fitted again, whichever predicts better."""
+        return min(self.as_given, self.again, key=lambda h: h.misfit)
+
+    def without(self, h: Hypothesis) -> Hypothesis:
+        """What a hypothesis adds its effect to."""
+        return self.again if h.refit else self.as_given
 
 
 def suggest(
@@ -101,7 +110,7 @@ class Search:
         wrong = self._wrong(before, min(best, pair[1]))
         self.each("looking for something unknown", 0.85)
         stranger = self._stranger(min(before.misfit, best, pair[1]))
-        return self._verdict(as_given, again, before, fitted, pair, wrong, stranger)
+        return self._verdict(as_given, again, fitted, pair, wrong, stranger, found)
 
     def _fitted(self, found: Screen) -> list[Hypothesis]:
         """The best effects of the screen, fitted in full, best first; each in the way that predicts better."""
@@ -137,6 +146,8 @@ class Search:
 
     def _wrong(self, before: Hypothesis, best: float) -> Mislabel | None:
         """A wrong input that explains clearly more than any effects."""
+        if best <= GOOD:
+            return None
         found = [
             mislabel(self.model, self.rig, self.recordings, self.trials, refit, self.share) for refit in (False, True)
         ]
@@ -159,28 +170,30 @@ class Search:
         return one if one.judged(refit).misfit < STRANGE * best else None
 
     def _verdict(
-        self, as_given: Hypothesis, again: Hypothesis, before: Hypothesis, fitted: list[Hypothesis],
-        pair: tuple[tuple[str, ...], float], wrong: Mislabel | None, stranger: Screened | None,
+        self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis],
+        pair: tuple[tuple[str, ...], float], wrong: Mislabel | None, stranger: Screened | None, screened: Screen,
     ) -> Suggestion:  # fmt: skip
         two = pair[0] if fitted and pair[1] < MATERIAL * fitted[0].misfit else ()
         if two and not set(two) & {fitted[0].names[0]}:
             fitted = sorted(fitted, key=lambda h: h.names[0] not in two)
-        few = self._few(as_given, again, fitted)
-        found = few or [h for h in fitted if material(h, as_given, again)]
-        tie = tuple(h.names[0] for h in found if alike(h, found[0]))
+        found: list[Hypothesis] = []
         if wrong is not None:
             verdict = "input_error"
         elif stranger is not None:
             verdict = "nothing_in_catalogue"
-        elif found:
-            verdict = "tie" if len(tie) > 1 else "effect"
         else:
-            verdict = "nothing_missing"
+            few = self._few(as_given, again, fitted, screened)
+            found = few or [h for h in fitted if material(h, as_given, again)]
+            verdict = "effect" if found else "nothing_missing"
+        tie = tuple(h.names[0] for h in found if alike(h, found[0]))
+        verdict = "tie" if len(tie) > 1 else verdict
         rest = [h for h in fitted if h.names[0] not in {each.names[0] for each in found}]
         tied = tie if verdict == "tie" else ()
-        return Suggestion(verdict, (*found, *rest), tied, as_given, before, two, wrong, stranger)
+        return Suggestion(verdict, (*found, *rest), tied, as_given, again, two, wrong, stranger)
 
-    def _few(self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis]) -> list[Hypothesis]:
+    def _few(
+        self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis], screened: Screen
+    ) -> list[Hypothesis]:  # fmt: skip
         """Effects, in the model or not, one of which alone explains nearly all that fitting all parameters again gains.
 
         One number that explains as much as many is the better explanation. None where a new fit gains little.
@@ -194,7 +207,7 @@ class Search:
         if not absent:
             return []
         own: dict[str, Hypothesis] = {}
-        for path in self.model.free():
+        for path in sorted(screened.own, key=lambda p: screened.own[p].misfit)[:REFINED]:
             h = refined(self.model, self.trials, [], False, {}, self.share, only=[path])
             name = path.partition(".")[0]
             if h.misfit <= enough and (name not in own or h.misfit < own[name].misfit):

@@ -18,7 +18,8 @@ PHASES = {"drive": "while driving", "early_stop": "in the first ten minutes afte
 WORDS = {
     "drive": "the drive", "rest": "the rest", "early_drive": "the first minutes of a drive",
     "early_stop": "the first minutes after a stop", "speed": "the speed", "speed2": "the speed squared",
-    "time": "the time", "temperature": "the temperature there", "rate": "how fast the temperature there changes", ALWAYS: "nothing",
+    "time": "the time", "temperature": "the temperature there",
+    "rate": "how fast the temperature there changes", ALWAYS: "nothing",
 }  # fmt: skip
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.follows import Follows, follows
 from estimator.following import Limits, heat_series, names
+from estimator.follows import Follows, follows
 from estimator.missing_heat import MissingHeat
 from estimator.phase import PHASES
 from estimator.record import Array

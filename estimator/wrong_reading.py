@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.follows import Follows, follows
 from estimator.following import Limits, names, reading_series
+from estimator.follows import Follows, follows
 from estimator.missing_heat import ALL, MissingHeat, moved
 from estimator.record import Array
 from estimator.where import MATTERS, SURE

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def zones(rig: Rig, place: Layout) -> tuple[Zone, ...]:
     if rig.screw and SCREW in place.nodes:
         lo, hi = rig.screw.from_mm, rig.screw.to_mm
         edges = np.linspace(lo, hi, max(1, round((hi - lo) / ZONE_MM)) + 1).tolist()
-        found += [Zone(a, b, None, (b - a) * 1e-3) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        found += [Zone(a, b, None, (b - a) * 1e-3) for a, b in pairwise(edges)]
     return (*found, *(Zone(None, None, node, 1.0) for node in bodies(rig) if node in place.nodes))
 
 
@@ -48,13 +49,12 @@ def heat_of(zone: Zone, rig: Rig, place: Layout) -> Array:
 
 
 def alike(found: tuple[Zone, ...]) -> Array:
-    """Correlation (zones, zones) of heats that are smooth along the screw: (1 + d) exp(-d), d = sqrt(3) distance / 150 mm.
+    """Correlation (zones, zones) of heats smooth along the screw: exp(-distance / 150 mm).
 
     The heats of bodies are independent of each other and of the screw's.
     """
     at = np.array(
         [(z.from_mm + z.to_mm) / 2 if z.from_mm is not None and z.to_mm is not None else np.nan for z in found]
     )
-    way = np.sqrt(3) * np.abs(at[:, None] - at) / ALIKE_MM
-    near = (1 + way) * np.exp(-way)
+    near = np.exp(-np.abs(at[:, None] - at) / ALIKE_MM)
     return np.where(np.isfinite(near), near, np.eye(len(found)))

@@ -14,7 +14,7 @@ from viz.axes import words
 from viz.scale import Colours, extent_of, rounded, ticks_of
 from viz.tuning_figures import LINE, NAMES, ROW, WIDTH, Frame
 
-LETTER = 12.0  # view units in a name
+LETTER = 14.0  # view units in a name, about
 FILLED = 0.8  # of a row
 
 
@@ -38,7 +38,7 @@ class Bars:
     @property
     def end(self) -> float:
         """Where the scale ends, in the unit of the values."""
-        return rounded((0.0, 1.25 * max(extent_of(*(each.values for each in self.series))[1], 1e-9)), 6)[1]
+        return rounded((0.0, 1.35 * max(extent_of(*(each.values for each in self.series))[1], 1e-9)), 6)[1]
 
     @property
     def known(self) -> bool:
@@ -48,23 +48,28 @@ class Bars:
     @property
     def frame(self) -> Frame:
         """The picture, with room for the names of its rows."""
-        return Frame(WIDTH, self.rows, max(NAMES, LETTER * max(map(len, self.rows))))
+        return Frame(WIDTH, self.rows, max(NAMES, LETTER * (3 + max(map(len, self.rows)))))
 
 
-def send(rec: rr.RecordingStream, at: str, bars: Bars) -> None:
+def at(tab: str, i: int) -> str:
+    """Where figure i of a tab is."""
+    return f"{paths.BARS}/{paths.root(tab)}/{i}"
+
+
+def send(rec: rr.RecordingStream, path: str, bars: Bars) -> None:
     """Log one figure, once."""
     frame, end = bars.frame, bars.end
     ticks = ticks_of((0.0, end))
     across = WIDTH * ticks / end
-    frame.draw(rec, at, _pixels(bars), across, [f"{tick:g}" for tick in ticks])
+    frame.draw(rec, path, _pixels(bars), across, [f"{tick:g}" for tick in ticks])
     upright = [np.array([[x, 0.0], [x, frame.height]]) for x in across]
     grid = rr.LineStrips2D(upright, radii=rr.Radius.ui_points(0.5), colors=paths.GRID, draw_order=5.0)
-    rec.log(f"{at}/grid", grid, static=True)
-    _values(rec, f"{at}/values", bars)
+    rec.log(f"{path}/grid", grid, static=True)
+    _values(rec, f"{path}/values", bars)
     names = [each.name for each in bars.series]
     xs = WIDTH * (np.arange(len(names)) + 0.5) / len(names)
     places = np.stack([xs, np.full(len(xs), -1.8 * LINE)], axis=-1)
-    words(rec, f"{at}/key", places, names, [each.colour for each in bars.series])
+    words(rec, f"{path}/key", places, names, [each.colour for each in bars.series])
 
 
 def _edges(count: int, i: int) -> tuple[int, int]:
@@ -85,11 +90,11 @@ def _pixels(bars: Bars) -> Colours:
     return pixels
 
 
-def _values(rec: rr.RecordingStream, at: str, bars: Bars) -> None:
+def _values(rec: rr.RecordingStream, path: str, bars: Bars) -> None:
     """The values of each row, in the order of the series, right of its longest bar."""
     values = np.stack([each.values for each in bars.series])
     rows = np.flatnonzero(np.isfinite(values).any(axis=0))
     texts = [" / ".join(f"{value:.3f}" for value in values[:, row] if np.isfinite(value)) for row in rows]
-    room = 0.5 * LETTER * np.array([len(text) + 2.0 for text in texts])
+    room = 0.5 * LETTER * np.array([len(text) + 1.5 for text in texts])
     right = WIDTH * np.nanmax(values[:, rows], axis=0) / bars.end + room
-    words(rec, at, np.stack([right, (rows + 0.5) * ROW - 0.56 * LINE], axis=-1), texts)
+    words(rec, path, np.stack([right, (rows + 0.5) * ROW - 0.56 * LINE], axis=-1), texts)

@@ -6,7 +6,7 @@ Curves are means of ten seconds: a model alone is smooth, and two models on hour
 from __future__ import annotations
 
 import uuid
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -84,11 +84,16 @@ class Compared:
         return np.setdiff1d(np.arange(len(self.rig.names)), self.thermometers)
 
 
-def save(path: Path, runs: Sequence[Compared], models: Sequence[str], figures: Sequence[Bars], summary: str) -> None:
-    """Write all runs into `path` (.rrd), with figures of all of them and `summary` (markdown); models by name."""
+def save(
+    path: Path, runs: Sequence[Compared], models: Sequence[str], figures: Mapping[str, Sequence[Bars]], summary: str
+) -> None:  # fmt: skip
+    """Write all runs into `path` (.rrd) with `summary` (markdown); models by name.
+
+    figures  of all runs, by the name of their tab; those of the first stand beside the summary
+    """
     if not path.parent.is_dir():
         raise InputError(f"{path}: there is no folder {path.parent}")
-    runs, figures = distinct(runs), [each for each in figures if each.known]
+    runs = distinct(runs)
     scales = comparison_maps.scales_of(runs)
     layout = blueprint(runs, models, figures)
     rec = rr.RecordingStream(paths.APPLICATION, recording_id=uuid.uuid4())
@@ -98,8 +103,9 @@ def save(path: Path, runs: Sequence[Compared], models: Sequence[str], figures: S
     rec.send_recording_name(f"{' and '.join(models)}: {', '.join(run.name for run in runs)}")
     rec.log(paths.SUMMARY, rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
     moment.send(rec, float(np.floor(max(run.time_s[-1] for run in runs))))
-    for i, each in enumerate(figures):
-        bars.send(rec, f"{paths.BARS}/{i}", each)
+    for tab, some in figures.items():
+        for i, each in enumerate(some):
+            bars.send(rec, bars.at(tab, i), each)
     for run in runs:
         comparison_curves.send(rec, run)
         comparison_maps.send(rec, run, scales)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import rerun.blueprint as rrb
 
 from viz import comparison_curves, paths
-from viz.bars import Bars
+from viz.bars import Bars, at
 from viz.comparison_maps import BODIES, HEAT, INNOVATION, OPEN_LOOP, TITLES, UNITS, frame_of, map_of
 from viz.layout import LEGEND_ROOM, flat, tabbed, whole
 from viz.scale import Range
@@ -20,18 +20,22 @@ PLOTS = 4  # thermometers on one page
 LEGEND_AT_END = 0.2  # of a plot's time
 
 
-def blueprint(runs: Sequence[Compared], models: Sequence[str], figures: Sequence[Bars]) -> rrb.Blueprint:
+def blueprint(
+    runs: Sequence[Compared], models: Sequence[str], figures: Mapping[str, Sequence[Bars]]
+) -> rrb.Blueprint:  # fmt: skip
     """The layout of a saved file."""
     pages = [_pages(run, models) for run in runs]
     own = (
         pages[0] if len(runs) == 1 else [rrb.Tabs(*some, name=run.name) for run, some in zip(runs, pages, strict=True)]
     )
     text = rrb.TextDocumentView(origin=paths.SUMMARY, name="Summary")
-    drawn = [flat(f"{paths.BARS}/{i}", each.title, each.frame.bounds) for i, each in enumerate(figures)]
-    beside = [rrb.Grid(*drawn, grid_columns=1 + (len(drawn) > 2))] if drawn else []
-    return tabbed(
-        [rrb.Horizontal(text, *beside, column_shares=[2, 1 + len(drawn)][: 1 + len(beside)], name="Summary"), *own]
-    )
+    first, *others = [_figures(tab, some) for tab, some in figures.items()]
+    return tabbed([rrb.Horizontal(text, first, name="Summary"), *others, *own])
+
+
+def _figures(tab: str, some: Sequence[Bars]) -> rrb.Container:
+    drawn = [flat(at(tab, i), each.title, each.frame.bounds) for i, each in enumerate(some)]
+    return rrb.Vertical(*drawn, row_shares=[len(each.rows) + 5 for each in some], name=tab)
 
 
 def _pages(run: Compared, models: Sequence[str]) -> list[rrb.Container]:
@@ -69,7 +73,8 @@ def _heat(run: Compared, models: Sequence[str]) -> list[rrb.Container]:
 def _maps(run: Compared, models: Sequence[str], what: str) -> rrb.Container:
     root, bounds = paths.root(run.name), frame_of(map_of(run, run.sides[0], what), what).bounds
     views = [
-        flat(paths.compared(root, what, side), f"{title}: {TITLES[what]}", bounds) for side, title in titles(models).items()
+        flat(paths.compared(root, what, side), f"{title}: {TITLES[what]}", bounds)
+        for side, title in titles(models).items()
     ]
     views.append(flat(paths.compared(root, f"{what}_key"), f"[{UNITS[what]}]", ((-6, 36), (-7, 75))))
     return rrb.Horizontal(*views, column_shares=[*[9] * len(models), 1.3])
@@ -92,11 +97,11 @@ def _elongation(run: Compared) -> rrb.Container:
 
 
 def _temperatures(run: Compared, group: range) -> rrb.Container:
-    plots, at = [], paths.channel_names(run.rig, "°C")
+    plots, names = [], paths.channel_names(run.rig, "°C")
     for i in group:
         channel, extent = run.rig.thermometers[i], comparison_curves.temperatures(run, int(run.thermometers[i]))
         origin = paths.compared(paths.root(run.name), "temperature", channel)
-        plots.append(_plot(run, origin, at[i], extent, True, LEGEND_AT_END))
+        plots.append(_plot(run, origin, names[i], extent, True, LEGEND_AT_END))
     first, *_, last = [run.rig.thermometers[i] for i in group] * 2
     name = f"{first} ... {last}" if len(group) > 1 else first
     return rrb.Grid(*plots, grid_columns=2 if len(group) > 1 else 1, name=name)

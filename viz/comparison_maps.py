@@ -16,7 +16,7 @@ from estimator.record import Array
 from viz import paths, series
 from viz.axes import colour_bar, words
 from viz.comparison_curves import COLOURS, said, sides_of
-from viz.scale import DIVERGING, Range, coloured, minutes, symmetric, ticks_of
+from viz.scale import DIVERGING, Range, coloured, extent_of, minutes, rounded, symmetric, ticks_of
 from viz.tuning_figures import LINE, ROW, Frame
 
 if TYPE_CHECKING:
@@ -54,11 +54,14 @@ def map_of(run: Compared, side: Side, what: str) -> Map:
 
 
 def scales_of(runs: Sequence[Compared]) -> Scales:
-    """Ranges of the colours of each kind of map, for all runs and models."""
-    return {
-        what: symmetric(np.concatenate([map_of(run, side, what).values.ravel() for run in runs for side in run.sides]))
-        for what in UNITS
-    }
+    """Ranges of the colours of each kind of map, for all runs and models. Heat has no spikes to be forgiven."""
+    found = {}
+    for what in UNITS:
+        values = np.concatenate([map_of(run, side, what).values.ravel() for run in runs for side in run.sides])
+        low, high = extent_of(values)
+        largest = max(-low, high, 1.0)
+        found[what] = rounded((-largest, largest), 8) if what == HEAT else symmetric(values)
+    return found
 
 
 def frame_of(found: Map, what: str) -> Frame:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,43 +24,46 @@ if TYPE_CHECKING:
 DOTS = 120  # per inch
 INCHES = 6.4  # width of one map
 ROW_INCHES = 0.15
+SHADES = 257  # an odd number: one of them is zero
 
 
 def print_bars(path: Path, figures: Sequence[Bars]) -> None:
     """Figures side by side."""
     rows = max(len(each.rows) for each in figures)
-    sheet = _sheet(INCHES * len(figures), 1.1 + 0.42 * rows)
-    for bars, axes in zip(figures, np.ravel(sheet.subplots(1, len(figures), squeeze=False)), strict=True):
-        _bars(axes, bars)
-    sheet.savefig(path, dpi=DOTS)
+    with _sheet(path, INCHES * len(figures), 1.1 + 0.42 * rows) as sheet:
+        for bars, axes in zip(figures, np.ravel(sheet.subplots(1, len(figures), squeeze=False)), strict=True):
+            _bars(axes, bars)
 
 
-def print_maps(path: Path, runs: Sequence[Compared], models: Sequence[str], what: str) -> bool:
-    """A row for each run, a column for each model; False where there is nothing to show."""
+def print_maps(path: Path, runs: Sequence[Compared], models: Sequence[str], what: str) -> None:
+    """A row for each run, a column for each model."""
     maps = [[map_of(run, side, what) for side in run.sides] for run in runs]
-    if not maps[0][0].rows:
-        return False
-    sheet = _sheet(INCHES * len(models) + 0.8, 0.9 + len(runs) * (0.55 + ROW_INCHES * len(maps[0][0].rows)))
-    grid = sheet.subplots(len(runs), len(models), squeeze=False, sharex="row", sharey=True)
-    drawn: Any = None
-    for run, row, found in zip(runs, grid, maps, strict=True):
-        for axes, title, one in zip(row, titles(models).values(), found, strict=True):
-            axes.set_title(f"{run.name}, {title}", fontsize=9)
-            drawn = _map(axes, one, scales_of(runs)[what])
-    for axes in grid[-1]:
-        axes.set_xlabel("time [min]")
-    sheet.suptitle(TITLES[what])
-    bar = sheet.colorbar(drawn, ax=grid, fraction=0.04, aspect=30)
-    bar.set_label(f"[{UNITS[what]}]")
-    sheet.savefig(path, dpi=DOTS)
-    return True
+    extent, rows = scales_of(runs)[what], len(maps[0][0].rows)
+    with _sheet(path, INCHES * len(models) + 0.8, 0.9 + len(runs) * (0.55 + ROW_INCHES * rows)) as sheet:
+        grid = sheet.subplots(len(runs), len(models), squeeze=False, sharex="row", sharey=True)
+        for run, row, found in zip(runs, grid, maps, strict=True):
+            for axes, title, one in zip(row, titles(models).values(), found, strict=True):
+                axes.set_title(f"{run.name}, {title}", fontsize=9)
+                drawn = _map(axes, one, extent)
+        for axes in grid[-1]:
+            axes.set_xlabel("time [min]")
+        sheet.suptitle(TITLES[what])
+        sheet.colorbar(drawn, ax=grid, fraction=0.04, aspect=30).set_label(f"[{UNITS[what]}]")
 
 
-def _sheet(width: float, height: float) -> Figure:
-    """An empty figure in the colours of the views."""
-    from matplotlib.figure import Figure  # takes a third of a second to import
+@contextmanager
+def _sheet(path: Path, width: float, height: float) -> Iterator[Figure]:
+    """An empty figure in the colours of the views, written at the end."""
+    import matplotlib  # takes a third of a second
+    from matplotlib.figure import Figure
 
-    return Figure((width, height), facecolor=_part(paths.BACKGROUND), layout="constrained")
+    ink, paper = _part(paths.TEXT), _part(paths.BACKGROUND)
+    inked = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
+    papered = ("figure.facecolor", "axes.facecolor", "savefig.facecolor", "legend.facecolor")
+    with matplotlib.rc_context({**dict.fromkeys(inked, ink), **dict.fromkeys(papered, paper)}):
+        sheet = Figure((width, height), layout="constrained")
+        yield sheet
+        sheet.savefig(path, dpi=DOTS)
 
 
 def _bars(axes: Axes, bars: Bars) -> None:
@@ -79,7 +83,7 @@ def _bars(axes: Axes, bars: Bars) -> None:
 def _map(axes: Axes, found: Map, extent: tuple[float, float]) -> Any:
     from matplotlib.colors import LinearSegmentedColormap
 
-    colours = LinearSegmentedColormap.from_list("diverging", [_part(colour) for colour in DIVERGING])
+    colours = LinearSegmentedColormap.from_list("diverging", [_part(colour) for colour in DIVERGING], SHADES)
     end = float(len(found.begins_s))
     box = (0.0, end, len(found.rows) - 0.5, -0.5)
     drawn = axes.imshow(

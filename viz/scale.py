@@ -79,10 +79,10 @@ def ticks_of(extent: Range, pieces: int = 5) -> Array:
     return np.arange(first, np.floor(extent[1] / step + 1e-9) + 1) * step + 0.0  # no -0
 
 
-def symmetric(values: Array) -> Range:
-    """A range around zero that holds 99 % of the values, its end 1, 2 or 5 times a power of ten."""
+def symmetric(values: Array, share: float = 0.99) -> Range:
+    """A range around zero that holds this share of the values, its end 1, 2 or 5 times a power of ten."""
     sizes = np.abs(values[np.isfinite(values)])
-    end = step_of(float(np.quantile(sizes, 0.99)), 1) if len(sizes) else 1.0
+    end = step_of(float(np.quantile(sizes, share)), 1) if len(sizes) else 1.0
     return -end, end
 
 

@@ -1,0 +1,295 @@
+"""Is the missing effect found? Data of the virtual rig with an effect planted that the model does not have.
+
+Four recordings to search in, two held out; patterns, speeds and rigs (seeds) change from case to case. The model is
+recordings/base.toml: fitted to the rig without the planted effect, on another seed. An effect that every rig has (a nut
+body, housings, rotating convection) is hidden the other way round: taken out of the model.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from scipy.stats import beta
+
+from benchmarks.cases import record
+from benchmarks.measure import alone, say
+from drivers.recordings import read_recording
+from drivers.virtual_rig import simulate
+from drivers.virtual_rig.heaters import local_place
+from estimator.candidates import kind_of
+from estimator.effects import CATALOGUE
+from estimator.follow import follow
+from estimator.horizon import Error, open_loop_only, overall
+from estimator.hypothesis import Hypothesis
+from estimator.improve import improve
+from estimator.model import Model, load_model
+from estimator.moments import trials_of
+from estimator.record import Recording
+from estimator.rig import Rig
+from estimator.rig_file import load_rig
+from estimator.suggest import Suggestion, suggest
+from estimator.unknown import followers
+
+FOLDER = Path(__file__).parents[1] / "recordings"
+RUNS = (
+    (("FS-20", "FS-5", "CS-10", "ES-20"), ("CS-5", "ES-10")),
+    (("FS-10", "CS-20", "ES-5", "FS-20"), ("ES-20", "CS-10")),
+    (("ES-10", "FS-5", "CS-20", "FS-20"), ("CS-5", "FS-10")),
+)
+PLANTED = (
+    "nut_speed_exponent", "bearing_speed_exponent", "friction_thinning", "churning", "motor_heat", "radiation",
+    "base_drift", "ambient_gradient", "local_heat", "local_heat_driving", "sensor_lag", "expansion_error",
+    "support_yield", "probe_expansion", "bar_expansion", "board_drift", "channel_offset", "channel_gain",
+)  # fmt: skip
+TAKEN_OUT = ("rotating_convection", "nut_body", "anchor_housing", "free_housing")
+STRANGERS = {"rubbing_cover": ("speed2",), "parked_chips": ("rest",), "stop_blast": ("early_stop",)}
+PAIRS = (
+    ("friction_thinning", "motor_heat"), ("churning", "base_drift"), ("sensor_lag", "support_yield"),
+    ("local_heat", "nut_speed_exponent"), ("ambient_gradient", "expansion_error"), ("motor_heat", "churning"),
+    ("bearing_speed_exponent", "channel_offset"), ("local_heat_driving", "bar_expansion"),
+    ("base_drift", "friction_thinning"), ("nut_speed_exponent", "board_drift"), ("churning", "support_yield"),
+)  # fmt: skip
+FIRST_SEED = 21
+NEAR_MM = 60.0
+WORTH_UM = 1.0  # an effect that costs more must not be taken for one of the other kind
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is hidden: `kind` is the row of the study; `wrong` the speed and position label of the third run."""
+
+    kind: str
+    planted: tuple[str, ...]
+    strength: float
+    seed: int
+    runs: int
+    wrong: tuple[float, float] = (1.0, 1.0)
+    frames: bool = False
+
+
+@dataclass
+class Outcome:
+    """What came out of one case; errors are open loop, um and K, on the two runs held out."""
+
+    case: Case
+    verdict: str = ""
+    first: str = ""
+    tie: tuple[str, ...] = ()
+    added: tuple[str, ...] = ()
+    place_mm: float = float("nan")
+    follows: str = ""
+    wrong: tuple[str, str, float] | None = None
+    before: tuple[float, float] = (float("nan"), float("nan"))
+    after: tuple[float, float] = (float("nan"), float("nan"))
+    knowing: tuple[float, float] = (float("nan"), float("nan"))
+    kinds: dict[str, str] = field(default_factory=dict)
+    seconds: float = 0.0
+
+
+def markdown() -> str:
+    """All tables of this study."""
+    return alone("benchmarks.hidden")
+
+
+def cases() -> Iterator[Case]:
+    """All cases, the ones that count first."""
+    for n in range(3):
+        for i, name in enumerate((*PLANTED, *TAKEN_OUT)):
+            yield Case("one", (name,), 1.0, FIRST_SEED + 3 * i + n, n, frames=n == 0 and i < 5)
+    for n in range(21):
+        yield Case("none", (), 1.0, 140 + n, n % 3)
+        yield Case("stranger", (list(STRANGERS)[n % 3],), 1.0, 170 + n, n // 3 % 3)
+    for n, pair in enumerate(PAIRS * 2):
+        yield Case("two", pair, 1.0, 200 + n, n % 3)
+    for n in range(6):
+        yield Case("label", (), 1.0, 230 + n, n % 3, (1.2, 1.2 if n % 2 else 1.0))
+    for name in (*PLANTED, *TAKEN_OUT):
+        yield Case("fitted", (name,), 1.0, 240, 0)
+    for strength in (0.5, 2.0):
+        for name in PLANTED:
+            yield Case(f"strength {strength:g}", (name,), strength, 250, 1)
+
+
+def study(case: Case) -> Outcome:
+    """One case, from the simulation to the verdict."""
+    began = perf_counter()
+    rig, model = load_rig(FOLDER), load_model(FOLDER / "base.toml")
+    plant = {name: case.strength for name in case.planted if name not in TAKEN_OUT}
+    for name in case.planted:
+        model = model - name if name in TAKEN_OUT else model
+    seen, held = ([_recording(name, rig, plant, case, i) for i, name in enumerate(names)] for names in RUNS[case.runs])
+    if case.kind == "fitted":
+        model = follow(model, rig, seen, model.free()).model
+    effects = list(CATALOGUE.values())
+    out = Outcome(case, kinds={name: _kind(name, model, rig) for name in CATALOGUE})
+    if case.kind == "two":
+        steps = improve(model, rig, seen, held, effects)
+        out.added = tuple(each for step in steps.steps for each in (step.added, *step.tie) if each)
+        out.verdict = steps.last.verdict
+        out.before, out.after = _pair(steps.steps[0].held_out), _pair(steps.steps[-1].held_out)
+    else:
+        _judge(out, suggest(model, rig, seen, effects), rig, held)
+    out.seconds = perf_counter() - began
+    return out
+
+
+def _recording(name: str, rig: Rig, plant: dict[str, float], case: Case, number: int) -> Recording:
+    run = simulate(name, seed=case.seed, plant=plant)
+    if case.frames:
+        with tempfile.TemporaryDirectory() as folder:
+            return read_recording(run.write(Path(folder) / f"{name}.log"), rig)
+    return record(run, rig, *(case.wrong if number == 2 else (1.0, 1.0)))
+
+
+def _kind(name: str, model: Model, rig: Rig) -> str:
+    wider = model if name in model.effects else model + CATALOGUE[name]
+    return kind_of(wider, name, rig)
+
+
+def _judge(out: Outcome, found: Suggestion, rig: Rig, held: Sequence[Recording]) -> None:
+    out.verdict, out.tie = found.verdict, found.tie
+    out.first = found.found[0].names[0] if found.found else ""
+    out.before = _pair(_held_out(found.before, rig, held))
+    if found.verdict in ("effect", "tie"):
+        out.after = _pair(_held_out(found.found[0], rig, held))
+        knows = [h for h in found.found if set(h.names) & set(out.case.planted)]
+        out.knowing = _pair(_held_out(knows[0], rig, held)) if knows else out.knowing
+    if found.wrong_input is not None:
+        out.wrong = (found.wrong_input.run, found.wrong_input.signal, found.wrong_input.ratio)
+    if found.stranger is not None:
+        at = {path.partition(".")[2]: value for path, value in found.stranger.candidate.at.items()}
+        out.place_mm = at.get("at", float("nan"))
+        out.follows = (*followers(rig), "temperature")[round(at["follows"])]
+
+
+def _held_out(h: Hypothesis, rig: Rig, held: Sequence[Recording]) -> Error:
+    return overall([open_loop_only(trial, h.model) for trial in trials_of(h.model, rig, held)], "open_loop")
+
+
+def _pair(error: Error | None) -> tuple[float, float]:
+    return (error.temperature_K, error.elongation_um) if error else (float("nan"), float("nan"))
+
+
+def right(out: Outcome) -> bool:
+    """Whether a case came out as it should."""
+    planted, kind = set(out.case.planted), out.case.kind
+    if kind == "none":
+        return out.verdict == "nothing_missing"
+    if kind == "two":
+        return planted <= set(out.added)
+    if kind == "stranger":
+        (name,) = out.case.planted
+        near = abs(out.place_mm - local_place(out.case.seed, name)) <= NEAR_MM
+        return out.verdict == "nothing_in_catalogue" and near and out.follows in STRANGERS[name]
+    if kind == "label":
+        run = f"{RUNS[out.case.runs][0][2]}.blf"
+        return out.verdict == "input_error" and out.wrong is not None and out.wrong[0] == run
+    return (out.verdict == "effect" and out.first in planted) or (out.verdict == "tie" and bool(planted & {*out.tie}))
+
+
+def interval(good: int, n: int) -> str:
+    """Share in % with its 95 % interval (Clopper and Pearson 1934)."""
+    lo = beta.ppf(0.025, good, n - good + 1) if good else 0.0
+    hi = beta.ppf(0.975, good + 1, n - good) if good < n else 1.0
+    return f"{good} of {n}: {good / n:.0%} ({lo:.0%} - {hi:.0%})"
+
+
+def main() -> None:
+    """Run all cases and print the tables."""
+    wanted, outcomes = list(cases()), []
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        for done, out in enumerate(pool.map(study, wanted), start=1):
+            outcomes.append(out)
+            mark = "  " if right(out) else "XX"
+            shown = {k: v for k, v in asdict(out).items() if k not in ("case", "kinds") and v not in ((), None, "")}
+            say(f"{done}/{len(wanted)} {mark} {out.case} {json.dumps(shown)}")
+    print(tables(outcomes))
+
+
+def tables(outcomes: Sequence[Outcome]) -> str:
+    """What must come out, the confusion matrix, and what went wrong."""
+    return "\n\n".join([_musts(outcomes), _confusion(outcomes), _wrong(outcomes)])
+
+
+def _musts(outcomes: Sequence[Outcome]) -> str:
+    kinds = {
+        kind: [o for o in outcomes if o.case.kind == kind] for kind in dict.fromkeys(o.case.kind for o in outcomes)
+    }
+    one = kinds.get("one", [])
+    rows = []
+    names = {
+        "one": ("one planted effect: first, or in a named tie", ">= 95 %"),
+        "two": ("two planted effects: both found by improve", ">= 80 %"),
+        "none": ('nothing planted: "nothing missing"', ">= 95 %"),
+        "stranger": ("an effect in no catalogue: said so, within 60 mm, right input", ">= 80 %"),
+        "label": ("one run of four with a wrong speed label (every other: position too): run named", "named"),
+        "fitted": ("one planted effect, the model first fitted to the same recordings", ""),
+    }
+    for kind, found in kinds.items():
+        title, must = names.get(kind, (f"one planted effect, {kind}", ""))
+        rows.append([title, interval(sum(map(right, found)), len(found)), must])
+    if one:
+        rows.append(["  of these named as a tie", interval(sum(o.verdict == "tie" for o in one), len(one)), "<= 15 %"])
+        rows += _error_rows(one)
+    seconds = [o.seconds for o in outcomes if o.case.kind != "two"]
+    rows.append(["seconds a case on one core, simulations too, median", f"{np.median(seconds):.0f}", ""])
+    head = "## Which effect is missing: four recordings, the whole catalogue"
+    return f"{head}\n\nSeeds {FIRST_SEED} and up; share with 95 % interval.\n\n" + _table(
+        ("", "measured", "must be"), rows
+    )
+
+
+def _error_rows(one: Sequence[Outcome]) -> list[list[str]]:
+    crossed = [o for o in one if o.before[1] > WORTH_UM and o.first and o.kinds[o.first] != o.kinds[o.case.planted[0]]]
+    costly = [o for o in one if o.before[1] > WORTH_UM]
+    named = [o for o in one if o.verdict in ("effect", "tie")]
+    knowing = [o.after[k] / o.knowing[k] for o in named for k in (0, 1) if np.isfinite(o.knowing[k])]
+    halved = [o.after[1] / o.before[1] for o in costly if o.verdict in ("effect", "tie")]
+    good = sum(x <= 0.5 for x in halved)
+    return [
+        ["  heat taken for reading or reading for heat, effects above 1 um", f"{len(crossed)} of {len(costly)}", "0"],
+        ["  held-out error after adding / of the model that knows: median, worst",
+         f"{np.median(knowing):.2f}, {max(knowing):.2f}", "<= 1.15"],
+        ["  held-out elongation error after / before, effects above 1 um: median, worst",
+         f"{np.median(halved):.2f}, {max(halved):.2f}", "<= 0.5"],
+        ["  of these at most half", interval(good, len(halved)), "all"],
+    ]  # fmt: skip
+
+
+def _confusion(outcomes: Sequence[Outcome]) -> str:
+    one = [o for o in outcomes if o.case.kind == "one"]
+    rows = []
+    for name in (*PLANTED, *TAKEN_OUT):
+        counts = Counter(
+            " or ".join(o.tie) if o.verdict == "tie" else o.first if o.verdict == "effect" else o.verdict
+            for o in one if o.case.planted == (name,)
+        )  # fmt: skip
+        rows.append([name, ", ".join(f"{n} x {said}" for said, n in counts.most_common())])
+    return "### What was planted, and what was said\n\n" + _table(("planted", "said"), rows)
+
+
+def _wrong(outcomes: Sequence[Outcome]) -> str:
+    rows = [
+        [o.case.kind, " + ".join(o.case.planted) or "-", str(o.case.seed), o.verdict,
+         " ".join(dict.fromkeys([*o.tie, *o.added, o.first])), f"{o.place_mm:.0f} mm {o.follows}" if o.follows else ""]
+        for o in outcomes if not right(o)
+    ]  # fmt: skip
+    return "### Cases that came out wrong\n\n" + _table(("row", "planted", "seed", "verdict", "named", "where"), rows)
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows)]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    main()
