@@ -17,6 +17,9 @@ from ballscrew.workspace import load, open_model, open_rig
 from estimator.compare import ByHorizon, Comparison, compare
 from estimator.errors import InputError
 from estimator.horizon import Error
+from estimator.model import Model
+from estimator.record import Recording
+from estimator.rig import Rig
 
 PHASES = {"drive": "driving", "early_stop": "first 10 min after a stop", "late_stop": "later"}
 KEYS = {"one_step": "one_step", "ahead": "ahead_10min", "open_loop": "open_loop"}
@@ -52,11 +55,7 @@ def command(
     if not loaded:
         return InputError.exit_code
     terminal.say_if_compiling("passes", "ahead")
-    recordings, found = [one.recording for one in loaded], []
-    with terminal.progress("comparing", len(models)) as update, threads() as share:
-        for done, model in enumerate(models):
-            update(done, model.name)
-            found.append(compare(model, rig, recordings, share))
+    found = _compared(terminal, rig, models, [one.recording for one in loaded])
     _print(terminal, tables := sections(found))
     terminal.json({"models": [_as_json(each) for each in found]})
     if rrd is not None:
@@ -64,6 +63,17 @@ def command(
 
         save_views(terminal, rrd, rig, models, loaded, tables)
     return InputError.exit_code if failed else 0
+
+
+def _compared(
+    terminal: Terminal, rig: Rig, models: Sequence[Model], recordings: Sequence[Recording]
+) -> list[Comparison]:
+    found = []
+    with terminal.progress("comparing", len(models)) as update, threads() as share:
+        for done, model in enumerate(models):
+            update(done, model.name)
+            found.append(compare(model, rig, recordings, share))
+    return found
 
 
 def _print(terminal: Terminal, tables: Sequence[Section]) -> None:

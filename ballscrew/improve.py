@@ -59,16 +59,20 @@ def command(
     found = _searched(terminal, model, rig, loaded, apart, effects)
     after = _kept(found, effects, rig, [one.recording for one in loaded], out.name)
     save_model(after, out)
-    head, *rows = steps_table(found.steps)
-    terminal.table("", head, rows, prose=len(head) - 1)
-    terminal.say(f"({note(found.steps)})")
-    terminal.say(f"model: {out}")
-    terminal.json({**as_json(found), "model": str(out)})
+    _print(terminal, found, out)
     if found.last is None:
         terminal.say("stopped by Ctrl-C: the best so far was kept; no report")
         return INTERRUPTED
     _tell(terminal, found, after, rig, loaded, apart, own, md or out.with_suffix(".md"), rrd or out.with_suffix(".rrd"))
     return InputError.exit_code if failed or failed_too else 0
+
+
+def _print(terminal: Terminal, found: Improvement, out: Path) -> None:
+    head, *rows = steps_table(found.steps)
+    terminal.table("", head, rows, prose=len(head) - 1)
+    terminal.say(f"({note(found.steps)})")
+    terminal.say(f"model: {out}")
+    terminal.json({**as_json(found), "model": str(out)})
 
 
 def _searched(

@@ -69,7 +69,7 @@ def titles(steps: Sequence[Step]) -> list[str]:
 def steps_table(steps: Sequence[Step]) -> list[list[str]]:
     """The error falling step by step, head first."""
     held = any(step.held_out for step in steps)
-    head = ["added", "cross-validated, K", "um", *(["held out, K", "um"] if held else []), "as good"]
+    head = ["added", "cross-validated, K", "um", *(["held out, K", "um"] if held else []), "tied with"]
     rows = []
     for title, step in zip(titles(steps), steps, strict=True):
         errors = [step.cross_validated, *([step.held_out] if step.held_out else [])]

@@ -52,7 +52,7 @@ def shapes(places_mm: Array, x_mm: Array) -> Array:
 
     Their ends are free: whether heat crosses the end of the bar is for the network to say.
     """
-    return _shapes(places_mm.tobytes(), x_mm.tobytes())
+    return _shapes(places_mm.astype(float).tobytes(), x_mm.astype(float).tobytes())
 
 
 @lru_cache(maxsize=1024)

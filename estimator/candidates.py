@@ -50,16 +50,22 @@ def candidates(model: Model, rig: Rig, effects: Iterable[type[Effect]]) -> tuple
     """
     found: list[Candidate] = []
     for effect in effects:
-        if effect.name in model.effects or not _nulls(effect):
+        if effect.name in model.effects or not _nulls(effect) or unfit(model, rig, effect):
             continue
-        wider = at_null(model + effect, effect)
-        try:
-            _terms(wider, rig)
-        except SetupError:
-            continue
-        model = wider
-        found += _seats(wider, effect, rig)
+        model = at_null(model + effect, effect)
+        found += _seats(model, effect, rig)
     return model, found
+
+
+def unfit(model: Model, rig: Rig, effect: type[Effect]) -> str:
+    """Why a model of this rig cannot have the effect, in one line; empty where it can."""
+    try:
+        _terms(at_null(model + effect, effect), rig)
+    except SetupError as error:
+        return str(error)
+    except Exception as error:  # an effect of a user's own, written for another rig
+        return f"{effect.name}: {type(error).__name__}: {error}"
+    return ""
 
 
 def at_null(model: Model, effect: type[Effect]) -> Model:

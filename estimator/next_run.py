@@ -16,7 +16,7 @@ import numpy as np
 from estimator.forcing import Forcing
 from estimator.hypothesis import Hypothesis
 from estimator.model import Model
-from estimator.moments import Column, moments, trials_of
+from estimator.moments import Column, moments
 from estimator.nominal import open_loop
 from estimator.panel import Panel
 from estimator.phase import speed_of
@@ -114,5 +114,5 @@ def _apart(a: Model, b: Model, plan: NextRun, rig: Rig, level: float, laws: dict
     heat = [rig.index(name) for name in rig.thermometers]
     rises = foretold(laws, np.nan_to_num(np.nanmean(first.channels[:, heat], axis=1) - level), run.omega, rig.tick_s)
     run = replace(run, inputs={**run.inputs, **{name: level + rise for name, rise in rises.items()}})
-    trials = trials_of(b, rig, [_lived(a, run, rig, level)])
-    return known.with_another(moments(trials, b, known.columns)[0])
+    trial = Trial(b, rig, _lived(a, run, rig, level), gated=False)
+    return known.with_another(moments([trial], b, known.columns)[0])

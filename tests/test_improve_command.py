@@ -102,7 +102,7 @@ def test_the_report_says_where_it_fails_with_pictures_beside_it(searching, fs20_
         assert f"](b-{what}.png)" in text
         assert (tmp_path / f"b-{what}.png").stat().st_size > 5000
     names = view_names(tmp_path / "b.rrd")
-    assert "after: b.toml: heat that the model alone lacks, by place on the screw [W/m]" in names
+    assert "after: b.toml: heat missing, by place on the screw [W/m]" in names
     assert "Model alone, rms of temperatures [K]" in names
     assert "+ churning" in fixed(tmp_path / "b.rrd", "/summary", "TextDocument:text")[0]
 
@@ -175,4 +175,4 @@ def test_diagnose_saves_the_one_model(fs20_log, tmp_path) -> None:
     status, _, err = run("diagnose", fs20_log, "--model", PAPER / "base.toml", "--save", tmp_path / "d.rrd")
     assert status == 0, err
     assert "| good enough alone |" in fixed(tmp_path / "d.rrd", "/summary", "TextDocument:text")[0]
-    assert "base.toml: heat that the model alone lacks, by place on the screw [W/m]" in view_names(tmp_path / "d.rrd")
+    assert "base.toml: heat missing, by place on the screw [W/m]" in view_names(tmp_path / "d.rrd")

@@ -128,7 +128,7 @@ def test_every_view_says_its_unit_and_its_model(saved: Path) -> None:
     assert len(names) == 1 + 2 + 2 * (3 + 6 + 2 + 4)
     assert all("[" in name for name in names if name != "Summary")
     assert "after: better.toml: thermometer − open-loop, mean of 1 min [K]" in names
-    assert "before: base.toml: heat that the model alone lacks, by place on the screw [W/m]" in names
+    assert "before: base.toml: heat missing, by place on the screw [W/m]" in names
 
 
 def test_summary_is_the_callers_and_the_end_is_the_moment(saved: Path) -> None:

@@ -77,7 +77,7 @@ def _maps(run: Compared, models: Sequence[str], what: str) -> rrb.Container:
         for side, title in titles(models).items()
     ]
     views.append(flat(paths.compared(root, f"{what}_key"), f"[{UNITS[what]}]", ((-6, 36), (-7, 75))))
-    return rrb.Horizontal(*views, column_shares=[*[9] * len(models), 1.3])
+    return rrb.Horizontal(*views, column_shares=[*[9] * len(models), 1.9])
 
 
 def _elongation(run: Compared) -> rrb.Container:

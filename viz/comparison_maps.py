@@ -17,7 +17,7 @@ from viz import paths, series
 from viz.axes import colour_bar, words
 from viz.comparison_curves import COLOURS, said, sides_of
 from viz.scale import DIVERGING, Range, coloured, extent_of, minutes, rounded, symmetric, ticks_of
-from viz.tuning_figures import LINE, ROW, Frame
+from viz.tuning_figures import NAMES, ROW, Frame
 
 if TYPE_CHECKING:
     from viz.comparison import Compared, Side
@@ -27,9 +27,10 @@ UNITS = {OPEN_LOOP: "K", INNOVATION: "K", HEAT: "W/m"}
 TITLES = {
     OPEN_LOOP: "thermometer − open-loop, mean of 1 min [K]",
     INNOVATION: "innovation of the filter, mean of 1 min [K]",
-    HEAT: "heat that the model alone lacks, by place on the screw [W/m]",
+    HEAT: "heat missing, by place on the screw [W/m]",
 }
 WIDTHS = {OPEN_LOOP: 1600, INNOVATION: 1600, HEAT: 950}  # about, pixels: as the views they stand in are shaped
+LINES = {OPEN_LOOP: 55.0, INNOVATION: 55.0, HEAT: 40.0}  # heights of a line of text there
 
 Scales = dict[str, Range]
 
@@ -66,7 +67,8 @@ def scales_of(runs: Sequence[Compared]) -> Scales:
 
 def frame_of(found: Map, what: str) -> Frame:
     """The picture's frame: each minute is equally many pixels wide."""
-    return Frame(len(found.begins_s) * max(1, round(WIDTHS[what] / len(found.begins_s))), found.rows)
+    wide = max(1, round(WIDTHS[what] / len(found.begins_s)))
+    return Frame(len(found.begins_s) * wide, found.rows, NAMES, LINES[what])
 
 
 def send(rec: rr.RecordingStream, run: Compared, scales: Scales) -> None:
@@ -95,4 +97,4 @@ def _draw(rec: rr.RecordingStream, at: str, found: Map, what: str, extent: Range
     ticks = ticks_of((0.0, len(found.begins_s)), 7)
     pixels = shades.repeat(ROW, axis=0).repeat(wide, axis=1)
     frame.draw(rec, at, pixels, wide * ticks, [f"{tick:g}" for tick in ticks])
-    words(rec, f"{at}/title", [(frame.width / 2, frame.height + 1.7 * LINE)], ["time [min]"])
+    words(rec, f"{at}/title", [(frame.width / 2, frame.height + 1.7 * frame.line)], ["time [min]"])

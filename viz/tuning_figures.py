@@ -31,6 +31,7 @@ class Frame:
     width: int
     channels: Sequence[str]
     room: float = NAMES
+    line: float = LINE
 
     @property
     def height(self) -> int:
@@ -40,14 +41,14 @@ class Frame:
     @property
     def bounds(self) -> tuple[Range, Range]:
         """What a view must show: the picture, names at its left, a row of words above and two below."""
-        return (-self.room, self.width + 0.3 * NAMES), (-2.6 * LINE, self.height + 3.2 * LINE)
+        return (-self.room, self.width + 0.3 * NAMES), (-2.6 * self.line, self.height + 3.2 * self.line)
 
     def draw(self, rec: rr.RecordingStream, at: str, pixels: Colours, x: ArrayLike, texts: Sequence[str]) -> None:
         """Log the picture, the names of its rows, and the texts below it at x."""
         rec.log(f"{at}/picture", rr.Image(np.ascontiguousarray(pixels), magnification_filter="Nearest"), static=True)
-        middles = (np.arange(len(self.channels)) + 0.5) * ROW - 0.56 * LINE
+        middles = (np.arange(len(self.channels)) + 0.5) * ROW - 0.56 * self.line
         words(rec, f"{at}/channels", _places(-0.5 * self.room, middles), self.channels)
-        words(rec, f"{at}/x", _places(x, self.height + 0.2 * LINE), texts)
+        words(rec, f"{at}/x", _places(x, self.height + 0.2 * self.line), texts)
 
 
 def _places(x: ArrayLike, y: ArrayLike) -> Array:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 
 from estimator.effect import Effect, Param
+from estimator.errors import SetupError
 from estimator.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import Shift, Term
@@ -37,6 +38,8 @@ class AmbientGradient(Effect):
     difference = Param(2.0, "K", lo=-10.0, hi=10.0, null=0.0, source="motor and spindle side of a machine, a few K")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        places = [c.at_mm for c in rig.channels.values() if c.at_mm is not None]
-        lo, hi = min(places), max(places)
-        yield Shift("ambient", p.difference, over=(rig.the_screw().x_mm - (lo + hi) / 2) / (hi - lo))
+        screw, places = rig.the_screw(), [c.at_mm for c in rig.channels.values() if c.at_mm is not None]
+        lo, hi = min(places, default=screw.from_mm), max(places, default=screw.to_mm)
+        if lo == hi:
+            raise SetupError("needs two thermometers along the screw")
+        yield Shift("ambient", p.difference, over=(screw.x_mm - (lo + hi) / 2) / (hi - lo))
