@@ -1,4 +1,4 @@
-"""The text of a new effect: heat into the screw or a shift of readings, times what it follows."""
+"""The text of a new effect: heat into the screw or a body, or a shift of readings, times what it follows."""
 
 from __future__ import annotations
 
@@ -42,6 +42,7 @@ ALL = "all"  # in place of a channel: every thermometer
 class Spread:
     """Where a heat goes: in words, in the equation, and in Python as a heat q and as a link to the air."""
 
+    what: str
     where: str
     equation: str
     heat: str
@@ -49,27 +50,34 @@ class Spread:
 
 
 ALONG = Spread(
+    "the screw all along",
     "all along",
     "spread evenly along the screw",
     "yield Heat(SCREW, {q} / rig.the_screw().cells)",
     'yield Link(SCREW, "ambient", p.g / rig.the_screw().cells)',
 )
 AROUND = Spread(
+    "the screw around {at:g} mm",
     "around {at:g} mm",
     "around the place `at`",
     "yield Heat(SCREW, {q}, over=spot(rig, p.at, p.width))",
     'yield Link(SCREW, "ambient", p.g * spot(rig, p.at, p.width))',
 )
+INTO = Spread("{node}", "in {node}", "into {node}", "yield Heat({name}, {q})", 'yield Link({name}, "ambient", p.g)')
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """A new effect: class name, place (mm; None: all along), what it follows, the reading that it shifts if any."""
+    """A new effect: class name, place (mm; None: all along), what it follows, the reading that it shifts if any.
+
+    node  the body that it heats, if not the screw
+    """
 
     cls: str
     at_mm: float | None
     follows: str
     reading: str | None
+    node: str | None = None
 
     @property
     def subject(self) -> str:
@@ -84,25 +92,23 @@ def effect_text(wanted: Wanted, rig: Rig) -> str:
 
 
 def _heat(wanted: Wanted, rig: Rig) -> dict[str, str]:
-    """Heat at a place or all along: q = P f; where it follows the temperature, a link to the air."""
+    """Heat at a place, all along or into a body: q = P f; where it follows the temperature, a link to the air."""
     follower, first = follower_of(wanted.follows, rig), []
-    spread = ALONG if wanted.at_mm is None else AROUND
-    where = spread.where.format(at=wanted.at_mm)
+    spread = INTO if wanted.node is not None else ALONG if wanted.at_mm is None else AROUND
+    place = {"at": wanted.at_mm, "node": wanted.node, "name": json.dumps(wanted.node)}
+    where, what, equation = (text.format(**place) for text in (spread.where, spread.what, spread.equation))
     if wanted.follows == TEMPERATURE:
         params = [_param("g", 0.5, "W/K", 0.0, 20.0, "a guess", "null=0.0")]
-        says, equation, yields = (
-            "takes heat from the screw to the air",
-            f"q = -g (T - T_air), {spread.equation}",
-            spread.link,
-        )
+        says, equation = f"takes heat from {what} to the air", f"q = -g (T - T_air), {equation}"
+        yields = spread.link.format(**place)
     else:
         params, first = [_strength("power", 5.0, "W", follower)], _when(follower)
-        says, equation = "heats the screw", f"q = P{follower.symbol}, {spread.equation}"
-        yields = spread.heat.format(q=_times("p.power", follower))
+        says, equation = f"heats {what}", f"q = P{follower.symbol}, {equation}"
+        yields = spread.heat.format(q=_times("p.power", follower), **place)
     if wanted.at_mm is not None:
         params += _place(wanted.at_mm, rig)
     return {
-        "sentence": f"{wanted.subject} {says} {where}, {follower.when}.",
+        "sentence": f"{wanted.subject} {says}, {follower.when}.",
         "equation": equation,
         "trace": f"Too warm or too cold {where}, {follower.when}.",
         "params": "\n    ".join(params),

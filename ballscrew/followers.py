@@ -24,6 +24,11 @@ class Follower:
 FOLLOWERS = {
     "always": Follower("always"),
     "drive": Follower("while the screw turns", " while the screw turns, else 0", "u.motion.turning"),
+    "early_drive": Follower(
+        "in the first minutes of a drive",
+        " exp(-t / 300 s), t s after a drive began, else 0",
+        "u.motion.turning * np.exp(-u.motion.since_s / 300.0)",
+    ),
     "rest": Follower("while the screw stands", " while the screw stands, else 0", "1.0 - u.motion.turning"),
     "early_stop": Follower(
         "in the first minutes of a stop",
@@ -38,8 +43,11 @@ FOLLOWERS = {
         " (omega / omega_ref)^2",
         "u.speed_law(rig.the_screw(), 2.0)",
     ),
+    "time": Follower("in step with the time", " t / 1 h", "u.motion.time_s / 3600.0"),
     TEMPERATURE: Follower("in step with the temperature"),
 }  # fmt: skip
+
+MOTION = ("drive", "early_drive", "rest", "early_stop", "speed", "speed2")  # which take a speed
 
 
 def follower_of(word: str, rig: Rig) -> Follower:

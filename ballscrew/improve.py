@@ -11,7 +11,7 @@ import click
 from ballscrew.improvement_report import Outcome, as_json, note, report, steps_section, steps_table, titles
 from ballscrew.named import Named
 from ballscrew.options import logs_argument, output_options, rig_options, writable
-from ballscrew.suggest import finding_of, search_options, wanted_effects
+from ballscrew.suggest import finding_of, fitting, search_options, wanted_effects
 from ballscrew.terminal import INTERRUPTED, Terminal
 from ballscrew.threads import threads
 from ballscrew.workspace import Loaded, load, open_model, open_rig
@@ -51,7 +51,7 @@ def command(
     terminal = Terminal(json_path, quiet)
     rig = open_rig(logs, rig_path, terminal)
     model = open_model(rig, model_path, terminal)
-    effects = wanted_effects(model, own)
+    fitting(terminal, model, rig, effects := wanted_effects(model, own))
     loaded, failed = load(logs, rig, terminal)
     if not loaded:
         return InputError.exit_code

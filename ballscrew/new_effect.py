@@ -9,20 +9,23 @@ import click
 
 from ballscrew.class_file import with_class
 from ballscrew.effect_template import ALL, VOCABULARY, Wanted, effect_text
-from ballscrew.followers import FOLLOWERS
+from ballscrew.followers import FOLLOWERS, MOTION
 from ballscrew.options import output_options, writable
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_rig
 from estimator.effects import CATALOGUE
 from estimator.errors import SetupError, nearest
 from estimator.rig import Rig
+from estimator.unknown import bodies
 
 HEAD = '"""Effects of this rig that the catalogue does not have."""\n'
 
 
 @click.command("new-effect", help=__doc__)
 @click.argument("name")
-@click.option("--at", metavar="350mm", help="Heat around this place; default: all along the screw.")
+@click.option(
+    "--at", metavar="350mm|BODY", help="Heat around this place, or into this body; default: all along the screw."
+)
 @click.option(
     "--follows", default="always", metavar="WORD",
     help=f"{', '.join(FOLLOWERS)}, or an input of the rig, of which it follows the rise; default: always.",
@@ -47,7 +50,8 @@ def command(
     """
     terminal = Terminal(json_path, quiet)
     rig = open_rig([out], rig_path, terminal)
-    wanted = Wanted(_class_name(name), _place(at, reading, rig), _follows(follows, rig), _channel(reading, rig))
+    cls, place, node = _class_name(name), *_place(at, reading, rig)
+    wanted = Wanted(cls, place, _follows(follows, rig), _channel(reading, rig), node)
     text = out.read_text() if out.is_file() else HEAD
     out.write_text(with_class(text, effect_text(wanted, rig), VOCABULARY, out))
     use = f"{out}:{wanted.cls}"
@@ -67,22 +71,32 @@ def _class_name(name: str) -> str:
     return cls
 
 
-def _place(at: str | None, reading: str | None, rig: Rig) -> float | None:
+def _place(at: str | None, reading: str | None, rig: Rig) -> tuple[float | None, str | None]:
+    """A place in mm, or a body; neither: all along the screw."""
+    known = ", ".join(bodies(rig))
     if at is None:
-        return None
+        if rig.screw is None and reading is None:
+            raise SetupError(f"{rig.name} has no screw; say with --at which body is heated: {known}")
+        return None, None
     if reading is not None:
         raise SetupError("--at is where heat goes, --reading shifts a reading: leave one of them out")
+    if at in bodies(rig):
+        return None, at
+    if rig.screw is None:
+        raise SetupError(f"--at {at}: {rig.name} has no screw, and no thermometer in such a body; known: {known}")
     number = re.fullmatch(r"([-+]?\d+(?:\.\d*)?) ?(?:mm)?", at.strip())
     if not number:
         raise SetupError(f"--at {at}: write a place in mm, such as 350mm")
     place, screw = float(number[1]), rig.the_screw()
     if not screw.from_mm <= place <= screw.to_mm:
         raise SetupError(f"--at {at}: outside the screw, {screw.from_mm:g} ... {screw.to_mm:g} mm")
-    return place
+    return place, None
 
 
 def _follows(word: str, rig: Rig) -> str:
     known = (*FOLLOWERS, *rig.inputs)
+    if word in MOTION and "speed" not in rig.inputs:
+        raise SetupError(f"--follows {word}: {rig.name} has no input 'speed', so that nothing ever moves")
     if word not in known:
         raise SetupError(f"--follows {word}: neither known nor an input of {rig.name}; {nearest(word, known)}")
     return word

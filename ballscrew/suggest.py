@@ -16,6 +16,7 @@ from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
 from ballscrew.verdict import Finding, as_json, sentence
 from ballscrew.workspace import Loaded, load, open_model, open_rig
+from estimator.candidates import unfit
 from estimator.effect import Effect
 from estimator.effects import CATALOGUE
 from estimator.errors import InputError
@@ -52,6 +53,13 @@ def wanted_effects(model: Model, own: Sequence[str]) -> list[Named]:
     return [*(Named(effect) for name, effect in CATALOGUE.items() if name not in mine), *mine.values()]
 
 
+def fitting(terminal: Terminal, model: Model, rig: Rig, effects: Sequence[Named]) -> None:
+    """Say which effects of one's own cannot be tried on this rig, and why."""
+    for one in effects:
+        if one.file is not None and one.effect.name not in model.effects and (why := unfit(model, rig, one.effect)):
+            terminal.warn(f"{one.use} is not tried: {why}")
+
+
 @click.command("suggest")
 @logs_argument
 @rig_options
@@ -71,7 +79,8 @@ def command(
     terminal = Terminal(json_path, quiet)
     rig = open_rig(logs, rig_path, terminal)
     model = open_model(rig, model_path, terminal)
-    effects = [one.effect for one in wanted_effects(model, own)]
+    fitting(terminal, model, rig, wanted := wanted_effects(model, own))
+    effects = [one.effect for one in wanted]
     loaded, failed = load(logs, rig, terminal)
     if not loaded:
         return InputError.exit_code
@@ -144,8 +153,8 @@ def _ranked(found: Finding) -> list[tuple[str, Hypothesis, Error | None]]:
 
 
 def _note(found: Finding) -> str:
-    said = "each left out once; held out: never looked at" if found.held_out else "each recording left out once"
-    return f"{said}; best first"
+    once = "one recording: none left out" if found.suggestion.one_recording else "each recording left out once"
+    return f"{once}; {'held out: never looked at; ' if found.held_out else ''}best first"
 
 
 def _save(terminal: Terminal, path: Path, rig: Rig, model: Model, loaded: Sequence[Loaded], found: Finding) -> None:

@@ -17,6 +17,7 @@ from estimator.suggest import Suggestion
 from estimator.unknown import TEMPERATURE, bodies, followers
 
 PHASE_OF = {"drive": "drive", "early_drive": "drive", "speed": "drive", "speed2": "drive", "early_stop": "early_stop"}
+ONE = " By one recording, from which nothing could be left out: make another to be sure."
 APART_SD = 3.0  # a run that sets rivals less apart does not tell
 
 
@@ -34,12 +35,13 @@ class Finding:
 
 @dataclass(frozen=True)
 class Stranger:
-    """Where something sits that no effect of the catalogue explains, and what it follows."""
+    """Where something sits that no effect explains, and what it follows; of heat the place in mm or the body."""
 
     heat: bool
     follows: str
-    at_mm: float | None
     what: str
+    at_mm: float | None = None
+    node: str | None = None
 
 
 def stranger_of(found: Screened, rig: Rig) -> Stranger:
@@ -48,15 +50,20 @@ def stranger_of(found: Screened, rig: Rig) -> Stranger:
     names = (*followers(rig), TEMPERATURE)
     follows = names[round(at["follows"])]
     if found.candidate.kind == "heat":
-        place = at.get("at")
-        what = f"at {place:.0f} mm" if place is not None else f"in {bodies(rig)[round(at['node'])]}"
-        return Stranger(True, follows, place, what)
+        if "at" in at:
+            return Stranger(True, follows, f"at {at['at']:.0f} mm", at_mm=at["at"])
+        node = bodies(rig)[round(at["node"])]
+        return Stranger(True, follows, f"in {node}", node=node)
     number = round(at["channel"])
-    return Stranger(False, follows, None, rig.names[number - 1] if number else "all thermometers")
+    return Stranger(False, follows, rig.names[number - 1] if number else "all thermometers")
 
 
 def sentence(finding: Finding, rig: Rig) -> str:
-    """The verdict in words."""
+    """The verdict in words, and how far it can be trusted."""
+    return _verdict(finding, rig) + (ONE if finding.suggestion.one_recording else "")
+
+
+def _verdict(finding: Finding, rig: Rig) -> str:
     found = finding.suggestion
     if found.verdict == "input_error" and found.wrong_input is not None:
         wrong = found.wrong_input
@@ -92,14 +99,14 @@ def new_effect_line(who: Stranger) -> str:
     if not who.heat:
         channel = "all" if who.what == "all thermometers" else who.what
         return f"ballscrew new-effect my_reading --reading {channel} --follows {who.follows}"
-    at = f" --at {who.at_mm:.0f}mm" if who.at_mm is not None else ""
-    return f"ballscrew new-effect my_heat{at} --follows {who.follows}"
+    at = f"{who.at_mm:.0f}mm" if who.at_mm is not None else who.node
+    return f"ballscrew new-effect my_heat --at {at} --follows {who.follows}"
 
 
 def _followed(name: str) -> str:
     words = {"always": "nothing: it is always there", "drive": "the drive", "rest": "the rests", "time": "the clock",
              "early_drive": "the first minutes of drives", "early_stop": "the first minutes of stops",
-             "speed2": "the speed squared", TEMPERATURE: "the screw's temperature there"}  # fmt: skip
+             "speed2": "the speed squared", TEMPERATURE: "the temperature there"}  # fmt: skip
     return words.get(name, f"the {name}")
 
 
@@ -112,7 +119,9 @@ def _nothing(found: Suggestion) -> str:
 
 def _tie(found: Suggestion, run: NextRun | None) -> str:
     names = " or ".join(found.tie)
-    if run is None or run.separation_sd < APART_SD:
+    if run is None:
+        return f"{names}: these recordings cannot tell."
+    if run.separation_sd < APART_SD:
         return f"{names}: these recordings cannot tell, and no run of the patterns and speeds seen would."
     low, high = run.stroke_mm
     return (
@@ -129,8 +138,9 @@ def _other(found: Suggestion) -> str:
 
 def _gain(before: Hypothesis, after: Hypothesis) -> str:
     a, b = before.judged, after.judged
+    where = " on recordings left out" if len(b.runs) > 1 else ""
     length = f", elongation {a.length_um:.2f} -> {b.length_um:.2f} um" if np.isfinite(b.length_um) else ""
-    return f"temperatures {a.heat_K:.3f} -> {b.heat_K:.3f} K{length} on recordings left out"
+    return f"temperatures {a.heat_K:.3f} -> {b.heat_K:.3f} K{length}{where}"
 
 
 def _length(um: float) -> str:
@@ -147,7 +157,8 @@ def as_json(finding: Finding, rig: Rig) -> dict[str, Any]:
         at = stranger.at_mm
         where = {
             "from_mm": at - 30.0 if at is not None else None, "to_mm": at + 30.0 if at is not None else None,
-            "phase": PHASE_OF.get(stranger.follows), "follows": stranger.follows, "what": stranger.what,
+            "node": stranger.node, "phase": PHASE_OF.get(stranger.follows), "follows": stranger.follows,
+            "what": stranger.what,
         }  # fmt: skip
     return {
         "verdict": found.verdict,

@@ -9,6 +9,14 @@ import numpy as np
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 
+MOST = 5  # ticks in one
+LONGEST_S = 15.0  # a tick that still shows a drive of a few minutes
+
+
+def serves(rig: Rig) -> int:
+    """How many ticks of a rig make one that still serves for slow heat; bodies alone cost little, and are quick."""
+    return max(1, min(MOST, round(LONGEST_S / rig.tick_s))) if rig.screw else 1
+
 
 def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
     """Every `ticks` ticks in one, with the rig that has this tick.

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from estimator.coarse import coarse
+from estimator.coarse import coarse, serves
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -24,7 +24,6 @@ from estimator.tangent import tangent
 from estimator.trial import Posed, Trial
 
 GOOD_K, GOOD_UM = 0.05, 0.2
-EVERY = 5  # ticks in one step of the open-loop run
 BLOCK_S = 600.0
 
 Progress = Callable[[int, float], None]
@@ -36,7 +35,7 @@ class Follower:
     def __init__(self, model: Model, rig: Rig, recordings: Sequence[Recording]) -> None:
         self._trials = []
         for recording in recordings:
-            short, slow = coarse(recording, rig, EVERY)
+            short, slow = coarse(recording, rig, serves(rig))
             self._trials.append(Trial(model, slow, short))
         scale = np.array([GOOD_K if rig.channels[name].is_thermometer else GOOD_UM for name in rig.names])
         self._scale = scale * np.sqrt(BLOCK_S / self._trials[0].rig.tick_s)
@@ -117,7 +116,7 @@ def follow(
         if all_of_it @ all_of_it < best_cost:
             best, best_cost = scaled.copy(), all_of_it @ all_of_it
         count += 1
-        each(count, float(np.sqrt(np.mean(rest**2) * BLOCK_S / (rig.tick_s * EVERY))))
+        each(count, float(np.sqrt(np.mean(rest**2) * BLOCK_S / (rig.tick_s * serves(rig)))))
         return all_of_it
 
     def jacobian(scaled: Array) -> Array:
@@ -133,7 +132,7 @@ def follow(
     bread = np.linalg.pinv(rows.T @ rows + np.diag(prior**2))
     rest = follower.misfit(at(best))
     sums = follower.sums(rows * rest[:, None])
-    cov = sandwich(bread, sums - sums.mean(axis=0), few=float(np.mean(rest**2) * BLOCK_S / (rig.tick_s * EVERY)))
+    cov = sandwich(bread, sums - sums.mean(axis=0), few=float(np.mean(rest**2) * BLOCK_S / (rig.tick_s * serves(rig))))
     return Followed(at(best), cov, bread, rows.T @ rows, stopped)
 
 

@@ -14,10 +14,9 @@ import numpy as np
 
 from estimator.assemble import Network
 from estimator.blocks import Blocks, blocks
-from estimator.coarse import coarse
-from estimator.follow import EVERY, open_loop_misfit
+from estimator.coarse import coarse, serves
+from estimator.follow import open_loop_misfit
 from estimator.model import Model
-from estimator.moments import SHORTEST_S
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.sensitivity import nominal_column
@@ -53,7 +52,7 @@ class Misfit:
 
 def misfit(model: Model, rig: Rig, recording: Recording) -> Misfit:
     """Run the model alone beside a recording. The filter's gate has no say: it would hide a sensor that is far off."""
-    short, slow = coarse(recording, rig, max(1, min(EVERY, round(SHORTEST_S / rig.tick_s))))
+    short, slow = coarse(recording, rig, serves(rig))
     trial = Trial(model, slow, short, gated=False)
     posed = trial.pose(model)
     cut = blocks(trial.rest, slow.tick_s)

@@ -12,12 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from estimator.inputs import no_inputs
 from estimator.model import Model
 from estimator.moments import Column, moments, trials_of
 from estimator.panel import Judged, Panel
 from estimator.posterior import Share
 from estimator.record import Array, Recording
 from estimator.rig import Rig
+from estimator.terms import Link
 from estimator.trial import Trial
 
 ODD = 3.0  # times the other runs' misfit makes a run odd ...
@@ -74,10 +76,15 @@ def mislabel(
 
 
 def signals(model: Model, rig: Rig) -> list[str]:
-    """Inputs of which a wrong scale or shift would matter; speed and position may be wrong together."""
+    """Inputs of which a wrong scale or shift would matter: temperatures that heat flows to, and all that are none.
+
+    Speed and position may be wrong together.
+    """
     drive = [name for name in DRIVE if name in rig.inputs]
     both = ["speed and position"] if len(drive) == 2 else []
-    used = [name for name in rig.inputs if name in ("ambient", "base") or rig.inputs[name].unit != "degC"]
+    still = no_inputs(rig, np.zeros((1, 1)), np.zeros((1, rig.screw.cells if rig.screw else 0)))
+    ends = {end for term in model.terms(still, rig) if isinstance(term, Link) for end in (term.a, term.b)}
+    used = [name for name in rig.inputs if name in ends or rig.inputs[name].unit != "degC"]
     return [*drive, *both, *(n for n in used if n not in (*DRIVE, "current", "displacement_direct"))]
 
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.coarse import coarse
-from estimator.follow import BLOCK_S, EVERY, GOOD_K, GOOD_UM, open_loop_misfit
+from estimator.coarse import coarse, serves
+from estimator.follow import BLOCK_S, GOOD_K, GOOD_UM, open_loop_misfit
 from estimator.model import Model
 from estimator.posterior import Share
 from estimator.record import Array, Recording
@@ -23,8 +23,6 @@ from estimator.rig import Rig
 from estimator.sensitivity import nominal_column
 from estimator.tangent import tangent
 from estimator.trial import Trial
-
-SHORTEST_S = 15.0  # a tick that still shows a drive of a few minutes
 
 
 @dataclass(frozen=True)
@@ -64,8 +62,7 @@ class Moments:
 
 def trials_of(model: Model, rig: Rig, recordings: Sequence[Recording], gated: bool = True) -> list[Trial]:
     """Recordings made ready for open-loop runs, at a tick that serves for slow heat."""
-    every = max(1, min(EVERY, round(SHORTEST_S / rig.tick_s)))
-    slower = (coarse(recording, rig, every) for recording in recordings)
+    slower = (coarse(recording, rig, serves(rig)) for recording in recordings)
     return [Trial(model, slow, short, gated=gated) for short, slow in slower]
 
 

@@ -107,6 +107,10 @@ class Panel:
         change = np.clip(change, self._lo, self._hi)
         return np.asarray(change * (2 * slope - change * curvature))
 
+    def shows(self) -> Array:
+        """Whether each parameter moves any reading, (k,)."""
+        return np.diag(self._weighted.sum(axis=0))[:-1] > 0
+
     def _unlikely(self, chosen: Array, change: Array) -> float:
         """What the priors add for the chosen parameters after a change."""
         return float((self._prior[chosen] * (self._off[chosen] + change) ** 2).sum())

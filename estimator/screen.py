@@ -67,7 +67,10 @@ class Screen:
 def screen(
     model: Model, wide: Model, candidates: Sequence[Candidate], trials: Sequence[Trial], share: Share = map
 ) -> Screen:  # fmt: skip
-    """Screen candidates of a model; `wide` is the model with all of them at their nulls."""
+    """Screen candidates of a model; `wide` is the model with all of them at their nulls.
+
+    Those that move no reading of these recordings are left out.
+    """
     own = [Column(wide, path) for path in model.free()]
     groups = _groups(candidates)
     found: list[Screened] = []
@@ -93,10 +96,10 @@ def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
 def _screened(group: Sequence[Candidate], own: Sequence[Column], panel: Panel) -> list[Screened]:
     k, sizes = len(own), [len(c.paths) for c in group]
     starts = k + np.append(0, np.cumsum(sizes[:-1])).astype(int)
-    gains = [panel.gains(range(0)), panel.gains(range(k))]
+    gains, shows = [panel.gains(range(0)), panel.gains(range(k))], panel.shows()
     kept: set[int] = set()
     for name in {c.name for c in group}:
-        seats = [i for i, c in enumerate(group) if c.name == name]
+        seats = [i for i, c in enumerate(group) if c.name == name and shows[starts[i] : starts[i] + sizes[i]].any()]
         for gain in gains:
             kept |= set(sorted(seats, key=lambda i: -float(gain[starts[i] : starts[i] + sizes[i]].max()))[:SEATS])
     return [_judged(group[i], k, range(starts[i], starts[i] + sizes[i]), panel) for i in sorted(kept)]

@@ -33,6 +33,7 @@ from estimator.screen import Screen, Screened, screen
 from estimator.unknown import UnknownBodyHeat, UnknownHeat, UnknownReading
 
 MATERIAL = 0.85  # an effect leaves at most this share of the misfit, or it is not missing ...
+ALONE = 0.5  # the same where there is one recording, and none can be left out
 MATERIAL_K, MATERIAL_UM = 0.02, 0.12  # ... and takes at least so much off one of the errors
 ALIKE = 1.04  # a misfit within this of the best is as good
 EXPLAINS = 0.95  # of what a new fit of all parameters gains, that one effect alone may stand for ...
@@ -62,6 +63,11 @@ class Suggestion:
     pair: tuple[str, ...] = ()
     wrong_input: Mislabel | None = None
     stranger: Screened | None = None
+
+    @property
+    def one_recording(self) -> bool:
+        """Whether nothing could be left out: all errors are of what was fitted."""
+        return len(self.as_given.judged.runs) == 1
 
     @property
     def before(self) -> Hypothesis:
@@ -167,7 +173,8 @@ class Search:
         if not both:
             return None
         one, refit = min(both, key=lambda pair: pair[0].judged(pair[1]).misfit)
-        return one if one.judged(refit).misfit < STRANGE * best else None
+        least = STRANGE if len(self.recordings) > 1 else ALONE
+        return one if one.judged(refit).misfit < least * best else None
 
     def _verdict(
         self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis],
@@ -222,7 +229,8 @@ def alike(h: Hypothesis, best: Hypothesis) -> bool:
 
 def material(h: Hypothesis, as_given: Hypothesis, again: Hypothesis) -> bool:
     """Whether an effect takes enough off the misfit of the model without it."""
-    less = h.misfit <= MATERIAL * as_given.misfit and h.misfit <= (MATERIAL if h.refit else 0.95) * again.misfit
+    least = MATERIAL if len(h.judged.runs) > 1 else ALONE
+    less = h.misfit <= least * as_given.misfit and h.misfit <= (least if h.refit else 0.95) * again.misfit
     rival: Judged = (again if h.refit else as_given).judged
     heat = rival.heat_K**2 - h.judged.heat_K**2
     length = np.nan_to_num(rival.length_um**2 - h.judged.length_um**2)
