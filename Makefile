@@ -1,4 +1,4 @@
-# make demo   a CAN recording to the elongation, in one command
+# make demo   recordings with a hidden effect: where the model fails, what is missing, the error after
 # make test   everything that must hold
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
@@ -13,9 +13,13 @@ HIDDEN := recordings/hidden/amber
 MODEL := recordings/base.toml
 SHOWN := FS-20
 
-.PHONY: demo test check bench bench-engine study-fit pictures pictures-improve recordings model tuning tuning-test clean
+.PHONY: demo review test check bench bench-engine study-fit pictures pictures-improve recordings model tuning tuning-test clean
 
-demo: $(READY) recordings/FS-20.blf
+demo: $(READY)
+	$(BIN)/ballscrew diagnose $(HIDDEN) --model $(MODEL)
+	$(BIN)/ballscrew improve $(HIDDEN) --held-out $(HIDDEN)/held-out --model $(MODEL) -o improved.toml --view
+
+review: $(READY) recordings/FS-20.blf
 	$(BIN)/ballscrew review recordings/FS-20.blf --save demo.rrd --view
 
 test: $(READY)

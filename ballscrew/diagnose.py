@@ -73,7 +73,7 @@ def _print(terminal: Terminal, found: Diagnosis, tables: Sequence[Section]) -> N
 def _sections(found: Diagnosis) -> list[Section]:
     """The tables: errors, missing heat, wrong readings."""
     rows = [
-        [title, f"{error.temperature_K:.3f}", _number(error.elongation_um, 2)]
+        [title, _number(error.temperature_K, 3), _number(error.elongation_um, 2)]
         for title, error in [(HORIZONS[key], found.errors[key]) for key in HORIZONS]
     ]
     rows.append(["sensors alone", f"{found.floor.temperature_K:.3f}", _number(found.floor.elongation_um, 2)])

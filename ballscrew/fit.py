@@ -100,7 +100,11 @@ def _errors(found: Fit) -> list[list[str]]:
 def _pair(a: Error, b: Error) -> list[str]:
     kelvin = [f"{a.temperature_K:.3f}", f"{b.temperature_K:.3f}", "K"]
     lengths = [f"{a.elongation_um:.2f}", f"{b.elongation_um:.2f}", "um"]
-    return kelvin + (lengths if np.isfinite(b.elongation_um) else ["", "", ""])
+    none = ["", "", ""]  # a run may be too short to look ahead, or have no length
+    return [
+        *(kelvin if np.isfinite(b.temperature_K) else none),
+        *(lengths if np.isfinite(b.elongation_um) else none),
+    ]
 
 
 def _remark(f: Fitted) -> str:

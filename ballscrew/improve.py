@@ -14,7 +14,8 @@ from ballscrew.options import logs_argument, output_options, rig_options, writab
 from ballscrew.suggest import finding_of, fitting, search_options, wanted_effects
 from ballscrew.terminal import INTERRUPTED, Terminal
 from ballscrew.threads import threads
-from ballscrew.workspace import Loaded, load, open_model, open_rig
+from ballscrew.viewing import show, view_option
+from ballscrew.workspace import Loaded, load_apart, open_model, open_rig
 from estimator.errors import InputError
 from estimator.improve import Improvement, improve
 from estimator.model import Model, save_model
@@ -38,10 +39,12 @@ from estimator.rig import Rig
     "--save", "rrd", type=click.Path(path_type=Path), callback=writable, metavar="OUT.rrd",
     help="Write the views, before and after, as a rerun file; default: beside MODEL.",
 )  # fmt: skip
+@view_option
 @output_options
 def command(
     logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, held_out: tuple[Path, ...],
-    own: tuple[str, ...], out: Path, md: Path | None, rrd: Path | None, json_path: str | None, quiet: bool, debug: bool,
+    own: tuple[str, ...], out: Path, md: Path | None, rrd: Path | None, view: bool, json_path: str | None, quiet: bool,
+    debug: bool,
 ) -> int:  # fmt: skip
     """Add the effects that are missing from the model, one at a time, until none makes all LOGs clearly better.
 
@@ -52,10 +55,9 @@ def command(
     rig = open_rig(logs, rig_path, terminal)
     model = open_model(rig, model_path, terminal)
     fitting(terminal, model, rig, effects := wanted_effects(model, own))
-    loaded, failed = load(logs, rig, terminal)
+    loaded, apart, failed = load_apart(logs, held_out, rig, terminal)
     if not loaded:
         return InputError.exit_code
-    apart, failed_too = load(held_out, rig, terminal) if held_out else ([], [])
     found = _searched(terminal, model, rig, loaded, apart, effects)
     after = _kept(found, effects, rig, [one.recording for one in loaded], out.name)
     save_model(after, out)
@@ -63,8 +65,10 @@ def command(
     if found.last is None:
         terminal.say("stopped by Ctrl-C: the best so far was kept; no report")
         return INTERRUPTED
-    _tell(terminal, found, after, rig, loaded, apart, own, md or out.with_suffix(".md"), rrd or out.with_suffix(".rrd"))
-    return InputError.exit_code if failed or failed_too else 0
+    rrd = rrd or out.with_suffix(".rrd")
+    _tell(terminal, found, after, rig, loaded, apart, own, md or out.with_suffix(".md"), rrd)
+    show(terminal, rrd, view)
+    return InputError.exit_code if failed else 0
 
 
 def _print(terminal: Terminal, found: Improvement, out: Path) -> None:
@@ -122,4 +126,3 @@ def _tell(
         write_views(rrd, runs, out.models, [steps_section(out)], figures)
     terminal.say(f"\n{out.said}")
     terminal.say(f"report: {md}")
-    terminal.say_views(rrd)

@@ -12,6 +12,7 @@ from ballscrew.muting import chosen_thermometers, muted
 from ballscrew.options import logs_argument, output_options, rig_options, save_option
 from ballscrew.report import as_json, markdown, print_reviews
 from ballscrew.terminal import Terminal
+from ballscrew.viewing import show, view_option
 from ballscrew.workspace import Loaded, load, open_model, open_rig
 from estimator.errors import InputError
 from estimator.record import Array
@@ -30,7 +31,7 @@ from viz.run import Run, first_stop_s
     help="Do not use a channel, `telemeter` or `displacement` from FROM to TO: seconds from the start, or stop1 ...",
 )  # fmt: skip
 @save_option
-@click.option("--view", is_flag=True, help="Open the views in the rerun viewer, where there is a screen.")
+@view_option
 @output_options
 def command(
     logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, channels: str | None, no_displacement: bool,
@@ -99,10 +100,7 @@ def _runs(rig: Rig, loaded: Sequence[Loaded], reviews: Sequence[Review]) -> list
 
 def _save(terminal: Terminal, path: Path, runs: Sequence[Run], summary: str, view: bool) -> None:
     from viz.save import save  # rerun takes half a second to import
-    from viz.viewer import open_viewer
 
     with terminal.progress(f"writing {path}", len(runs)) as update:
         save(path, runs, summary, update)
-    terminal.say_views(path)
-    if view and not open_viewer(path, first_stop_s(runs[0])):
-        terminal.say("no screen here: the viewer was not started")
+    show(terminal, path, view, first_stop_s(runs[0]))

@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from ballscrew.stranger import followed, new_effect_line, stranger_of
 from estimator.horizon import Error
 from estimator.hypothesis import Hypothesis
 from estimator.next_run import NextRun
 from estimator.rig import Rig
-from estimator.screen import Screened
 from estimator.suggest import Suggestion
-from estimator.unknown import TEMPERATURE, bodies, followers
 
 PHASE_OF = {"drive": "drive", "early_drive": "drive", "speed": "drive", "speed2": "drive", "early_stop": "early_stop"}
 ONE = " By one recording, from which nothing could be left out: make another to be sure."
@@ -33,31 +32,6 @@ class Finding:
     next_run: NextRun | None
 
 
-@dataclass(frozen=True)
-class Stranger:
-    """Where something sits that no effect explains, and what it follows; of heat the place in mm or the body."""
-
-    heat: bool
-    follows: str
-    what: str
-    at_mm: float | None = None
-    node: str | None = None
-
-
-def stranger_of(found: Screened, rig: Rig) -> Stranger:
-    """A stand-in for something unknown, in the words of the rig."""
-    at = {path.partition(".")[2]: value for path, value in found.candidate.at.items()}
-    names = (*followers(rig), TEMPERATURE)
-    follows = names[round(at["follows"])]
-    if found.candidate.kind == "heat":
-        if "at" in at:
-            return Stranger(True, follows, f"at {at['at']:.0f} mm", at_mm=at["at"])
-        node = bodies(rig)[round(at["node"])]
-        return Stranger(True, follows, f"in {node}", node=node)
-    number = round(at["channel"])
-    return Stranger(False, follows, rig.names[number - 1] if number else "all thermometers")
-
-
 def sentence(finding: Finding, rig: Rig) -> str:
     """The verdict in words, and how far it can be trusted."""
     return _verdict(finding, rig) + (ONE if finding.suggestion.one_recording else "")
@@ -67,16 +41,25 @@ def _verdict(finding: Finding, rig: Rig) -> str:
     found = finding.suggestion
     if found.verdict == "input_error" and found.wrong_input is not None:
         wrong = found.wrong_input
+        head, rest = "Nothing is missing but in", ""
+        if found.far:
+            head, rest = (
+                "First of all look at",
+                f" Set right it still leaves {wrong.judged.heat_K:.3f} K: more is missing.",
+            )
         size = f"{wrong.ratio:.2f} times" if wrong.ratio != 1 else f"{wrong.shift_K:+.1f} K off"
-        return (
-            f"Nothing is missing but in {wrong.run}, where {wrong.signal} is {size} what it should be: check that run."
-        )
+        return f"{head} {wrong.run}, where {wrong.signal} is {size} what it should be: check that run.{rest}"
     if found.verdict == "nothing_in_catalogue" and found.stranger is not None:
         who = stranger_of(found.stranger, rig)
         line = "heat" if who.heat else "an offset of"
         return (
             f"No effect of the catalogue explains it. Something like {line} {who.what} does, which follows"
-            f" {_followed(who.follows)}. Begin with: {new_effect_line(who)}"
+            f" {followed(who.follows)}. Begin with: {new_effect_line(who)}"
+        )
+    if found.verdict == "nothing_in_catalogue":
+        return (
+            f"Something is missing, for the model alone leaves {_left(found)}, but no effect that was tried explains"
+            " it, nor does anything at one place that follows one input. ballscrew diagnose says where and when."
         )
     if found.verdict == "nothing_missing":
         return _nothing(found)
@@ -94,27 +77,16 @@ def _missing(found: Suggestion, best: Hypothesis) -> str:
     )
 
 
-def new_effect_line(who: Stranger) -> str:
-    """The command that writes an effect file to start from."""
-    if not who.heat:
-        channel = "all" if who.what == "all thermometers" else who.what
-        return f"ballscrew new-effect my_reading --reading {channel} --follows {who.follows}"
-    at = f"{who.at_mm:.0f}mm" if who.at_mm is not None else who.node
-    return f"ballscrew new-effect my_heat --at {at} --follows {who.follows}"
-
-
-def _followed(name: str) -> str:
-    words = {"always": "nothing: it is always there", "drive": "the drive", "rest": "the rests", "time": "the clock",
-             "early_drive": "the first minutes of drives", "early_stop": "the first minutes of stops",
-             "speed2": "the speed squared", TEMPERATURE: "the temperature there"}  # fmt: skip
-    return words.get(name, f"the {name}")
-
-
 def _nothing(found: Suggestion) -> str:
-    left = f"{found.before.judged.heat_K:.3f} K" + _length(found.before.judged.length_um)
+    left = _left(found)
     if found.before.refit and found.as_given.misfit > 1.2 * found.before.misfit:
         return f"Nothing is missing, but the parameters are off: fit the model again, which leaves {left}."
     return f"Nothing is missing: the model alone leaves {left}, and no effect makes that clearly less."
+
+
+def _left(found: Suggestion) -> str:
+    um = found.before.judged.length_um
+    return f"{found.before.judged.heat_K:.3f} K" + (f" and {um:.2f} um" if np.isfinite(um) else "")
 
 
 def _tie(found: Suggestion, run: NextRun | None) -> str:
@@ -141,10 +113,6 @@ def _gain(before: Hypothesis, after: Hypothesis) -> str:
     where = " on recordings left out" if len(b.runs) > 1 else ""
     length = f", elongation {a.length_um:.2f} -> {b.length_um:.2f} um" if np.isfinite(b.length_um) else ""
     return f"temperatures {a.heat_K:.3f} -> {b.heat_K:.3f} K{length}{where}"
-
-
-def _length(um: float) -> str:
-    return f" and {um:.2f} um" if np.isfinite(um) else ""
 
 
 def as_json(finding: Finding, rig: Rig) -> dict[str, Any]:

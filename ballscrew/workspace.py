@@ -74,3 +74,21 @@ def load(logs: Sequence[Path], rig: Rig, terminal: Terminal) -> tuple[list[Loade
     for message in failed:
         terminal.error(message)
     return loaded, failed
+
+
+def load_apart(
+    logs: Sequence[Path], held_out: Sequence[Path], rig: Rig, terminal: Terminal
+) -> tuple[list[Loaded], list[Loaded], list[str]]:
+    """The recordings to use, those held out, and what could not be read; one that is in both is held out."""
+    loaded, failed = load(logs, rig, terminal)
+    if not held_out:
+        return loaded, [], failed
+    apart, failed_too = load(held_out, rig, terminal)
+    kept = {one.recording.fingerprint for one in apart}
+    both = [one.path.name for one in loaded if one.recording.fingerprint in kept]
+    if both:
+        terminal.say(f"held out, and so not used: {', '.join(both)}")
+    loaded = [one for one in loaded if one.recording.fingerprint not in kept]
+    if not loaded:
+        raise InputError("every recording is held out: none is left to use")
+    return loaded, apart, [*failed, *failed_too]

@@ -62,6 +62,8 @@ def mislabel(
     values = {c.path: float(model[c.path]) + x for c, x in zip(free, suits.change, strict=True)}
     suited, best = model.with_values(values), None
     for signal in signals(model, rig):
+        if signal in rig.inputs and not np.nan_to_num(recordings[odd].inputs[signal]).any():
+            continue
         size = _best(suited, rig, recordings[odd], signal)
         if abs(size) < (SURE_K if _is_shift(rig, signal) else SURE):
             continue

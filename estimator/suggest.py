@@ -21,6 +21,7 @@ import numpy as np
 
 from estimator.candidates import candidates
 from estimator.effect import Effect
+from estimator.follow import GOOD_K, GOOD_UM
 from estimator.hypothesis import Hypothesis, refined
 from estimator.mislabel import Mislabel, mislabel
 from estimator.model import Model
@@ -30,6 +31,7 @@ from estimator.posterior import Share
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.screen import Screen, Screened, screen
+from estimator.tune import noise_floor
 from estimator.unknown import UnknownBodyHeat, UnknownHeat, UnknownReading
 
 MATERIAL = 0.85  # an effect leaves at most this share of the misfit, or it is not missing ...
@@ -39,6 +41,7 @@ ALIKE = 1.04  # a misfit within this of the best is as good
 EXPLAINS = 0.95  # of what a new fit of all parameters gains, that one effect alone may stand for ...
 FEW = 4.0  # ... if its misfit is within this of the best: one number instead of many
 STRANGE = 0.8  # something unknown leaves at most this share of what the best effects leave
+FAR = 5.0  # times what a good model or the sensors leave, from which on something is missing, explained or not
 GOOD = 1.3  # a misfit that is good enough not to look for strangers
 REFINED = 3  # effects of each kind that are fitted in full
 
@@ -49,10 +52,12 @@ Progress = Callable[[str, float], None]
 class Suggestion:
     """The verdict and what it rests on.
 
-    verdict  "effect", "tie", "input_error", "nothing_in_catalogue" or "nothing_missing"
+    verdict  "effect", "tie", "input_error", "nothing_missing", or "nothing_in_catalogue": something unknown explains
+             it (`stranger`), or nothing does, and the model is far off
     found    hypotheses with an effect each, best first;  tie: names that these recordings cannot tell apart
     as_given, again  the model without them, as it is and fitted again
     pair     two effects together, where they explain clearly more than one
+    far      the model, with a wrong input set right, is so far off that something is missing
     """
 
     verdict: str
@@ -63,6 +68,7 @@ class Suggestion:
     pair: tuple[str, ...] = ()
     wrong_input: Mislabel | None = None
     stranger: Screened | None = None
+    far: bool = False
 
     @property
     def one_recording(self) -> bool:
@@ -184,6 +190,7 @@ class Search:
         if two and not set(two) & {fitted[0].names[0]}:
             fitted = sorted(fitted, key=lambda h: h.names[0] not in two)
         found: list[Hypothesis] = []
+        far = self._far(wrong.judged if wrong else min(as_given, again, key=lambda h: h.misfit).judged)
         if wrong is not None:
             verdict = "input_error"
         elif stranger is not None:
@@ -191,12 +198,18 @@ class Search:
         else:
             few = self._few(as_given, again, fitted, screened)
             found = few or [h for h in fitted if material(h, as_given, again)]
-            verdict = "effect" if found else "nothing_missing"
+            verdict = "effect" if found else "nothing_in_catalogue" if far else "nothing_missing"
         tie = tuple(h.names[0] for h in found if alike(h, found[0]))
         verdict = "tie" if len(tie) > 1 else verdict
         rest = [h for h in fitted if h.names[0] not in {each.names[0] for each in found}]
         tied = tie if verdict == "tie" else ()
-        return Suggestion(verdict, (*found, *rest), tied, as_given, again, two, wrong, stranger)
+        return Suggestion(verdict, (*found, *rest), tied, as_given, again, two, wrong, stranger, far)
+
+    def _far(self, judged: Judged) -> bool:
+        """Whether a model is so far off that something must be missing."""
+        floor = noise_floor(self.model, self.trials[0])
+        heat, length = np.fmax(GOOD_K, floor.temperature_K), np.fmax(GOOD_UM, floor.elongation_um)
+        return bool(judged.heat_K > FAR * heat or judged.length_um > FAR * length)
 
     def _few(
         self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis], screened: Screen
