@@ -32,6 +32,7 @@ from numba import njit
 from estimator.record import Array
 
 LOG_2PI = float(np.log(2.0 * np.pi))
+ROOM = (1e-200, 1e200)
 HOW: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -189,6 +190,7 @@ def _predict(model: Model, data: Data, t: int, x: Array, P: Array) -> None:
 def _fuse(model: Model, H: Array, data: Data, use: Array, t: int, x: Array, P: Array) -> tuple[int, float, float]:
     """Update x and P by what is to be used at tick t: count, e'e, and the log-determinant of the innovations."""
     n, count, squares, logarithm, w = len(x), 0, 0.0, 0.0, np.empty_like(x)
+    product = 1.0  # one logarithm for many channels, as long as their product has room
     for o in range(len(H)):
         if not use[t, o]:
             continue
@@ -203,9 +205,12 @@ def _fuse(model: Model, H: Array, data: Data, use: Array, t: int, x: Array, P: A
             for j in range(n):
                 P[i, j] -= w[i] * w[j]
         squares += e * e
-        logarithm += np.log(f)
         count += 1
-    return count, squares, logarithm
+        product *= f
+        if not ROOM[0] < product < ROOM[1]:
+            logarithm += np.log(product)
+            product = 1.0
+    return count, squares, logarithm + np.log(product)
 
 
 @part
