@@ -62,9 +62,10 @@ def _print(terminal: Terminal, found: Diagnosis, tables: Sequence[Section]) -> N
         terminal.table("", head, rows)
     white = overall(found.quality)
     worst = max(found.quality, key=lambda each: np.nan_to_num(each.whiteness))
+    told = f"; largest autocorrelation of what it did not expect {white.whiteness:.2f} ({worst.channel})"
     terminal.say(
-        f"\nfilter: NIS {white.nis:.2f} per channel, {100 * white.in_2sd:.0f} % in 2 sd; "
-        f"largest autocorrelation of what it did not expect {white.whiteness:.2f} ({worst.channel})"
+        f"\nfilter: NIS {white.nis:.2f} per channel, {100 * white.in_2sd:.0f} % in 2 sd"
+        + (told if np.isfinite(white.whiteness) else "")
     )
     for sentence in found.sentences:
         terminal.say(sentence)

@@ -74,7 +74,7 @@ def command(
 def _print(terminal: Terminal, found: Improvement, out: Path) -> None:
     head, *rows = steps_table(found.steps)
     terminal.table("", head, rows, prose=len(head) - 1)
-    terminal.say(f"({note(found.steps)})")
+    terminal.say(f"({note(found)})")
     terminal.say(f"model: {out}")
     terminal.json({**as_json(found), "model": str(out)})
 

@@ -21,6 +21,8 @@ from estimator.posterior import Share
 from estimator.rig import Rig
 
 ALSO_CHOSEN = "cross-validated: each recording left out once, but all of them were also used for choosing"
+ONE = "not cross-validated: one recording, none left out, also used for choosing"
+ONE_HELD_OUT = "not cross-validated: one recording, none left out; held out: never used to choose or fit"
 HELD_OUT = "cross-validated: each recording left out once; held out: never used to choose or fit"
 
 
@@ -77,9 +79,12 @@ def steps_table(steps: Sequence[Step]) -> list[list[str]]:
     return [head, *rows]
 
 
-def note(steps: Sequence[Step]) -> str:
+def note(found: Improvement) -> str:
     """What the errors of the table were taken on."""
-    return HELD_OUT if any(step.held_out for step in steps) else ALSO_CHOSEN
+    held_out = any(step.held_out for step in found.steps)
+    if found.last is not None and found.last.one_recording:
+        return ONE_HELD_OUT if held_out else ONE
+    return HELD_OUT if held_out else ALSO_CHOSEN
 
 
 def steps_section(out: Outcome) -> Section:
@@ -88,7 +93,7 @@ def steps_section(out: Outcome) -> Section:
     said = [
         f"Added: {', '.join(filter(None, added(steps))) or 'nothing'}.",
         out.said,
-        f"Model alone (open loop), rms; {note(steps)}.",
+        f"Model alone (open loop), rms; {note(out.found)}.",
     ]
     return f"{out.after.name}: {out.before.name} improved", said, steps_table(steps)
 

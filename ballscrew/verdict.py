@@ -13,7 +13,7 @@ from estimator.horizon import Error
 from estimator.hypothesis import Hypothesis
 from estimator.next_run import NextRun
 from estimator.rig import Rig
-from estimator.suggest import Suggestion
+from estimator.suggest import GOOD, Suggestion
 
 PHASE_OF = {"drive": "drive", "early_drive": "drive", "speed": "drive", "speed2": "drive", "early_stop": "early_stop"}
 ONE = " By one recording, from which nothing could be left out: make another to be sure."
@@ -79,7 +79,7 @@ def _missing(found: Suggestion, best: Hypothesis) -> str:
 
 def _nothing(found: Suggestion) -> str:
     left = _left(found)
-    if found.before.refit and found.as_given.misfit > 1.2 * found.before.misfit:
+    if found.before.refit and found.as_given.misfit > max(GOOD, 1.2 * found.before.misfit):
         return f"Nothing is missing, but the parameters are off: fit the model again, which leaves {left}."
     return f"Nothing is missing: the model alone leaves {left}, and no effect makes that clearly less."
 

@@ -85,10 +85,10 @@ def load_apart(
         return loaded, [], failed
     apart, failed_too = load(held_out, rig, terminal)
     kept = {one.recording.fingerprint for one in apart}
-    both = [one.path.name for one in loaded if one.recording.fingerprint in kept]
-    if both:
+    rest = [one for one in loaded if one.recording.fingerprint not in kept]
+    if loaded and not rest:
+        terminal.warn("every recording is held out: all are used all the same, and what is held out says nothing new")
+    elif len(rest) < len(loaded):
+        both = [one.path.name for one in loaded if one.recording.fingerprint in kept]
         terminal.say(f"held out, and so not used: {', '.join(both)}")
-    loaded = [one for one in loaded if one.recording.fingerprint not in kept]
-    if not loaded:
-        raise InputError("every recording is held out: none is left to use")
-    return loaded, apart, [*failed, *failed_too]
+    return rest or loaded, apart, [*failed, *failed_too]

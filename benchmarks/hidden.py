@@ -126,7 +126,9 @@ def study(case: Case) -> Outcome:
     plant = {name: case.strength for name in case.planted if name not in TAKEN_OUT}
     for name in case.planted:
         model = model - name if name in TAKEN_OUT else model
-    seen, held = ([_recording(name, rig, plant, case, i) for i, name in enumerate(names)] for names in RUNS[case.runs])
+    used, apart = RUNS[case.runs]
+    apart = apart if case.kind in ("one", "two") else ()
+    seen, held = ([_recording(name, rig, plant, case, i) for i, name in enumerate(names)] for names in (used, apart))
     if case.kind == "fitted":
         model = follow(model, rig, seen, model.free()).model
     effects = list(CATALOGUE.values())
@@ -158,7 +160,7 @@ def _kind(name: str, model: Model, rig: Rig) -> str:
 def _judge(out: Outcome, found: Suggestion, rig: Rig, held: Sequence[Recording]) -> None:
     out.verdict, out.tie = found.verdict, found.tie
     out.first = found.found[0].names[0] if found.found else ""
-    out.before = _pair(_held_out(found.before, rig, held))
+    out.before = _pair(_held_out(found.without(found.found[0]) if found.found else found.before, rig, held))
     if found.verdict in ("effect", "tie"):
         out.after = _pair(_held_out(found.found[0], rig, held))
         knows = [h for h in found.found if set(h.names) & set(out.case.planted)]
@@ -171,7 +173,9 @@ def _judge(out: Outcome, found: Suggestion, rig: Rig, held: Sequence[Recording])
         out.follows = (*followers(rig), "temperature")[round(at["follows"])]
 
 
-def _held_out(h: Hypothesis, rig: Rig, held: Sequence[Recording]) -> Error:
+def _held_out(h: Hypothesis, rig: Rig, held: Sequence[Recording]) -> Error | None:
+    if not held:
+        return None
     return overall([open_loop_only(trial, h.model) for trial in trials_of(h.model, rig, held)], "open_loop")
 
 

@@ -13,7 +13,7 @@ from estimator.inputs import no_inputs
 from estimator.model import Model
 from estimator.rig import Rig
 from estimator.structure import checked_terms
-from estimator.terms import Expand, Lag, Read
+from estimator.terms import Expand, Lag, Read, Store, Term
 from estimator.unknown import bodies, followers
 
 APART_MM = 30.0  # places tried along the screw are about so far apart
@@ -26,12 +26,14 @@ class Candidate:
     paths  parameters "effect.param" that are null while the effect is absent: what a score test moves
     at     values of the parameters that say where it sits
     kind   "heat" or "reading": whether it moves temperatures, or only what sensors make of them
+    body   whether it brings a body that stores heat, of which little shows at its null
     """
 
     effect: type[Effect]
     paths: tuple[str, ...]
     at: Mapping[str, float]
     kind: str
+    body: bool
 
     @property
     def name(self) -> str:
@@ -75,9 +77,14 @@ def at_null(model: Model, effect: type[Effect]) -> Model:
 
 def kind_of(model: Model, name: str, rig: Rig) -> str:
     """Whether an effect of a model moves temperatures, or only readings."""
-    ones = no_inputs(rig, np.ones((1, 1)), np.ones((1, rig.screw.cells if rig.screw else 0)))
-    terms = list(model.terms_of(name, ones, rig))
+    terms = _at_ones(model, name, rig)
     return "reading" if terms and all(isinstance(term, (Read, Lag, Expand)) for term in terms) else "heat"
+
+
+def _at_ones(model: Model, name: str, rig: Rig) -> list[Term]:
+    """Terms of one effect while everything turns and is covered."""
+    ones = no_inputs(rig, np.ones((1, 1)), np.ones((1, rig.screw.cells if rig.screw else 0)))
+    return list(model.terms_of(name, ones, rig))
 
 
 def _terms(model: Model, rig: Rig) -> None:
@@ -90,7 +97,9 @@ def _nulls(effect: type[Effect]) -> dict[str, float]:
 
 
 def _seats(model: Model, effect: type[Effect], rig: Rig) -> list[Candidate]:
-    found = [Candidate(effect, tuple(_nulls(effect)), {}, kind_of(model, effect.name, rig))]
+    terms = _at_ones(model, effect.name, rig)
+    body = any(isinstance(term, Store) for term in terms)
+    found = [Candidate(effect, tuple(_nulls(effect)), {}, kind_of(model, effect.name, rig), body)]
     for key, param in effect.params.items():
         if param.over:
             path, values = f"{effect.name}.{key}", SEATS[param.over](rig)

@@ -69,7 +69,8 @@ def diagnose(
     limits, alone = limits_of(rig, floor), open_loop(misfits)
     heat, wrong = without_shadows(where(maps, limits), wrong_readings(maps, limits))
     adequate = not (alone.temperature_K > limits.temperature_K or alone.elongation_um > limits.elongation_um)
-    told = sentences(adequate, alone, floor, heat, wrong)
+    moves = any(bool((np.nan_to_num(recording.omega) > 0).any()) for recording in recordings)
+    told = sentences(adequate, alone, floor, heat, wrong, moves)
     return Diagnosis(adequate, {**found, "open_loop": alone}, floor, limits, judged, heat, wrong, told, tuple(maps))
 
 

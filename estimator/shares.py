@@ -78,7 +78,7 @@ def most_likely(
         moved = 0.0
         for name, (pull, expected) in sums.items():
             if expected > 0:
-                size = max(least[name], sizes[name] * float(np.sqrt(pull / expected)))
+                size = max(least[name], sizes[name] * float(np.sqrt(max(pull, 0.0) / expected)))
                 moved, sizes[name] = max(moved, 2 * abs(np.log(size / sizes[name]))), size
         if moved < STEADY:
             break

@@ -34,9 +34,10 @@ from estimator.screen import Screen, Screened, screen
 from estimator.tune import noise_floor
 from estimator.unknown import UnknownBodyHeat, UnknownHeat, UnknownReading
 
-MATERIAL = 0.85  # an effect leaves at most this share of the misfit, or it is not missing ...
+MATERIAL = 0.89  # an effect leaves at most this share of the misfit, or it is not missing; ...
+MATERIAL_REFIT = 0.85  # ... this share where all parameters are fitted again beside it ...
 ALONE = 0.5  # the same where there is one recording, and none can be left out
-MATERIAL_K, MATERIAL_UM = 0.02, 0.12  # ... and takes at least so much off one of the errors
+MATERIAL_K, MATERIAL_UM = 0.016, 0.12  # ... and takes at least so much off one of the errors
 ALIKE = 1.04  # a misfit within this of the best is as good
 EXPLAINS = 0.95  # of what a new fit of all parameters gains, that one effect alone may stand for ...
 FEW = 4.0  # ... if its misfit is within this of the best: one number instead of many
@@ -128,8 +129,9 @@ class Search:
         """The best effects of the screen, fitted in full, best first; each in the way that predicts better."""
         tried = []
         for refit in (False, True):
-            for one in found.best(refit)[:REFINED]:
-                tried.append(self._refined(one, refit))
+            for rank, one in enumerate(found.best(refit)):
+                if rank < REFINED or (one.candidate.body and refit):
+                    tried.append(self._refined(one, refit))
         best: dict[str, Hypothesis] = {}
         for each in sorted(tried, key=lambda h: h.misfit):
             best.setdefault(each.names[0], each)
@@ -243,7 +245,8 @@ def alike(h: Hypothesis, best: Hypothesis) -> bool:
 def material(h: Hypothesis, as_given: Hypothesis, again: Hypothesis) -> bool:
     """Whether an effect takes enough off the misfit of the model without it."""
     least = MATERIAL if len(h.judged.runs) > 1 else ALONE
-    less = h.misfit <= least * as_given.misfit and h.misfit <= (least if h.refit else 0.95) * again.misfit
+    beside = min(least, MATERIAL_REFIT) if h.refit else 0.95
+    less = h.misfit <= least * as_given.misfit and h.misfit <= beside * again.misfit
     rival: Judged = (again if h.refit else as_given).judged
     heat = rival.heat_K**2 - h.judged.heat_K**2
     length = np.nan_to_num(rival.length_um**2 - h.judged.length_um**2)

@@ -24,14 +24,14 @@ WORDS = {
 
 
 def sentences(
-    adequate: bool, alone: Error, floor: Error, heat: Sequence[Missing], wrong: Sequence[Wrong]
+    adequate: bool, alone: Error, floor: Error, heat: Sequence[Missing], wrong: Sequence[Wrong], moves: bool = True
 ) -> tuple[str, ...]:
-    """How far the model is off, and the two findings that matter most."""
+    """How far the model is off, and the two findings that matter most; without phases on a rig that never moves."""
     if adequate and not heat and not wrong:
         return (NOTHING,)
     first = _size(alone, floor) + (" That is good enough; still:" if adequate else "")
-    found = [(max(h.effect for h in same), _heat(same)) for same in together(heat)]
-    found += [(each.effect, _reading(each)) for each in wrong]
+    found = [(max(h.effect for h in same), _heat(same, moves)) for same in together(heat)]
+    found += [(each.effect, _reading(each, moves)) for each in wrong]
     best = [sentence for _, sentence in sorted(found, key=lambda pair: -pair[0])[:FINDINGS]]
     return (first, *(best or ["Neither heat at some place nor a single reading explains it."]))
 
@@ -44,26 +44,28 @@ def _size(alone: Error, floor: Error) -> str:
     return f"The model alone is {off} off, {times:.0f} times what the sensors leave."
 
 
-def _heat(same: Sequence[Missing]) -> str:
+def _heat(same: Sequence[Missing], moves: bool) -> str:
     most = same[0]
     place = f"in {most.node}" if most.node is not None else f"between {most.from_mm:.0f} and {most.to_mm:.0f} mm"
     when = " and ".join(PHASES[phase] for phase in PHASES if phase in {each.phase for each in same})
-    when = "all the time" if len({each.phase for each in same}) == len(PHASES) else when
+    if not moves or len({each.phase for each in same}) == len(PHASES):
+        when = "all the time" if moves or most.follows.name in (None, ALWAYS) else ""
     verb = "It lacks" if most.heat_W > 0 else "It has too much:"
-    return f"{verb} {abs(most.heat_W):.2g} W +- {most.sd_W:.1g} {place} {when}{_follows(most.follows)}."
+    return f"{verb} {abs(most.heat_W):.2g} W +- {most.sd_W:.1g} {place}{when and ' ' + when}{_follows(most.follows)}."
 
 
-def _reading(wrong: Wrong) -> str:
+def _reading(wrong: Wrong, moves: bool) -> str:
     name = "All thermometers together" if wrong.channel == ALL else wrong.channel
     reads = "read" if wrong.channel == ALL else "reads"
     if wrong.follows.name == ALWAYS:
         way = "high" if wrong.offset > 0 else "low"
-        return f"{name} {reads} {abs(wrong.offset):.2f} {wrong.unit} {way} from the first motion on."
+        since = "from the first motion on" if moves else "all the time"
+        return f"{name} {reads} {abs(wrong.offset):.2f} {wrong.unit} {way} {since}."
     return f"{name} {reads} {wrong.rms:.2g} {wrong.unit} (rms) wrong{_follows(wrong.follows)}."
 
 
 def _follows(found: Follows) -> str:
     if found.name is None or found.name == ALWAYS:
         return ""
-    what = WORDS.get(found.name, f"the temperature '{found.name}'")
+    what = WORDS.get(found.name, f"the input '{found.name}'")
     return f"; that follows {what} (p {'<' if found.p < 0.002 else '='} {max(found.p, 0.002):.2g})"

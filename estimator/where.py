@@ -14,6 +14,7 @@ from estimator.phase import PHASES
 from estimator.record import Array
 
 SURE = 3.0  # sd
+TOLD = 0.8  # heat of a body that comes and goes may be none on the mean: what it follows explains this share of it
 MATTERS = 0.5  # effect
 GAP = 2  # zones between others of one peak
 SHADOW = 0.3  # of the largest effect: less may be what a large failure is not described by
@@ -47,9 +48,12 @@ def where(found: Sequence[MissingHeat], limits: Limits) -> tuple[Missing, ...]:
         mean, covariance = by_phase(found, phase)
         for run in _material(found, phase, list(_runs(mean, found[0])), limits):
             heat, sd = float(mean[run].sum()), float(np.sqrt(covariance[np.ix_(run, run)].sum()))
-            if abs(heat) > SURE * sd:
-                zones = [found[0].zones[z] for z in run]
+            zones = [found[0].zones[z] for z in run]
+            sure = abs(heat) > SURE * sd
+            if sure or zones[0].node is not None:
                 told = follows([heat_series(each, run) for each in found], names(found[0]))
+                if not sure and (told.name is None or told.explains < TOLD):
+                    continue
                 effect = _effect(found, phase, run, limits)
                 listed.append(Missing(zones[0].from_mm, zones[-1].to_mm, zones[0].node, phase, heat, sd, effect, told))
     return tuple(sorted(listed, key=lambda each: -abs(each.heat_W)))

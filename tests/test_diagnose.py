@@ -110,7 +110,7 @@ def test_sentences_put_what_matters_most_first():
     told = sentences(False, Error(0.4, float("nan")), Error(0.05, float("nan")), heat, wrong)
     assert told == (
         "The model alone is 0.4 K off, 8 times what the sensors leave.",
-        "T1 reads 0.2 K (rms) wrong; that follows the temperature 'board' (p < 0.002).",
+        "T1 reads 0.2 K (rms) wrong; that follows the input 'board' (p < 0.002).",
         "It lacks 5 W +- 0.5 between 100 and 200 mm all the time.",
     )
     alone = sentences(False, Error(0.4, 1.0), Error(0.05, 0.1), heat[-1:], [])

@@ -183,7 +183,7 @@ def test_a_rod_without_displacement_has_nulls_in_its_json():
             "band_um": [None, None], "rms_um": None, "cooldown_max_um": None, "coverage_2sigma": None
         }  # fmt: skip
         assert "last_reading" not in one
-    assert [one["reference"] for one in found["recordings"]] == ["none", "none"]
+    assert [one["reference"] for one in found["recordings"]] == ["none"] * 4
 
 
 def test_the_rod_s_folder_says_which_run_was_fitted():
