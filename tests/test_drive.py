@@ -51,8 +51,10 @@ def test_a_tick_is_what_the_table_did(tmp_path: Path, hertz: int, error: float) 
         box = RIG.screw.overlap(centre - RIG.nut.length_mm / 2, centre + RIG.nut.length_mm / 2)
         np.testing.assert_allclose(record.coverage[k], np.average(box, axis=0, weights=np.abs(rpm)), atol=error)
         assert record.omega[k] == pytest.approx(np.abs(rpm).mean() * 2 * np.pi / 60, rel=error)
+        assert record.unevenness[k] == pytest.approx((rpm**2).mean() / np.abs(rpm).mean() ** 2, rel=2 * error)
     np.testing.assert_allclose(record.coverage.sum(axis=1) * RIG.screw.length, 0.175, rtol=1e-9)
     np.testing.assert_array_equal(record.omega[[0, 1, 15, 16]], 0)
+    np.testing.assert_array_equal(record.unevenness[[0, 1, 15, 16]], 1)
 
 
 def test_a_silent_drive_is_held_two_ticks(tmp_path: Path) -> None:

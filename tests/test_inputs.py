@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from estimator.errors import SetupError
-from estimator.inputs import InputReader
+from estimator.inputs import InputReader, no_inputs
 from estimator.regime import COVERAGE_STEP, Regimes
 from estimator.start import Start, read_start
 
@@ -133,3 +133,21 @@ def test_a_moving_regime_is_the_mean_of_the_last_minute():
     np.testing.assert_array_equal(regimes.coverage[0], here)
     held = int(60 * COVERAGE_STEP) + 1  # s: the mean moves by a sixtieth each
     assert len(regimes.omega) == pytest.approx(1 + 60 / held, abs=1)
+
+
+@pytest.mark.parametrize("ramps", [0.0, 0.24, 0.66])
+@pytest.mark.parametrize("n", [1.0, 1.2, 1.39, 2.0])
+def test_a_speed_law_holds_for_uneven_motion(ramps, n, rig):
+    """Mean of w^n over a stroke that is ramps for a part of it, from its mean speed and unevenness alone."""
+    end = 0.0 if ramps else 1.0
+    speed = np.interp(np.linspace(0, 1, 100_001), [0, ramps / 2, 1 - ramps / 2, 1], [end, 1, 1, end])
+    mean, square = speed.mean(), (speed**2).mean()
+    reference = rig.screw.reference_rpm * 2 * np.pi / 60
+    u = replace(
+        no_inputs(rig, np.array([[mean * reference]]), np.zeros((1, rig.screw.cells))),
+        unevenness=np.array([[square / mean**2]]),
+    )
+    true = (speed**n).mean()
+    assert u.speed_law(rig.screw, n)[0, 0] == pytest.approx(true, rel=1e-4 if n in (1.0, 2.0) else 0.012)
+    if ramps == 0.66:
+        assert abs(mean**n - true) > abs(u.speed_law(rig.screw, n)[0, 0] - true) or n == 1.0
