@@ -53,7 +53,7 @@ class Inputs:
         """Mean of |omega / omega_ref|^n over each tick, (ticks, 1).
 
         w^n unevenness^(n - 1), w the mean relative speed: exact for n = 1 and n = 2, between them by Lyapunov's
-        inequality the upper bound, 1 % too high for a stroke that is ramps for two thirds
+        inequality the upper bound, 1.4 % too high at n = 1.4 for a stroke that is ramps for two thirds
         """
         return np.asarray(screw.relative_speed(self.omega) ** n * self.unevenness ** (n - 1))
 

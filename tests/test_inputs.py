@@ -148,6 +148,6 @@ def test_a_speed_law_holds_for_uneven_motion(ramps, n, rig):
         unevenness=np.array([[square / mean**2]]),
     )
     true = (speed**n).mean()
-    assert u.speed_law(rig.screw, n)[0, 0] == pytest.approx(true, rel=1e-4 if n in (1.0, 2.0) else 0.012)
+    assert u.speed_law(rig.screw, n)[0, 0] == pytest.approx(true, rel=1e-4 if n in (1.0, 2.0) else 0.015)
     if ramps == 0.66:
         assert abs(mean**n - true) > abs(u.speed_law(rig.screw, n)[0, 0] - true) or n == 1.0
