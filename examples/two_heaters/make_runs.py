@@ -1,7 +1,7 @@
 """Make the runs of this folder: finer physics than the model's, in steps of 50 ms.
 
-    element -> body -> sensor;   bodies lose heat to the air by h A (T - T_air) and emissivity sigma A (T^4 - T_air^4),
-    and warm each other the same two ways
+element -> body -> sensor;   bodies lose heat to the air by h A (T - T_air) and emissivity sigma A (T^4 - T_air^4),
+and warm each other the same two ways
 """
 
 from __future__ import annotations
