@@ -28,7 +28,8 @@ from estimator.next_run import next_run
 from estimator.posterior import Share
 from estimator.record import Recording
 from estimator.rig import Rig
-from estimator.suggest import Progress, Suggestion, suggest
+from estimator.suggest import Progress, suggest
+from estimator.suggestion import Suggestion
 
 SHOWN = 6
 

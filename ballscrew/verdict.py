@@ -13,7 +13,7 @@ from estimator.horizon import Error
 from estimator.hypothesis import Hypothesis
 from estimator.next_run import NextRun
 from estimator.rig import Rig
-from estimator.suggest import GOOD, Suggestion
+from estimator.suggestion import GOOD, Suggestion
 
 PHASE_OF = {"drive": "drive", "early_drive": "drive", "speed": "drive", "speed2": "drive", "early_stop": "early_stop"}
 ONE = " By one recording, from which nothing could be left out: make another to be sure."

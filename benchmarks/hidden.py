@@ -36,7 +36,8 @@ from estimator.moments import trials_of
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.rig_file import load_rig
-from estimator.suggest import Suggestion, suggest
+from estimator.suggest import suggest
+from estimator.suggestion import Suggestion
 from estimator.unknown import followers
 
 FOLDER = Path(__file__).parents[1] / "recordings"

@@ -19,7 +19,8 @@ from estimator.moments import trials_of
 from estimator.posterior import Share
 from estimator.record import Recording
 from estimator.rig import Rig
-from estimator.suggest import MATERIAL, Suggestion, suggest
+from estimator.suggest import suggest
+from estimator.suggestion import MATERIAL, Suggestion
 
 MOST = 6
 

@@ -14,7 +14,7 @@ beside it as a tie. Recordings held out are never looked at for this.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -31,59 +31,17 @@ from estimator.posterior import Share
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.screen import Screen, Screened, screen
+from estimator.suggestion import ALIKE, ALONE, GOOD, MATERIAL, Suggestion, alike, material
 from estimator.tune import noise_floor
 from estimator.unknown import UnknownBodyHeat, UnknownHeat, UnknownReading
 
-MATERIAL = 0.89  # an effect leaves at most this share of the misfit, or it is not missing; ...
-MATERIAL_REFIT = 0.85  # ... this share where all parameters are fitted again beside it ...
-ALONE = 0.5  # the same where there is one recording, and none can be left out
-MATERIAL_K, MATERIAL_UM = 0.016, 0.12  # ... and takes at least so much off one of the errors
-ALIKE = 1.04  # a misfit within this of the best is as good
 EXPLAINS = 0.95  # of what a new fit of all parameters gains, that one effect alone may stand for ...
 FEW = 4.0  # ... if its misfit is within this of the best: one number instead of many
 STRANGE = 0.8  # something unknown leaves at most this share of what the best effects leave
 FAR = 5.0  # times what a good model or the sensors leave, from which on something is missing, explained or not
-GOOD = 1.3  # a misfit that is good enough not to look for strangers
 REFINED = 3  # effects of each kind that are fitted in full
 
 Progress = Callable[[str, float], None]
-
-
-@dataclass(frozen=True)
-class Suggestion:
-    """The verdict and what it rests on.
-
-    verdict  "effect", "tie", "input_error", "nothing_missing", or "nothing_in_catalogue": something unknown explains
-             it (`stranger`), or nothing does, and the model is far off
-    found    hypotheses with an effect each, best first;  tie: names that these recordings cannot tell apart
-    as_given, again  the model without them, as it is and fitted again
-    pair     two effects together, where they explain clearly more than one
-    far      the model, with a wrong input set right, is so far off that something is missing
-    """
-
-    verdict: str
-    found: tuple[Hypothesis, ...]
-    tie: tuple[str, ...]
-    as_given: Hypothesis
-    again: Hypothesis
-    pair: tuple[str, ...] = ()
-    wrong_input: Mislabel | None = None
-    stranger: Screened | None = None
-    far: bool = False
-
-    @property
-    def one_recording(self) -> bool:
-        """Whether nothing could be left out: all errors are of what was fitted."""
-        return len(self.as_given.judged.runs) == 1
-
-    @property
-    def before(self) -> Hypothesis:
-        """The model without any effect more, as it is or fitted again, whichever predicts better."""
-        return min(self.as_given, self.again, key=lambda h: h.misfit)
-
-    def without(self, h: Hypothesis) -> Hypothesis:
-        """What a hypothesis adds its effect to."""
-        return self.again if h.refit else self.as_given
 
 
 def suggest(
@@ -235,19 +193,3 @@ class Search:
             if h.misfit <= enough and (name not in own or h.misfit < own[name].misfit):
                 own[name] = replace(h, names=(name,))
         return sorted([*absent, *own.values()], key=lambda h: h.misfit)
-
-
-def alike(h: Hypothesis, best: Hypothesis) -> bool:
-    """Whether a hypothesis explains as well as the best one; with all parameters moved it must do better for that."""
-    return h.misfit <= (best.misfit if h.refit and not best.refit else ALIKE * best.misfit)
-
-
-def material(h: Hypothesis, as_given: Hypothesis, again: Hypothesis) -> bool:
-    """Whether an effect takes enough off the misfit of the model without it."""
-    least = MATERIAL if len(h.judged.runs) > 1 else ALONE
-    beside = min(least, MATERIAL_REFIT) if h.refit else 0.95
-    less = h.misfit <= least * as_given.misfit and h.misfit <= beside * again.misfit
-    rival: Judged = (again if h.refit else as_given).judged
-    heat = rival.heat_K**2 - h.judged.heat_K**2
-    length = np.nan_to_num(rival.length_um**2 - h.judged.length_um**2)
-    return bool(less and (heat > MATERIAL_K**2 or length > MATERIAL_UM**2))

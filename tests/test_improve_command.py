@@ -17,7 +17,7 @@ from estimator.effect import Effect
 from estimator.hypothesis import Hypothesis
 from estimator.model import Model, load_model
 from estimator.panel import Judged
-from estimator.suggest import Suggestion
+from estimator.suggestion import Suggestion
 
 OWN = '''
 from estimator.effect import Effect, Param

@@ -20,7 +20,8 @@ from estimator.panel import Panel
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
 from estimator.screen import screen
-from estimator.suggest import Suggestion, suggest
+from estimator.suggest import suggest
+from estimator.suggestion import Suggestion
 from estimator.unknown import UnknownHeat, followers
 
 DRIVES = (  # rad/s, stroke mm, from s, to s
