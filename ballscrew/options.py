@@ -11,6 +11,7 @@ import click
 from estimator.errors import SetupError
 
 STDOUT = "-"
+MANY = ("--held-out", "--bus-kwargs")  # options that a shell's *.log may follow
 INPUTS = {".log", ".blf", ".asc", ".trc", ".mf4", ".csv", ".toml"}
 
 
@@ -22,6 +23,21 @@ def json_apart(arguments: Sequence[str]) -> list[str]:
         if word == "--json" and following.suffix != ".json" and (following.suffix in INPUTS or following.is_dir()):
             apart[i] = f"--json={STDOUT}"
     return apart
+
+
+def each_named(arguments: Sequence[str]) -> list[str]:
+    """`--held-out A B C` means all three: every word up to the next option is named by the option before it."""
+    named: list[str] = []
+    option = ""
+    for word in arguments:
+        if word.startswith("-"):
+            option = word if word in MANY else ""
+            named.append(word)
+        elif option and named[-1] != option:
+            named += [option, word]
+        else:
+            named.append(word)
+    return named
 
 
 def writable(ctx: click.Context, param: click.Parameter, value: Path | str | None) -> Path | str | None:

@@ -16,6 +16,7 @@ from conftest import ballscrew as run
 
 from ballscrew.cli import COMMANDS
 from ballscrew.muting import muted
+from ballscrew.options import each_named
 
 ESTIMATES = ["filter", "open_loop", "polyline", "polyline_7", "polyline_joined", "last_reading"]
 
@@ -265,3 +266,19 @@ def test_ctrl_c_ends_with_130():
     assert process.returncode == 130
     assert "stopped by Ctrl-C" in err
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("suggest a.log --held-out b.log c.log --json", "suggest a.log --held-out b.log --held-out c.log --json"),
+        ("improve a.log --held-out b.log c.log -o m.toml", "improve a.log --held-out b.log --held-out c.log -o m.toml"),
+        ("simulate FS-20 --bus-kwargs host=h port=1", "simulate FS-20 --bus-kwargs host=h --bus-kwargs port=1"),
+        ("suggest a.log b.log --held-out c", "suggest a.log b.log --held-out c"),
+        ("suggest a.log --held-out --json", "suggest a.log --held-out --json"),
+        ("review a.log --channels 2,4", "review a.log --channels 2,4"),
+    ],
+)
+def test_every_word_after_an_option_for_many_belongs_to_it(given, meant):
+    """A shell's more/*.log after --held-out must not be taken for recordings to fit."""
+    assert each_named(given.split()) == meant.split()
