@@ -12,11 +12,9 @@ from drivers.drive import Drive
 from drivers.frames import Tally
 from estimator.errors import SetupError
 from estimator.record import Recording
-from estimator.rig import Rig
+from estimator.rig import RAD_S, Rig
 
 Array = NDArray[np.float64]
-
-_SPEED = {"rpm": 2 * np.pi / 60, "rad/s": 1.0}
 
 
 @dataclass(frozen=True)
@@ -47,7 +45,7 @@ class Condenser:
     def __init__(self, rig: Rig, tally: Tally, held_ticks: int = 2) -> None:
         self.rig = rig
         self.drive = Drive(rig, tally, held_ticks)
-        self.rad_s = _unit(rig, "speed", _SPEED)
+        self.rad_s = _unit(rig, "speed", RAD_S)
         _unit(rig, "position", {"mm": 1.0})
         self._place = NONE
 

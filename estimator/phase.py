@@ -6,9 +6,10 @@ import numpy as np
 
 from estimator.displacement import phases
 from estimator.record import Array, Recording
-from estimator.rig import Rig
+from estimator.rig import RAD_S, Rig
 
 EARLY_S = 600.0
+CRUISING = 90  # per cent of the readings of a drive's speed are at most what it keeps between its ends
 PHASES = ("drive", "early_stop", "late_stop")
 
 
@@ -26,11 +27,24 @@ def phase_of(recording: Recording) -> Array:
 
 
 def speed_of(recording: Recording, rig: Rig) -> Array:
-    """Usual speed of the drive that each tick belongs to or follows, (K,) m/min to two digits; 0 before any drive."""
+    """Speed of the drive that each tick belongs to or follows, (K,) m/min to two digits; 0 before any drive.
+
+    That between the ends of the strokes, where the speed is an input; else the mean, ends included.
+    """
     found, last = np.zeros(len(recording)), 0.0
     lead_m = (rig.screw.lead_mm if rig.screw else 0.0) * 1e-3
     for driving, ticks in phases(recording):
         if driving:
-            last = float(f"{np.nanmedian(recording.omega[ticks]) / (2 * np.pi) * 60 * lead_m:.2g}")
+            last = float(f"{_cruising(recording, rig, ticks) / (2 * np.pi) * 60 * lead_m:.2g}")
         found[ticks] = last
     return found
+
+
+def _cruising(recording: Recording, rig: Rig, ticks: Array) -> float:
+    """rad/s that a drive keeps between the ends of its strokes."""
+    mean = float(np.nanmedian(recording.omega[ticks]))
+    if "speed" not in rig.inputs:
+        return mean
+    unit = RAD_S.get(rig.inputs["speed"].unit, 1.0)
+    seen = np.abs(recording.inputs["speed"][ticks]) * unit
+    return max(mean, float(np.nanpercentile(seen, CRUISING))) if np.isfinite(seen).any() else mean

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from estimator.errors import SetupError, nearest
 
 Vector = NDArray[Any]
+RAD_S = {"rpm": 2 * np.pi / 60, "rad/s": 1.0}  # units that a speed may have
 NOT_GEOMETRY = {"expansion_tolerance", "cells", "knots_mm"}
 Part = TypeVar("Part")
 
