@@ -20,9 +20,9 @@ from estimator.posterior import Share
 from estimator.quality import ChannelQuality, quality
 from estimator.record import Recording
 from estimator.rig import Rig
+from estimator.sentences import sentences
 from estimator.trial import Trial
 from estimator.tune import noise_floor
-from estimator.verdict import sentences
 from estimator.where import SHADOW, Missing, together, where
 from estimator.wrong_reading import Wrong, wrong_readings
 

@@ -16,8 +16,8 @@ from estimator.follows import Follows
 from estimator.horizon import Error
 from estimator.phase import PHASES
 from estimator.rig import Signal
+from estimator.sentences import NOTHING, sentences
 from estimator.terms import SCREW, Heat
-from estimator.verdict import NOTHING, sentences
 from estimator.where import Missing
 from estimator.wrong_reading import Wrong
 
