@@ -36,7 +36,7 @@ def scale(folder: Path, path: str, factor: float) -> None:
 
 def test_an_own_folder_has_its_own_figures(rod: Path) -> None:
     kept = read(rod / "kept.toml")
-    assert kept.recordings == ["check.csv", "steps.csv"]
+    assert kept.recordings == ["check.csv", "pulses.csv", "slow.csv", "steps.csv"]
     assert kept.reasons == [
         {"why": 'the "first" figures', "model": fingerprint(Folder(rod).model), "better": 0, "worse": 0}
     ]
