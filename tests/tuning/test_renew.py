@@ -22,7 +22,7 @@ ROD = PAPER.parent / "examples" / "heated_rod"
 
 @pytest.fixture(scope="module")
 def rod(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A rig folder of one's own, its figures kept: no truth, no displacement, one of two recordings fitted."""
+    """A rig folder of one's own, its figures kept: no truth, no displacement, one of four recordings fitted."""
     path = shutil.copytree(ROD, tmp_path_factory.mktemp("own") / "rod", ignore=shutil.ignore_patterns("kept.toml"))
     assert main(["--rig-folder", str(path), "--reason", 'the "first" figures']) == 0
     return path
@@ -41,7 +41,9 @@ def test_an_own_folder_has_its_own_figures(rod: Path) -> None:
         {"why": 'the "first" figures', "model": fingerprint(Folder(rod).model), "better": 0, "worse": 0}
     ]
     errors = [key for key in kept.figures if key[2].endswith(("_K", "_um"))]
-    assert {(key[0], key[1]) for key in errors} == {("check.csv", "thermometers")}
+    assert {(key[0], key[1]) for key in errors} == {
+        (f"{name}.csv", "thermometers") for name in ("check", "pulses", "slow")
+    }
     assert ("steps.csv", "TC8", "nis") in kept.figures
 
 
