@@ -1,14 +1,16 @@
 """Is the missing effect found? Data of the virtual rig with an effect planted that the model does not have.
 
-Four recordings to search in, two held out; patterns, speeds and rigs (seeds) change from case to case. The model is
-recordings/base.toml: fitted to the rig without the planted effect, on another seed. An effect that every rig has (a nut
-body, housings, rotating convection) is hidden the other way round: taken out of the model.
+Four recordings to search in (six where one has a wrong input), two held out; patterns, speeds and rigs (seeds) change
+from case to case. The model is recordings/base.toml: fitted to the rig without the planted effect, on another seed. An
+effect that every rig has (a nut body, housings, rotating convection) is hidden the other way round: taken out of the
+model.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -111,13 +113,13 @@ def cases() -> Iterator[Case]:
         yield Case("stranger", (list(STRANGERS)[n % 3],), 1.0, 170 + n, n // 3 % 3)
     for n, pair in enumerate(PAIRS * 2):
         yield Case("two", pair, 1.0, 200 + n, n % 3)
-    for n in range(6):
+    for n in range(20):
         yield Case("label", (), 1.0, 230 + n, n % 3, (1.2, 1.2 if n % 2 else 1.0))
     for name in (*PLANTED, *TAKEN_OUT):
-        yield Case("fitted", (name,), 1.0, 240, 0)
+        yield Case("fitted", (name,), 1.0, 260, 0)
     for strength in (0.5, 2.0):
         for name in PLANTED:
-            yield Case(f"strength {strength:g}", (name,), strength, 250, 1)
+            yield Case(f"strength {strength:g}", (name,), strength, 270, 1)
 
 
 def study(case: Case) -> Outcome:
@@ -128,6 +130,8 @@ def study(case: Case) -> Outcome:
     for name in case.planted:
         model = model - name if name in TAKEN_OUT else model
     used, apart = RUNS[case.runs]
+    if case.kind == "label":
+        used, apart = (*used, *apart), ()
     apart = apart if case.kind in ("one", "two") else ()
     seen, held = ([_recording(name, rig, plant, case, i) for i, name in enumerate(names)] for names in (used, apart))
     if case.kind == "fitted":
@@ -196,8 +200,8 @@ def right(out: Outcome) -> bool:
         near = abs(out.place_mm - local_place(out.case.seed, name)) <= NEAR_MM
         return out.verdict == "nothing_in_catalogue" and near and out.follows in STRANGERS[name]
     if kind == "label":
-        run = f"{RUNS[out.case.runs][0][2]}.blf"
-        return out.verdict == "input_error" and out.wrong is not None and out.wrong[0] == run
+        run, signal = f"{RUNS[out.case.runs][0][2]}.blf", "speed" if out.case.wrong[1] == 1.0 else "speed and position"
+        return out.verdict == "input_error" and out.wrong is not None and out.wrong[:2] == (run, signal)
     return (out.verdict == "effect" and out.first in planted) or (out.verdict == "tie" and bool(planted & {*out.tie}))
 
 
@@ -208,9 +212,9 @@ def interval(good: int, n: int) -> str:
     return f"{good} of {n}: {good / n:.0%} ({lo:.0%} - {hi:.0%})"
 
 
-def main() -> None:
-    """Run all cases and print the tables."""
-    wanted, outcomes = list(cases()), []
+def main(kinds: Sequence[str]) -> None:
+    """Run all cases, or those of some kinds, and print the tables."""
+    wanted, outcomes = [case for case in cases() if not kinds or case.kind in kinds], []
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         for done, out in enumerate(pool.map(study, wanted), start=1):
             outcomes.append(out)
@@ -236,7 +240,7 @@ def _musts(outcomes: Sequence[Outcome]) -> str:
         "two": ("two planted effects: both found by improve", ">= 80 %"),
         "none": ('nothing planted: "nothing missing"', ">= 95 %"),
         "stranger": ("an effect in no catalogue: said so, within 60 mm, right input", ">= 80 %"),
-        "label": ("one run of four with a wrong speed label (every other: position too): run named", "named"),
+        "label": ("one run of six whose speed is 1.2 x the truth (every other: position too): named", "all"),
         "fitted": ("one planted effect, the model first fitted to the same recordings", ""),
     }
     for kind, found in kinds.items():
@@ -245,7 +249,7 @@ def _musts(outcomes: Sequence[Outcome]) -> str:
     if one:
         rows.append(["  of these named as a tie", interval(sum(o.verdict == "tie" for o in one), len(one)), "<= 15 %"])
         rows += _error_rows(one)
-    seconds = [o.seconds for o in outcomes if o.case.kind != "two"]
+    seconds = [o.seconds for o in outcomes]
     rows.append(["seconds a case on one core, simulations too, median", f"{np.median(seconds):.0f}", ""])
     head = "## Which effect is missing: four recordings, the whole catalogue"
     return f"{head}\n\nSeeds {FIRST_SEED} and up; share with 95 % interval.\n\n" + _table(
@@ -297,4 +301,4 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

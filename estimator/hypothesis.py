@@ -105,8 +105,3 @@ def _cost(model: Model, trials: Sequence[Trial], paths: Sequence[str], share: Sh
 def _panel(model: Model, trials: Sequence[Trial], paths: Sequence[str], share: Share) -> Panel:
     columns = [Column(model, path) for path in paths]
     return Panel(columns, moments(trials, model, columns, share))
-
-
-def _in_sample(panel: Panel) -> float:
-    """Misfit as it stands, priors included."""
-    return panel.cost

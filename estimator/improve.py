@@ -1,6 +1,7 @@
 """Add what is missing, one effect at a time, until no effect helps any more.
 
-Each step searches (`suggest`), adds what the verdict names, and begins again from that model. Of effects that these
+Each step searches (`suggest`), adds what the verdict names, and begins again from that model; what earlier steps added
+is fitted again with it, for it was found while the rest was missing. Of effects that these
 recordings cannot tell apart the best is added, and its rivals are named. At the end all free parameters are fitted
 again, where that predicts recordings left out better.
 """
@@ -65,7 +66,8 @@ def improve(
     steps = [_step("", (), first, rig, held_out)]
     try:
         while True:
-            found = suggest(steps[-1].model, rig, recordings, effects, partial(each, len(steps)), share)
+            heard, added = partial(each, len(steps)), [step.added for step in steps]
+            found = suggest(steps[-1].model, rig, recordings, effects, heard, share, added)
             taken = _taken(found) if len(steps) <= MOST else None
             if taken is None:
                 break

@@ -40,17 +40,20 @@ class Mislabel:
     signal: str
     ratio: float
     shift_K: float
-    refit: bool
     judged: Judged
 
 
 def mislabel(
-    model: Model, rig: Rig, recordings: Sequence[Recording], trials: Sequence[Trial], refit: bool, share: Share = map
-) -> Mislabel | None:
-    """The wrong input of the oddest run that explains most; None where no run is odd, or none explains it."""
+    model: Model, rig: Rig, recordings: Sequence[Recording], trials: Sequence[Trial], moving: Sequence[str],
+    share: Share = map,
+) -> Mislabel | None:  # fmt: skip
+    """The wrong input of the oddest run that explains most; None where no run is odd, or none explains it.
+
+    moving  parameters of the model that are fitted beside it
+    """
     if len(recordings) < 3:
         return None
-    free = [Column(model, path) for path in model.free()] if refit else []
+    free = [Column(model, path) for path in moving]
     found = moments(trials, model, free, share)
     runs = Panel(free, found).judge(range(len(free))).runs
     odd = int(runs.argmax())
@@ -73,7 +76,7 @@ def mislabel(
         if best is None or judged.misfit < best.judged.misfit:
             shift = _is_shift(rig, signal)
             ratio, by = (1.0, size) if shift else (float(np.exp(size)), 0.0)
-            best = Mislabel(recordings[odd].name, signal, ratio, by, refit, judged)
+            best = Mislabel(recordings[odd].name, signal, ratio, by, judged)
     return best
 
 

@@ -6,7 +6,7 @@ may sit in many places the best few are judged on recordings left out.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,21 +65,26 @@ class Screen:
 
 
 def screen(
-    model: Model, wide: Model, candidates: Sequence[Candidate], trials: Sequence[Trial], share: Share = map
+    model: Model, wide: Model, candidates: Sequence[Candidate], trials: Sequence[Trial], share: Share = map,
+    loose: Collection[str] = (),
 ) -> Screen:  # fmt: skip
     """Screen candidates of a model; `wide` is the model with all of them at their nulls.
 
-    Those that move no reading of these recordings are left out.
+    loose  the model's own parameters that move although the others stay
+
+    Candidates that move no reading of these recordings are left out.
     """
     own = [Column(wide, path) for path in model.free()]
     groups = _groups(candidates)
     found: list[Screened] = []
     panel = Panel(own, moments(trials, wide, own, share))
-    alone, again = panel.judge([]), panel.judge(range(len(own)))
+    anyhow = [i for i, column in enumerate(own) if column.path in loose]
+    alone, again = panel.judge(anyhow), panel.judge(range(len(own)))
     for group in groups:
         columns = [Column(c.place(wide), path) for c in group for path in c.paths]
-        found += _screened(group, own, Panel([*own, *columns], moments(trials, wide, [*own, *columns], share)))
-    singly = {column.path: panel.judge([i]) for i, column in enumerate(own)}
+        wider = Panel([*own, *columns], moments(trials, wide, [*own, *columns], share))
+        found += _screened(group, anyhow, len(own), wider)
+    singly = {column.path: panel.judge(sorted({*anyhow, i})) for i, column in enumerate(own)}
     return Screen(alone, again, singly, tuple(found))
 
 
@@ -93,21 +98,22 @@ def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
     return groups
 
 
-def _screened(group: Sequence[Candidate], own: Sequence[Column], panel: Panel) -> list[Screened]:
-    k, sizes = len(own), [len(c.paths) for c in group]
+def _screened(group: Sequence[Candidate], anyhow: Sequence[int], k: int, panel: Panel) -> list[Screened]:
+    """The best seats of a group; the first `k` parameters of the panel are the model's own, some move anyhow."""
+    sizes = [len(c.paths) for c in group]
     starts = k + np.append(0, np.cumsum(sizes[:-1])).astype(int)
-    gains, shows = [panel.gains(range(0)), panel.gains(range(k))], panel.shows()
+    gains, shows = [panel.gains(anyhow), panel.gains(range(k))], panel.shows()
     kept: set[int] = set()
     for name in {c.name for c in group}:
         seats = [i for i, c in enumerate(group) if c.name == name and shows[starts[i] : starts[i] + sizes[i]].any()]
         for gain in gains:
             kept |= set(sorted(seats, key=lambda i: -float(gain[starts[i] : starts[i] + sizes[i]].max()))[:SEATS])
-    return [_judged(group[i], k, range(starts[i], starts[i] + sizes[i]), panel) for i in sorted(kept)]
-
-
-def _judged(candidate: Candidate, k: int, at: Sequence[int], panel: Panel) -> Screened:
-    stay, move = panel.judge(list(at)), panel.judge([*range(k), *at])
-    return Screened(candidate, stay, move, _values(panel, stay), _values(panel, move))
+    judged = []
+    for i in sorted(kept):
+        at = range(starts[i], starts[i] + sizes[i])
+        stay, move = panel.judge([*anyhow, *at]), panel.judge([*range(k), *at])
+        judged.append(Screened(group[i], stay, move, _values(panel, stay), _values(panel, move)))
+    return judged
 
 
 def _values(panel: Panel, judged: Judged) -> dict[str, float]:

@@ -13,13 +13,14 @@ beside it as a tie. Recordings held out are never looked at for this.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
+from types import MappingProxyType
 
 import numpy as np
 
-from estimator.candidates import candidates
+from estimator.candidates import Candidate, candidates
 from estimator.effect import Effect
 from estimator.follow import GOOD_K, GOOD_UM
 from estimator.hypothesis import Hypothesis, refined
@@ -41,15 +42,20 @@ STRANGE = 0.8  # something unknown leaves at most this share of what the best ef
 FAR = 5.0  # times what a good model or the sensors leave, from which on something is missing, explained or not
 REFINED = 3  # effects of each kind that are fitted in full
 
+NONE: Mapping[str, float] = MappingProxyType({})
+
 Progress = Callable[[str, float], None]
 
 
 def suggest(
     model: Model, rig: Rig, recordings: Sequence[Recording], effects: Iterable[type[Effect]],
-    each: Progress = lambda stage, share: None, share: Share = map,
+    each: Progress = lambda stage, share: None, share: Share = map, loose: Collection[str] = (),
 ) -> Suggestion:  # fmt: skip
-    """Look for what is missing. `each` hears the stage and the share of the work that is done."""
-    return Search(model, rig, recordings, list(effects), each, share).run()
+    """Look for what is missing. `each` hears the stage and the share of the work that is done.
+
+    loose  effects of the model whose parameters were found from these recordings: what is missing has bent them
+    """
+    return Search(model, rig, recordings, list(effects), each, share, loose).run()
 
 
 class Search:
@@ -57,21 +63,22 @@ class Search:
 
     def __init__(
         self, model: Model, rig: Rig, recordings: Sequence[Recording], effects: Sequence[type[Effect]],
-        each: Progress, share: Share,
+        each: Progress, share: Share, loose: Collection[str],
     ) -> None:  # fmt: skip
         self.model, self.rig, self.recordings, self.effects = model, rig, recordings, effects
         self.each, self.share = each, share
+        self.loose = [path for path in model.free() if path.partition(".")[0] in loose]
         self.wide, self.candidates = candidates(model, rig, effects)
 
     def run(self) -> Suggestion:
         """All stages, and the verdict."""
         self.each("reading the misfit", 0.0)
         self.trials = trials_of(self.wide, self.rig, self.recordings)
-        as_given = refined(self.model, self.trials, [], False, {}, self.share)
+        as_given = self._refined([], False)
         self.each("fitting the model again", 0.05)
-        again = refined(self.model, self.trials, [], True, {}, self.share)
+        again = self._refined([], True)
         self.each("screening the catalogue", 0.15)
-        found = screen(self.model, self.wide, self.candidates, self.trials, self.share)
+        found = screen(self.model, self.wide, self.candidates, self.trials, self.share, self.loose)
         self.each("fitting the best effects", 0.4)
         fitted = self._fitted(found)
         before = min(as_given, again, key=lambda h: h.misfit)
@@ -89,20 +96,24 @@ class Search:
         for refit in (False, True):
             for rank, one in enumerate(found.best(refit)):
                 if rank < REFINED or (one.candidate.body and refit):
-                    tried.append(self._refined(one, refit))
+                    tried.append(self._refined([one.candidate], refit, one.first(refit)))
         best: dict[str, Hypothesis] = {}
         for each in sorted(tried, key=lambda h: h.misfit):
             best.setdefault(each.names[0], each)
         return list(best.values())
 
-    def _refined(self, one: Screened, refit: bool) -> Hypothesis:
-        first = dict(one.first(refit))
-        return refined(self.model, self.trials, [one.candidate], refit, first, self.share)
+    def _refined(
+        self, added: Sequence[Candidate], refit: bool, first: Mapping[str, float] = NONE, also: Sequence[str] = ()
+    ) -> Hypothesis:
+        """Some effects more, beside what moves anyhow."""
+        only = [*self.loose, *also]
+        return refined(self.model, self.trials, added, refit, dict(first), self.share, only)
 
     def _pair(self, found: Screen) -> tuple[tuple[str, ...], float]:
         """The best two effects together, and their misfit; no names where there are none."""
         seats = {s.candidate.name: s.candidate for refit in (True, False) for s in found.best(refit)[: 2 * REFINED]}
         own = [Column(self.wide, path) for path in self.model.free()]
+        loose = [i for i, column in enumerate(own) if column.path in self.loose]
         columns, at = list(own), {}
         for name, seat in seats.items():
             at[name] = range(len(columns), len(columns) + len(seat.paths))
@@ -110,7 +121,7 @@ class Search:
         panel = Panel(columns, moments(self.trials, self.wide, columns, self.share))
         best: tuple[tuple[str, ...], float] = ((), np.inf)
         for a, b in combinations(seats, 2):
-            for beside in (range(0), range(len(own))):
+            for beside in (loose, range(len(own))):
                 misfit = panel.judge([*beside, *at[a], *at[b]]).misfit
                 if misfit < best[1]:
                     best = ((a, b), misfit)
@@ -121,7 +132,8 @@ class Search:
         if best <= GOOD:
             return None
         found = [
-            mislabel(self.model, self.rig, self.recordings, self.trials, refit, self.share) for refit in (False, True)
+            mislabel(self.model, self.rig, self.recordings, self.trials, free, self.share)
+            for free in (self.loose, self.model.free())
         ]
         known = [each for each in found if each is not None]
         if not known:
@@ -134,7 +146,7 @@ class Search:
         if best <= GOOD:
             return None
         wide, unknown = candidates(self.model, self.rig, [UnknownHeat, UnknownBodyHeat, UnknownReading])
-        found = screen(self.model, wide, unknown, self.trials, self.share)
+        found = screen(self.model, wide, unknown, self.trials, self.share, self.loose)
         both = [(one, refit) for refit in (False, True) for one in found.best(refit)[:1]]
         if not both:
             return None
@@ -188,7 +200,7 @@ class Search:
             return []
         own: dict[str, Hypothesis] = {}
         for path in sorted(screened.own, key=lambda p: screened.own[p].misfit)[:REFINED]:
-            h = refined(self.model, self.trials, [], False, {}, self.share, only=[path])
+            h = self._refined([], False, also=[path])
             name = path.partition(".")[0]
             if h.misfit <= enough and (name not in own or h.misfit < own[name].misfit):
                 own[name] = replace(h, names=(name,))

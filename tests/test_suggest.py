@@ -210,7 +210,7 @@ def test_a_wrong_label_names_run_and_signal(wrong, plain, bar, lives):
 
 def test_no_run_is_odd_where_all_fit_alike(plain, bar, lives):
     runs = lives(plain)
-    assert mislabel(plain, bar, runs, trials_of(plain, bar, runs), refit=False) is None
+    assert mislabel(plain, bar, runs, trials_of(plain, bar, runs), []) is None
 
 
 def test_a_run_that_decides_sets_rivals_apart(plain, bar, lives):
@@ -236,3 +236,18 @@ def test_improve_adds_both_of_two(plain, bar, lives):
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 0.1 * errors[0]
     assert found.last.verdict == "nothing_missing"
+
+
+def test_what_an_earlier_step_added_moves_with_the_next(plain, bar, lives):
+    """Churning alone took on a part of the local heat: its value is right again once both are there."""
+    truth = with_effect(with_effect(plain, "churning", share=0.5), "local_heat", power=2.0, at=150.0)
+    bent = with_effect(plain, "churning", share=0.6)
+    wide, seats = candidates(bent, bar, [CATALOGUE["local_heat"]])
+    trials = trials_of(wide, bar, lives(truth))
+    held, moved = (screen(bent, wide, seats, trials, loose=loose) for loose in ((), ("churning.share",)))
+    assert moved.stay.misfit < held.stay.misfit
+    best = moved.best(refit=False)[0]
+    assert best.stay.misfit < 0.5 * held.best(refit=False)[0].stay.misfit
+    assert best.first(refit=False)["churning.share"] == pytest.approx(0.5, abs=0.03)
+    found = suggest(bent, bar, lives(truth), [CATALOGUE["local_heat"]], loose=["churning"])
+    assert found.as_given.paths == ("churning.share",)
