@@ -14,6 +14,8 @@ from estimator.errors import BallscrewError
 
 COMMANDS = {
     "simulate": "Make a recording of the rig that is not there.",
+    "live": "Monitor a rig on a CAN bus.",
+    "hub": "Share a CAN bus between programs of this machine, without CAN hardware.",
     "review": "Run the filter over recordings and say how good the estimate is.",
     "fit": "Fit a model's parameters to recordings.",
     "tune": "Set a model's noise levels by recordings.",
@@ -21,6 +23,7 @@ COMMANDS = {
     "diagnose": "Say whether a model is adequate, and where it fails.",
     "suggest": "Say which physical effect is missing from a model.",
     "improve": "Add to a model what is missing, effect by effect.",
+    "export": "Convert logs of CAN frames to another format.",
     "show": "Print a model as equations, with values, bounds and sources.",
     "effects": "Print the catalogue of effects, or one of them; check one.",
     "add": "Add an effect to a model.",

@@ -24,6 +24,7 @@ from viz.run import Run, first_stop_s
 @click.command("review")
 @logs_argument
 @rig_options
+@click.option("--join", is_flag=True, help="The LOGs are parts of one recording: one estimate runs through them.")
 @click.option("--channels", metavar="2,4,..", help="Use only these thermometers, by number or name; default: all.")
 @click.option("--no-displacement", is_flag=True, help="Do not use the displacement readings.")
 @click.option(
@@ -34,8 +35,9 @@ from viz.run import Run, first_stop_s
 @view_option
 @output_options
 def command(
-    logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, channels: str | None, no_displacement: bool,
-    spans: tuple[str, ...], rrd: Path | None, view: bool, json_path: str | None, quiet: bool, debug: bool,
+    logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, join: bool, channels: str | None,
+    no_displacement: bool, spans: tuple[str, ...], rrd: Path | None, view: bool, json_path: str | None, quiet: bool,
+    debug: bool,
 ) -> int:  # fmt: skip
     """Run the Kalman filter over each LOG and print how far its elongation is from the reference.
 
@@ -47,7 +49,7 @@ def command(
     rig = open_rig(logs, rig_path, terminal)
     model = open_model(rig, model_path, terminal)
     names = chosen_thermometers(channels, rig)
-    loaded, failed = load(logs, rig, terminal)
+    loaded, failed = load(logs, rig, terminal, join)
     if not loaded:
         return InputError.exit_code
     terminal.say_if_compiling("passes")

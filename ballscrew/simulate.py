@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import can
 import click
 
+from ballscrew.bus_options import bus_options
 from ballscrew.options import output_options
 from ballscrew.terminal import Terminal, duration
+from drivers.bus import FAILURES, BusAddress
+from drivers.bus import bus_options as options_of
 from drivers.virtual_rig import Run, play, simulate
 from estimator.errors import SetupError
 
@@ -29,20 +31,6 @@ class Seconds(click.ParamType):
             return float(text.removesuffix(unit)) * HOURS.get(unit, 1.0)
         except ValueError:
             self.fail(f"'{text}' is no time; write 2h, 90min, 45s or seconds", param, ctx)
-
-
-def bus_options(command: Any) -> Any:
-    """python-can's own: --interface, --channel, --bitrate, --bus-kwargs."""
-    for option in (
-        click.option(
-            "--bus-kwargs", multiple=True, metavar="K=V", help="Passed to the interface, like host=127.0.0.1."
-        ),
-        click.option("--bitrate", type=int, help="Bit rate of the bus, 1/s."),
-        click.option("--channel", help="Channel of the interface, like can0."),
-        click.option("--interface", help="python-can interface, like socketcan: play on this bus, in the rig's time."),
-    ):
-        command = option(command)
-    return command
 
 
 @click.command("simulate")
@@ -79,7 +67,7 @@ def command(
     if out is not None:
         terminal.json(_write(terminal, run, out))
     if interface is not None:
-        _play(terminal, run, interface, channel, bitrate, bus_kwargs, speed_up)
+        _play(terminal, run, BusAddress(interface, channel, bitrate, options_of(bus_kwargs)), speed_up)
 
 
 def _simulate(
@@ -115,17 +103,11 @@ def _write(terminal: Terminal, run: Run, path: Path) -> dict[str, Any]:
     return {"path": str(path), "seconds": length, "max_elongation_um": growth, "planted": run.planted}
 
 
-def _play(
-    terminal: Terminal, run: Run, interface: str, channel: str | None, bitrate: int | None, words: Sequence[str],
-    speed_up: float,
-) -> None:  # fmt: skip
-    options = dict(word.split("=", 1) for word in words if "=" in word)
-    if bitrate is not None:
-        options["bitrate"] = str(bitrate)
+def _play(terminal: Terminal, run: Run, address: BusAddress, speed_up: float) -> None:
     try:
-        bus = can.Bus(channel=channel, interface=interface, **options)  # type: ignore[arg-type]
-    except (can.CanError, OSError, ValueError, TypeError) as error:
-        raise SetupError(f"--interface {interface} --channel {channel}: {error}") from error
-    terminal.say(f"playing {run.name} on {interface} {channel or ''}, {speed_up:g} x the rig's time; Ctrl-C stops")
+        bus = address.open()
+    except FAILURES as error:
+        raise SetupError(f"{address}: {error}") from error
+    terminal.say(f"playing {run.name} on {address}, {speed_up:g} x the rig's time; Ctrl-C stops")
     with bus:
         play(run, bus, speed_up)

@@ -94,18 +94,18 @@ class Terminal:
             Path(self._json).write_text(text + "\n")
 
 
-def plain(value: Any) -> Any:
-    """Numbers as JSON has them: numpy types unwrapped, NaN and infinity as null."""
+def plain(value: Any, digits: int = 6) -> Any:
+    """Numbers as JSON has them: numpy types unwrapped, to so many digits, NaN and infinity as null."""
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): plain(item, digits) for key, item in value.items()}
     if isinstance(value, (list, tuple, np.ndarray)):
-        return [plain(item) for item in value]
+        return [plain(item, digits) for item in value]
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     if isinstance(value, (int, np.integer)):
         return int(value)
     if isinstance(value, (float, np.floating)):
-        return float(f"{value:.6g}") if math.isfinite(value) else None
+        return float(f"{value:.{digits}g}") if math.isfinite(value) else None
     return value
 
 

@@ -9,7 +9,8 @@ from importlib.resources import files
 from pathlib import Path
 
 from ballscrew.terminal import Terminal
-from drivers.recordings import find_recordings, read_recording
+from drivers.joined import Progress
+from drivers.recordings import find_recordings, read_joined, read_recording
 from drivers.truth import Truth, read_truth
 from estimator.errors import InputError, SetupError
 from estimator.model import Model, load_model
@@ -57,23 +58,33 @@ def open_model(rig: Rig, model_path: Path | None, terminal: Terminal) -> Model:
     return model
 
 
-def load(logs: Sequence[Path], rig: Rig, terminal: Terminal) -> tuple[list[Loaded], list[str]]:
-    """Read all recordings; those that cannot be used are reported, and returned as messages, the others still serve."""
+def load(logs: Sequence[Path], rig: Rig, terminal: Terminal, join: bool = False) -> tuple[list[Loaded], list[str]]:
+    """Read all recordings; those that cannot be used are reported, and returned as messages, the others still serve.
+
+    `join`: the logs are parts of one recording.
+    """
     paths = find_recordings(logs)
     if not paths:
         raise InputError(f"{', '.join(map(str, logs))}: no recordings in there")
+    recordings = [paths] if join else [[path] for path in paths]
     loaded, failed = [], []
-    with terminal.progress("reading", len(paths)) as update:
-        for i, path in enumerate(paths):
-            update(i, path.name)
+    with terminal.progress("reading", len(recordings)) as update:
+        for i, parts in enumerate(recordings):
+            name = parts[0].name
+            update(i, name)
             try:
-                recording = read_recording(path, rig, lambda share, i=i, path=path: update(i + share, path.name))
-                loaded.append(Loaded(path, recording))
+                loaded.append(_read(parts, rig, lambda share, i=i, name=name: update(i + share, name)))
             except InputError as error:
                 failed.append(str(error))
     for message in failed:
         terminal.error(message)
     return loaded, failed
+
+
+def _read(parts: Sequence[Path], rig: Rig, progress: Progress) -> Loaded:
+    if len(parts) == 1:
+        return Loaded(parts[0], read_recording(parts[0], rig, progress))
+    return Loaded(*read_joined(parts, rig, progress))
 
 
 def load_apart(

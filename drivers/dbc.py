@@ -21,6 +21,7 @@ Words = tuple[NDArray[np.uint64], NDArray[np.uint64]]  # data bytes little-endia
 _NO_VALUE = re.compile(
     r"not.?avail|n/a|^s?na$|fault|error|invalid|not.?valid|no.?(data|value|signal)|undefined|reserved", re.IGNORECASE
 )
+OURSELVES = "Ballscrew"  # the node of a DBC that sends the estimate
 _CONDITION = re.compile(r"\s*(\w+)\.(\w+)\s*(=|==|!=|<=|>=|<|>)\s*(.+?)\s*")
 _COMPARE: dict[str, Callable[[Any, Any], Any]] = {"=": operator.eq, "==": operator.eq, "!=": operator.ne}
 _COMPARE |= {"<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge}
@@ -77,13 +78,19 @@ class Bits:
 
 @dataclass(frozen=True)
 class Layout:
-    """One message: signals in the order of their bits."""
+    """One message: signals in the order of their bits.
+
+    cycle_s  how often it comes, 0 where it is not cyclic
+    own      whether we send it, and not the rig
+    """
 
     name: str
     id: int
     extended: bool
     length: int
     signals: Mapping[str, Bits]
+    cycle_s: float = 0.0
+    own: bool = False
 
 
 @dataclass(frozen=True)
@@ -168,7 +175,10 @@ def _load(path: Path, changed: int) -> Dbc:
 def _layout(message: Any) -> Layout:
     plain = {signal.name: _bits(signal) for signal in message.signals}
     signals = {s.name: _multiplexed(s, plain) if s.multiplexer_ids else plain[s.name] for s in message.signals}
-    return Layout(message.name, message.frame_id, bool(message.is_extended_frame), message.length, signals)
+    return Layout(
+        message.name, message.frame_id, bool(message.is_extended_frame), message.length, signals,
+        (message.cycle_time or 0) / 1e3, OURSELVES in message.senders,
+    )  # fmt: skip
 
 
 def _bits(signal: Any) -> Bits:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -42,6 +44,19 @@ class Decoder:
         self._counted: dict[str, int] = {}
         used = {*self.sources, *(m.name for m in self.scan.messages), *self.checksums, *self.counters}
         self.used = [m for m in self.dbc.messages.values() if m.name in used or m == self.scan.closing]
+
+    @cached_property
+    def own(self) -> frozenset[tuple[int, bool]]:
+        """Id and kind of the messages that we send: what of them comes back says nothing of the rig."""
+        return frozenset(key for key, message in self.dbc.by_id.items() if message.own)
+
+    def foreign(self, frames: Frames) -> Index:
+        """Indices of the frames that are not our own."""
+        ours = np.zeros(len(frames), bool)
+        for can_id, extended in self.own:
+            ours |= (frames.id == can_id) & (frames.extended == extended)
+        self.tally.skip("sent by us", np.count_nonzero(ours))
+        return np.flatnonzero(~ours)
 
     def closings(self, frames: Frames) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
         """Which frames close a scan, (n,), and their scan number, (n,), -1 where there is none."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +11,8 @@ import numpy as np
 from drivers.budget import Budget
 from drivers.clock import RigClock
 from drivers.decode import Decoder
-from drivers.frames import Tally
+from drivers.frames import Frames, Tally
+from drivers.joined import Progress, join
 from drivers.lab_ticks import read_lab
 from drivers.logs import SUFFIXES, is_lab_csv, read_log
 from drivers.ticks import Ticks, split
@@ -19,8 +20,6 @@ from drivers.truth import is_truth
 from estimator.errors import InputError
 from estimator.record import Recording
 from estimator.rig import Rig
-
-Progress = Callable[[float], None]
 
 
 def find_recordings(paths: Iterable[Path]) -> list[Path]:
@@ -52,17 +51,37 @@ def read_recording(path: Path, rig: Rig, progress: Progress | None = None, budge
     budget = budget or Budget()
     if is_truth(path):
         raise InputError(f"{path}: the truth of a simulated recording, not a recording")
-    lab = is_lab_csv(path)
-    rows = read_lab(path, rig, tally, budget) if lab else _ticks(path, rig, tally, budget, progress)
+    if is_lab_csv(path):
+        rows = read_lab(path, rig, tally, budget)
+    else:
+        frames = read_log(path, tally, budget, progress)
+        rows = _ticks(str(path), frames, frames.where, rig, tally, budget)
     return replace(rows, name=path.name, skipped=tally.counts(), notes=tuple(tally.notes))
 
 
-def _ticks(path: Path, rig: Rig, tally: Tally, budget: Budget, progress: Progress | None) -> Recording:
+def read_joined(
+    paths: Sequence[Path], rig: Rig, progress: Progress | None = None, budget: Budget | None = None
+) -> tuple[Path, Recording]:
+    """Read logs of CAN frames that are parts of one recording: the path of the first of them, and all as one.
+
+    They follow each other in the order of their first frames; time and readings go on from one to the next. One of
+    which nothing can be used is told in `notes`. Everything else is as in `read_recording`.
+    """
+    tally = Tally()
+    budget = budget or Budget()
+    joined = join(paths, tally, budget, progress)
+    first = joined.paths[0]
+    rows = _ticks(f"{first}..", joined.frames, joined.where, rig, tally, budget)
+    return first, replace(rows, name=f"{first.name}..", skipped=tally.counts(), notes=tuple(tally.notes))
+
+
+def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tally: Tally, budget: Budget) -> Recording:
     decoder = Decoder(rig, tally)
-    frames = read_log(path, tally, budget, progress)
     if strangers := decoder.strangers(frames):
-        raise InputError(f"{path}: {len(frames)} frames, none of this rig: {strangers}")
-    clock = RigClock(rig.tick_s, tally, frames.where, budget)
+        raise InputError(f"{name}: {len(frames)} frames, none of this rig: {strangers}")
+    foreign = decoder.foreign(frames)
+    frames = frames.take(foreign)
+    clock = RigClock(rig.tick_s, tally, lambda frame: where(int(foreign[frame])), budget)
     closes, scan = decoder.closings(frames)
     now = clock.run(frames.time, closes, scan)
     kept = np.isfinite(now)
@@ -70,7 +89,7 @@ def _ticks(path: Path, rig: Rig, tally: Tally, budget: Budget, progress: Progres
         frames, now, closes = frames.take(kept), now[kept], closes[kept]
     ends, date = split(now, closes, Ticks(rig.tick_s, rig.log.closes is not None), budget.ticks, tally)
     if not len(ends):
-        raise InputError(f"{path}: {len(frames)} frames over {now[-1]:.3g} s, less than one tick of {rig.tick_s:g} s")
+        raise InputError(f"{name}: {len(frames)} frames over {now[-1]:.3g} s, less than one tick of {rig.tick_s:g} s")
     tally.skip("after the last whole tick", len(frames) - ends[-1])
     inside = slice(0, int(ends[-1]))
     row = np.repeat(np.arange(len(ends)), np.diff(ends, prepend=0))

@@ -30,6 +30,9 @@ class Ticker:
 
     def feed(self, time_s: float, can_id: int, extended: bool, data: bytes) -> list[Sample]:
         """Take one data frame, stamped on the bus's clock in s; returns the samples of the ticks that it closed."""
+        if (can_id, extended) in self.decoder.own:
+            self.tally.skip("sent by us")
+            return []
         size = len(data)
         if not (0 <= time_s < LATEST_S and 0 <= can_id <= (0x1FFFFFFF if extended else 0x7FF) and size <= 8):
             plausible(_frames([PACKED.pack(time_s, can_id & 0xFFFFFFFF, extended, min(size, 9), b"", 0)]), self.tally)

@@ -1,0 +1,150 @@
+"""The loop of `live`: frames in; estimates, alarms, views, status and, where asked for, frames out."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from ballscrew.monitor import Moment, Monitor
+from ballscrew.status import Status, defects
+from drivers.publisher import Publisher
+from drivers.received import Received
+from drivers.receiver import Notice, Receiver
+from drivers.recorder import Recorder
+from drivers.rig_time import RigTime
+
+if TYPE_CHECKING:
+    from viz.live import LiveViews  # rerun takes half a second to import
+
+WAIT_S = 0.05  # half of what the bus may wait for an invalid frame
+RATE_S = 5.0  # frames per second are counted over
+
+
+@dataclass
+class Session:
+    """Everything that a monitor is made of; what is None was not asked for.
+
+    say   hears sentences for the person: text, level
+    tick  hears of every tick; None: nobody asks
+    """
+
+    monitor: Monitor
+    receiver: Receiver
+    clock: RigTime
+    bus: str
+    say: Callable[[str, str], None]
+    tick: Callable[[Status], None] | None = None
+    recorder: Recorder | None = None
+    publisher: Publisher | None = None
+    views: LiveViews | None = None
+    views_at: str = ""
+    latest: Moment | None = None
+    _rate: deque[tuple[float, int]] = field(default_factory=deque)
+    _troubles: dict[str, str] = field(default_factory=dict)
+
+    def run(self, goes_on: Callable[[], bool], each: Callable[[Status], None]) -> None:
+        """Until `goes_on` says no; `each` hears the status some times a second."""
+        self.receiver.start()
+        while goes_on():
+            for item in self.receiver.take(WAIT_S):
+                self._take(item)
+            if self.receiver.failure is not None:
+                raise self.receiver.failure
+            self._idle()
+            self._tell()
+            each(self.status())
+
+    def finish(self) -> None:
+        """The end: stop receiving, take what has come, and close the open tick as `review` does at the end of a log."""
+        self.receiver.stop()
+        while items := self.receiver.take(0.0):
+            for item in items:
+                self._take(item)
+        for moment in self.monitor.finish():
+            self._moment(moment, self.clock.now() or 0.0)
+        self._tell()
+
+    def _take(self, item: Received | Notice) -> None:
+        if isinstance(item, Notice):
+            self._say(item.text, item.level)
+            return
+        if self.publisher is not None:
+            self.publisher.heard(item)
+        for moment in self.monitor.feed(item):
+            self._moment(moment, item.time_s)
+
+    def _idle(self) -> None:
+        """No frame: the model goes on alone, and who relies on the estimate hears that it is not to be trusted."""
+        now = self.clock.now()
+        if now is None:
+            return
+        for moment in self.monitor.idle(now):
+            self._moment(moment, now)
+        if self.publisher is not None and self.latest is not None:
+            trust = self.monitor.trust(now)
+            if self.latest.trust.valid and not trust.valid:
+                self.publisher.send(now, self.latest.step, trust, self._position())
+                self._say(f"estimate no longer valid: {', '.join(trust.why)}", "WARN")
+                self.latest = replace(self.latest, trust=trust)
+
+    def _moment(self, moment: Moment, now: float) -> None:
+        self.latest = moment
+        if self.publisher is not None:
+            self.publisher.send(now, moment.step, moment.trust, self._position())
+        for alarm in moment.begun:
+            self._say(f"alarm: {alarm.text}, since {alarm.since_s:.0f} s", "WARN")
+        for alarm in moment.over:
+            self._say(f"over: {alarm.text}", "INFO")
+        if self.views is not None and not moment.provisional:
+            self.views.show(moment.sample, moment.step)
+        if self.tick is not None:
+            self.tick(self.status())
+
+    def _position(self) -> float:
+        assert self.latest is not None
+        return float(self.latest.sample.inputs.get("position", float("nan")))
+
+    def _tell(self) -> None:
+        """New sentences of the clock, the recorder, the publisher and the views."""
+        notes, self.monitor.tally.notes = self.monitor.tally.notes, []
+        if self.recorder is not None:
+            notes = [*notes, *self.recorder.notes]
+            self.recorder.notes.clear()
+        for note in notes:
+            self._say(note, "WARN")
+        for part in ("recorder", "publisher", "views"):
+            trouble = getattr(getattr(self, part), "trouble", "")
+            if trouble and trouble != self._troubles.get(part):
+                self._say(trouble, "WARN")
+            self._troubles[part] = trouble
+
+    def _say(self, text: str, level: str) -> None:
+        self.say(text, level)
+        if self.views is not None:
+            self.views.say(self.latest.step.time_s if self.latest else 0.0, text, level)
+
+    def status(self) -> Status:
+        """How things are."""
+        skipped = defects(self.monitor.tally.counts())
+        lost = self.recorder.lost if self.recorder else 0
+        publisher = self.publisher
+        sent = f"{publisher.sent} frames sent" if publisher else ""
+        return Status(
+            rig=self.monitor.rig, moment=self.latest, alarms=tuple(self.monitor.active.values()),
+            bus=f"{self.bus} {self.receiver.state}", frames=self.receiver.frames, frames_per_s=self._frames_per_s(),
+            dropped=self.receiver.dropped + lost + sum(skipped.values()), skipped=skipped,
+            recording=(self.recorder.trouble or str(self.recorder.path)) if self.recorder else "none (--record DIR)",
+            publishing=(publisher.trouble or sent) if publisher else "", views=self.views_at,
+        )  # fmt: skip
+
+    def _frames_per_s(self) -> float:
+        now, frames = time.monotonic(), self.receiver.frames
+        if not self._rate or now - self._rate[-1][0] > WAIT_S:
+            self._rate.append((now, frames))
+        while self._rate and now - self._rate[0][0] > RATE_S:
+            self._rate.popleft()
+        first, before = self._rate[0] if self._rate else (now, frames)
+        return (frames - before) / (now - first) if now > first else 0.0

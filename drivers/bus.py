@@ -1,0 +1,73 @@
+"""A bus to listen on: any interface of python-can, without a way to transmit."""
+
+from __future__ import annotations
+
+import logging
+import socket
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import can
+
+from estimator.errors import SetupError
+
+# What interfaces raise beside can.CanError: it depends on the driver, the adaptor and the state of its cable.
+FAILURES = (can.CanError, OSError, ValueError, TypeError, AttributeError, NotImplementedError, EOFError)
+CONNECT_S = 2.0
+
+
+@dataclass(frozen=True)
+class BusAddress:
+    """Where a bus is, as python-can names it; `options` are the interface's own, like host=127.0.0.1."""
+
+    interface: str | None
+    channel: str | None = None
+    bitrate: int | None = None
+    options: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The channel, as a log calls it: without blanks."""
+        return "_".join((self.channel or self.interface or "can").split())
+
+    def __str__(self) -> str:
+        return " ".join([self.interface or "bus", self.channel or "", *(f"{k}={v}" for k, v in self.options.items())])
+
+    def open(self) -> can.BusABC:
+        """The bus itself, transmitting included; a name that python-can does not know is a SetupError."""
+        logging.getLogger("can").setLevel(logging.CRITICAL)  # it would write into our status
+        if self.interface == "socketcand":
+            self._reach()
+        options: dict[str, Any] = dict(self.options)
+        if self.bitrate is not None:
+            options["bitrate"] = self.bitrate
+        try:
+            return can.Bus(channel=self.channel, interface=self.interface, **options)
+        except can.CanInterfaceNotImplementedError as error:
+            raise SetupError(f"--interface {self.interface}: {error}") from error
+
+    def listen(self) -> Listener:
+        """The bus without a way to transmit."""
+        return Listener(self.open())
+
+    def _reach(self) -> None:
+        # python-can spins on a port where nobody listens, for ten seconds
+        where = (self.options.get("host", "127.0.0.1"), int(self.options.get("port", 28600)))
+        socket.create_connection(where, CONNECT_S).close()
+
+
+class Listener:
+    """A bus of which only listening is left: no code path of the monitor can transmit by it."""
+
+    def __init__(self, bus: can.BusABC) -> None:
+        self.recv: Callable[[float], can.Message | None] = bus.recv
+        self.shutdown: Callable[[], None] = bus.shutdown
+
+
+def bus_options(words: tuple[str, ...]) -> dict[str, str]:
+    """K=V ... of the command line as options of an interface."""
+    wrong = [word for word in words if "=" not in word]
+    if wrong:
+        raise SetupError(f"--bus-kwargs {wrong[0]}: write NAME=VALUE, for example host=127.0.0.1")
+    return dict(word.split("=", 1) for word in words)

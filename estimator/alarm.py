@@ -1,0 +1,89 @@
+"""Alarms: where the rig and the model part, and readings that cannot be right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.rig import Rig
+from estimator.step import Step
+from estimator.stuck import Stuck
+from estimator.window_test import FALSE_S, WINDOWS, WindowTest, place_of
+
+SILENT_TICKS = 10
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """What is wrong, with which channel ("": all of them), and since when, s since the first frame.
+
+    kind    "bias", "nis", "rejected", "stuck" or "silent"
+    over_s  of a test, how long the readings were looked at; 0: as they come
+    """
+
+    kind: str
+    channel: str
+    since_s: float
+    text: str
+    over_s: float = 0.0
+
+    @property
+    def key(self) -> tuple[str, str, float]:
+        """What makes it the same alarm at another time."""
+        return self.kind, self.channel, self.over_s
+
+
+class Alarms:
+    """The alarms of one rig, a tick at a time; `active` holds those that are on.
+
+    A test raises its alarm at the end of its window, and the next window that passes it ends the alarm.
+    """
+
+    def __init__(self, rig: Rig, false_s: float = FALSE_S) -> None:
+        self.rig = rig
+        self.active: dict[tuple[str, str, float], Alarm] = {}
+        self._tests = [WindowTest(rig, window, false_s) for window in WINDOWS]
+        self._stuck = Stuck(len(rig.names))
+        self._heat = np.isin(rig.names, rig.thermometers)
+        self._silent = np.full(len(rig.names), -1)  # ticks since the last reading, -1: never read
+
+    @property
+    def diverged(self) -> bool:
+        """Whether NIS says that the estimate cannot be trusted."""
+        return any(alarm.kind == "nis" for alarm in self.active.values())
+
+    def step(self, step: Step) -> tuple[list[Alarm], list[Alarm]]:
+        """Take one tick; returns the alarms that begin with it, and those that end."""
+        found, judged = [*self._silences(step), *self._standstills(step)], {0.0}
+        for test in self._tests:
+            if test.add(step):
+                judged.add(test.over_s)
+                found += [Alarm(kind, name, test.first_s, text, test.over_s) for kind, name, text in test.failed()]
+        now = {alarm.key: alarm for alarm in found}
+        begun = [alarm for key, alarm in now.items() if key not in self.active]
+        over = [alarm for key, alarm in self.active.items() if alarm.over_s in judged and key not in now]
+        for alarm in over:
+            del self.active[alarm.key]
+        self.active.update({alarm.key: alarm for alarm in begun})
+        return begun, over
+
+    def _silences(self, step: Step) -> Iterator[Alarm]:
+        """Thermometers that have been read before and are not now."""
+        known = np.isfinite(step.measured)
+        self._silent[known] = 0
+        self._silent[~known & (self._silent >= 0)] += 1
+        gone = self._heat & (self._silent >= SILENT_TICKS)
+        since = step.time_s - self._silent * self.rig.tick_s
+        if gone.any() and gone.sum() == (self._heat & (self._silent >= 0)).sum():
+            yield Alarm("silent", "", float(since[gone].max()), "no thermometer is read")
+            return
+        for i in np.flatnonzero(gone):
+            yield Alarm("silent", self.rig.names[i], float(since[i]), f"{place_of(self.rig, i)} is not read")
+
+    def _standstills(self, step: Step) -> Iterator[Alarm]:
+        """Thermometers that read the same again and again."""
+        for i, ticks in self._stuck.step(np.where(self._heat, step.measured, np.nan)):
+            text = f"{place_of(self.rig, i)} is stuck at {step.measured[i]:.2f} degC"
+            yield Alarm("stuck", self.rig.names[i], step.time_s - ticks * self.rig.tick_s, text)

@@ -1,0 +1,94 @@
+"""Tests of the innovations over one window after the other.
+
+    bias      |mean of innovation / sd|     > allowance + normal quantile / sqrt(n)
+    nis       sum of NIS                    > allowance * chi2 quantile for so many channels
+    rejected  more than a twentieth of a channel's readings, and not just one or two, were beyond the gate
+
+No model is perfect: bias and NIS may be off by an allowance before they count, larger than what a fitted model leaves.
+The quantiles are such that on a rig that is off by the whole allowance all of them together fail once in FALSE_S
+without cause; on one that is right, hardly ever.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2, norm
+
+from estimator.record import Array
+from estimator.rig import Rig
+from estimator.step import Step
+
+FALSE_S = 30 * 86400.0
+NIS_ALLOWED = 1.5
+REJECTED = 0.05
+SOME = 3
+
+
+@dataclass(frozen=True)
+class Window:
+    """So many ticks, over which the mean of scaled innovations may be off by `bias` sd."""
+
+    ticks: int
+    bias: float
+
+
+WINDOWS = (Window(60, 1.0), Window(600, 0.6))
+
+
+class WindowTest:
+    """The sums over a window of one rig. `first_s` is when it began."""
+
+    def __init__(self, rig: Rig, window: Window, false_s: float = FALSE_S) -> None:
+        self.rig, self.window = rig, window
+        self.over_s = window.ticks * rig.tick_s
+        self.share = self.over_s / false_s / len(WINDOWS) / (len(rig.names) + 1)
+        self._begin(np.nan)
+
+    def _begin(self, time_s: float) -> None:
+        m = len(self.rig.names)
+        self.first_s, self._ticks, self._nis, self._channels = time_s, 0, 0.0, 0
+        self._sum, self._count, self._wild = np.zeros(m), np.zeros(m), np.zeros(m)
+
+    def add(self, step: Step) -> bool:
+        """Take one tick; whether the window is full."""
+        if self._ticks in (0, self.window.ticks):
+            self._begin(step.time_s)
+        self._ticks += 1
+        if np.isfinite(step.nis):
+            self._nis, self._channels = self._nis + step.nis, self._channels + step.nis_channels
+        fused = np.flatnonzero(step.fused)
+        self._sum[fused] += step.innovation[fused] / step.innovation_sd[fused]
+        self._count[fused] += 1
+        self._wild += [why == "implausible jump" for why in step.why]
+        return self._ticks == self.window.ticks
+
+    def failed(self) -> Iterator[tuple[str, str, str]]:
+        """Of a full window: kind, channel and sentence of each test that failed."""
+        if self._channels and self._nis > NIS_ALLOWED * chi2.isf(self.share, self._channels):
+            ratio = np.sqrt(self._nis / self._channels)
+            yield "nis", "", f"the innovations are {ratio:.1f} times as large as they should be"
+        for i in np.flatnonzero(self._biased()):
+            mean = self._sum[i] / self._count[i]
+            side = "above" if mean > 0 else "below"
+            text = f"{place_of(self.rig, i)} reads {abs(mean):.1f} sd {side} what was predicted"
+            yield "bias", self.rig.names[i], text
+        read = self._count + self._wild
+        for i in np.flatnonzero((self._wild >= SOME) & (self._wild > REJECTED * read)):
+            text = f"{place_of(self.rig, i)}: {self._wild[i]:.0f} of {read[i]:.0f} readings rejected"
+            yield "rejected", self.rig.names[i], text
+
+    def _biased(self) -> Array:
+        """Channels that are off by more than the allowance, (m,) bool."""
+        count = np.maximum(self._count, 1.0)
+        limit = self.window.bias + norm.isf(self.share / 2) / np.sqrt(count)
+        return np.asarray(np.abs(self._sum) / count > limit)
+
+
+def place_of(rig: Rig, i: int | np.intp) -> str:
+    """A channel with its place."""
+    name = rig.names[i]
+    at = rig.channels[name].at_mm
+    return name if at is None else f"{name} at {at:g} mm"
