@@ -1,4 +1,4 @@
-"""Readings that stand still: the same number again and again, from a channel whose readings used to differ."""
+"""Readings that stand still: the same number again and again, from a channel whose readings used to jump about."""
 
 from __future__ import annotations
 
@@ -8,34 +8,34 @@ import numpy as np
 
 from estimator.record import Array
 
-CHANCE = 1e-9  # of so many repeats in a row, if the channel goes on as it has
-LEAST = 20
-SEEN = 100.0  # readings over which the share of repeats is forgotten
+REPEATS = 20
+STEPS = 2.0  # resolution steps from one reading to the next, on average: then 20 repeats have a chance of 1e-15
+CHANGES = 20  # that must have been seen
+SEEN = 200.0  # changes over which their size is forgotten
 
 
 class Stuck:
-    """How often m channels repeat themselves, and how long each has been doing so.
+    """How finely m channels resolve their own noise, and how long each has read the same.
 
-    A coarse sensor repeats itself most of the time: with a share r of repeats so far, n in a row have the chance r^n.
+    The resolution is the smallest change ever seen. A coarse sensor, whose readings change by one step or not at all,
+    may well stand still: of it nothing can be said.
     """
 
     def __init__(self, m: int) -> None:
-        self._last = np.full(m, np.nan)
-        self._same = np.zeros(m, dtype=int)
-        self._share = np.full(m, 1.0)  # nothing is known of a channel before it has changed
+        self._last, self._finest = np.full(m, np.nan), np.full(m, np.inf)
+        self._same, self._changes = np.zeros(m, dtype=int), np.zeros(m, dtype=int)
+        self._size = np.zeros(m)
 
     def step(self, measured: Array) -> Iterator[tuple[int, int]]:
         """Take one tick, (m,) with NaN where nothing was read: channels that are stuck, and for how many ticks."""
-        known = np.isfinite(measured)
-        same = known & (measured == self._last)
-        changed = known & ~same & np.isfinite(self._last)
-        # a stretch of repeats counts once it is over: a channel that is stuck must not become one that repeats itself
-        self._share[changed] += (self._same[changed] / (self._same[changed] + 1.0) - self._share[changed]) * np.minimum(
-            (self._same[changed] + 1.0) / SEEN, 1.0
-        )
-        self._same = np.where(same, self._same + 1, np.where(known, 0, self._same))
-        self._last = np.where(known, measured, self._last)
-        with np.errstate(divide="ignore"):
-            most = np.log(CHANCE) / np.log(np.clip(self._share, 1e-3, 1.0))
-        for i in np.flatnonzero(self._same > np.maximum(most, LEAST)):
+        change = np.abs(measured - self._last)
+        moved = change > 0
+        self._finest[moved] = np.minimum(self._finest, change)[moved]
+        self._changes += moved
+        gain = 1.0 / np.minimum(np.maximum(self._changes, 1), SEEN)
+        self._size[moved] += (gain * (change - self._size))[moved]
+        self._same = np.where(change == 0, self._same + 1, np.where(moved, 0, self._same))
+        self._last = np.where(np.isfinite(measured), measured, self._last)
+        fine = (self._changes >= CHANGES) & (self._size >= STEPS * self._finest)
+        for i in np.flatnonzero(fine & (change == 0) & (self._same > REPEATS)):
             yield int(i), int(self._same[i])
