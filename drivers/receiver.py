@@ -55,7 +55,7 @@ class Receiver:
         self._halt = threading.Event()
         self._gone_at: float | None = None
         self._silence = SILENT_S[0]
-        self._error_told = -TOLD_S
+        self._error_told, self._opened_before = -TOLD_S, False
         self._thread = threading.Thread(target=self._run, name="receiver", daemon=True)
 
     def start(self) -> None:
@@ -139,7 +139,11 @@ class Receiver:
             self._queue.put(Notice(f"{what} (class 0x{frame.id:X}, {frame.data.hex().upper()})"))
 
     def _opened(self) -> None:
-        self.state = "open" if self.state == "opening" else self.state
+        if self.state == "opening":
+            self.state = "open"
+        if not self._opened_before:
+            self._opened_before = True
+            self._queue.put(Notice(f"listening on {self._channel}", "INFO"))
 
     def _lost(self, why: str) -> None:
         if self.state != "lost":
