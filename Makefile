@@ -1,4 +1,5 @@
 # make demo   recordings with a hidden effect: where the model fails, what is missing, the error after
+# make live   a simulated rig on a bus, sixty times as fast as it would be, and the monitor beside it
 # make test   everything that must hold
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
@@ -13,7 +14,7 @@ HIDDEN := recordings/hidden/amber
 MODEL := recordings/base.toml
 SHOWN := FS-20
 
-.PHONY: demo review test check bench bench-engine study-fit study-hidden pictures pictures-improve recordings model tuning tuning-test clean
+.PHONY: demo live review test check bench bench-engine bench-live study-fit study-hidden pictures pictures-improve recordings model tuning tuning-test clean
 
 demo: $(READY)
 	$(BIN)/ballscrew diagnose $(HIDDEN) --model $(MODEL)
@@ -21,6 +22,16 @@ demo: $(READY)
 
 review: $(READY) recordings/FS-20.blf
 	$(BIN)/ballscrew review recordings/FS-20.blf --save demo.rrd --view
+
+PORT := 28610
+BUS := --interface socketcand --channel can0 --bus-kwargs host=127.0.0.1 port=$(PORT) --speed-up 60
+VIEW := $(if $(DISPLAY)$(WAYLAND_DISPLAY),native,web)
+
+live: $(READY)
+	@$(BIN)/ballscrew hub --port $(PORT) --quiet & hub=$$!; \
+	$(BIN)/ballscrew simulate $(SHOWN) $(BUS) --quiet & rig=$$!; \
+	trap 'kill $$hub $$rig 2>/dev/null' EXIT INT TERM; \
+	$(BIN)/ballscrew live $(BUS) --record recorded --view $(VIEW)
 
 test: $(READY)
 	$(BIN)/python -m pytest
@@ -33,6 +44,9 @@ check: $(READY)
 
 bench: $(PEERS) $(LOGS)
 	$(BIN)/python -m benchmarks
+
+bench-live: $(READY)
+	$(BIN)/python -m benchmarks live
 
 bench-engine: $(PEERS) $(FITTED:%=recordings/%.blf)
 	$(BIN)/python -m benchmarks engine
@@ -49,6 +63,7 @@ pictures: $(READY) $(LOGS) pictures-improve
 	$(BIN)/python -m viz.pictures demo.rrd docs/pictures --window 1280x800 --only Overview --only Residuals
 	$(BIN)/ballscrew review $(LOGS) --quiet --save twelve.rrd
 	$(BIN)/python -m viz.pictures twelve.rrd docs/pictures --window 1280x800 --only Accuracy
+	$(BIN)/python docs/pictures/live/make_pictures.py
 
 # HIDDEN=FOLDER names other recordings of a machine with an effect that MODEL has not
 pictures-improve: $(READY)
@@ -83,4 +98,4 @@ $(PEERS): $(READY)
 	touch $@
 
 clean:
-	rm -rf $(VENV) build *.egg-info *.rrd improved*
+	rm -rf $(VENV) build *.egg-info *.rrd improved* recorded

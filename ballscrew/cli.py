@@ -15,7 +15,7 @@ from estimator.errors import BallscrewError
 COMMANDS = {
     "simulate": "Make a recording of the rig that is not there.",
     "live": "Monitor a rig on a CAN bus.",
-    "hub": "Share a CAN bus between programs of this machine, without CAN hardware.",
+    "hub": "Share a CAN bus between programs, without CAN hardware.",
     "review": "Run the filter over recordings and say how good the estimate is.",
     "fit": "Fit a model's parameters to recordings.",
     "tune": "Set a model's noise levels by recordings.",

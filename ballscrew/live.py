@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from ipaddress import ip_address
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -141,6 +142,8 @@ def _views(
 
     views = LiveViews(rig, title, port=None if view == "none" else 0, bind=bind, save=save)
     parts.callback(views.close)
+    if view != "none" and not ip_address(bind).is_loopback:
+        terminal.warn(f"--bind {bind}: whoever reaches this address sees the views, without a password")
     if view == "web":
         page = WebPage(views.url, bind=bind)
         parts.callback(page.close)

@@ -16,8 +16,8 @@ from estimator.filter import Filter, Mute
 from estimator.model import Model
 from estimator.record import Sample
 from estimator.rig import Rig
-from estimator.step import Mode, Step
-from estimator.trust import Trust, Watch
+from estimator.step import Mode, Step, Trust
+from estimator.trust import Watch
 
 LATE_TICKS = 2.5  # a bus that brings no frame for so long is silent
 
@@ -96,10 +96,9 @@ class Monitor:
         """No more frames come."""
         return [self._moment(sample) for sample in self.ticker.flush()]
 
-    def idle(self, rig_s: float) -> list[Moment]:
-        """No frame has come until `rig_s`, on the clock of the frames' stamps: the model goes on alone."""
-        silence = rig_s - self._stamp - self.late_s
-        if not self.ticker.frames or not LATE_TICKS * self.rig.tick_s < silence < Budget().gap_s:
+    def idle(self, silent_s: float) -> list[Moment]:
+        """No frame has come for so long, on the rig's clock: the model goes on alone."""
+        if not self.ticker.frames or not LATE_TICKS * self.rig.tick_s < silent_s - self.late_s < Budget().gap_s:
             return []
         if self._ahead is None:
             shared = {id(each): each for each in (self.rig, self.model, self.ticker.decoder.dbc)}
@@ -107,15 +106,15 @@ class Monitor:
             self._ahead[0].tally = self._ahead[0].clock.tally = Tally()
         ticker, alone = self._ahead
         found = []
-        for sample in ticker.advance(rig_s):
+        for sample in ticker.advance(self._stamp + silent_s):
             step, silent = alone.step(sample), _silent(self.ticker.clock.now)
             alarms = {silent.key: silent, **self.tests.active}
-            found.append(Moment(sample, step, self.trust(rig_s), *self._changed(alarms), True))
+            found.append(Moment(sample, step, self.trust(silent_s), *self._changed(alarms), True))
         return found
 
-    def trust(self, rig_s: float) -> Trust:
-        """Whether the estimate is to be relied on at a time on the clock of the frames' stamps."""
-        return self.watch.trust(self.ticker.clock.now + max(0.0, rig_s - self._stamp - self.late_s))
+    def trust(self, silent_s: float) -> Trust:
+        """Whether the estimate is to be relied on when no frame has come for so long, on the rig's clock."""
+        return self.watch.trust(self.ticker.clock.now + max(0.0, silent_s - self.late_s))
 
     def _moment(self, sample: Sample) -> Moment:
         step = self.filter.step(sample)

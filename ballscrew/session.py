@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 WAIT_S = 0.05  # half of what the bus may wait for an invalid frame
 RATE_S = 5.0  # frames per second are counted over
+SHOWN_S = 1.0  # between two states of the monitor in the views
 
 
 @dataclass
@@ -43,6 +44,7 @@ class Session:
     views_at: str = ""
     latest: Moment | None = None
     _rate: deque[tuple[float, int]] = field(default_factory=deque)
+    _shown: float = 0.0
     _troubles: dict[str, str] = field(default_factory=dict)
 
     def run(self, goes_on: Callable[[], bool], each: Callable[[Status], None]) -> None:
@@ -64,7 +66,7 @@ class Session:
             for item in items:
                 self._take(item)
         for moment in self.monitor.finish():
-            self._moment(moment, self.clock.now() or 0.0)
+            self._moment(moment)
         self._tell()
 
     def _take(self, item: Received | Notice) -> None:
@@ -74,38 +76,44 @@ class Session:
         if self.publisher is not None:
             self.publisher.heard(item)
         for moment in self.monitor.feed(item):
-            self._moment(moment, item.time_s)
+            self._moment(moment)
 
     def _idle(self) -> None:
         """No frame: the model goes on alone, and who relies on the estimate hears that it is not to be trusted."""
-        now = self.clock.now()
-        if now is None:
-            return
-        for moment in self.monitor.idle(now):
-            self._moment(moment, now)
-        if self.publisher is not None and self.latest is not None:
-            trust = self.monitor.trust(now)
-            if self.latest.trust.valid and not trust.valid:
-                self.publisher.send(now, self.latest.step, trust, self._position())
-                self._say(f"estimate no longer valid: {', '.join(trust.why)}", "WARN")
+        silent_s = self.clock.silence()
+        for moment in self.monitor.idle(silent_s):
+            self._moment(moment)
+        if self.latest is not None and self.latest.trust.valid:
+            trust = self.monitor.trust(silent_s)
+            if not trust.valid:
                 self.latest = replace(self.latest, trust=trust)
+                self._publish()
+                self._say(f"estimate no longer valid: {', '.join(trust.why)}", "WARN")
 
-    def _moment(self, moment: Moment, now: float) -> None:
+    def _moment(self, moment: Moment) -> None:
         self.latest = moment
-        if self.publisher is not None:
-            self.publisher.send(now, moment.step, moment.trust, self._position())
+        self._publish()
         for alarm in moment.begun:
             self._say(f"alarm: {alarm.text}, since {alarm.since_s:.0f} s", "WARN")
         for alarm in moment.over:
             self._say(f"over: {alarm.text}", "INFO")
         if self.views is not None and not moment.provisional:
             self.views.show(moment.sample, moment.step)
+            self._show_status()
         if self.tick is not None:
             self.tick(self.status())
 
-    def _position(self) -> float:
-        assert self.latest is not None
-        return float(self.latest.sample.inputs.get("position", float("nan")))
+    def _show_status(self) -> None:
+        assert self.views is not None
+        if time.monotonic() - self._shown > SHOWN_S:
+            self._shown = time.monotonic()
+            self.views.status(self.status().markdown())
+
+    def _publish(self) -> None:
+        if self.publisher is not None and self.latest is not None:
+            sample, step = self.latest.sample, self.latest.step
+            position_mm = float(sample.inputs.get("position", float("nan")))
+            self.publisher.send(step.time_s, step, self.latest.trust, position_mm)
 
     def _tell(self) -> None:
         """New sentences of the clock, the recorder, the publisher and the views."""

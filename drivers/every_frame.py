@@ -88,6 +88,16 @@ def _outside(path: Path, tally: Tally, position: Position, absolute: bool = True
     if lines and lines.torn:
         tally.skip("torn line")
         tally.note(f"torn at line {lines.count}: it has no line end; read up to there")
+    if suffix == ".blf" and (told := _told_size(path)) not in (0, path.stat().st_size):
+        # python-can takes half a container for a whole one
+        tally.note(f"torn at frame {count + 1}: its head says {told} bytes, {path.stat().st_size} are there")
+
+
+def _told_size(path: Path) -> int:
+    """The length that the head of a BLF file tells, bytes; 0 for another file."""
+    with path.open("rb") as file:
+        head = file.read(24)
+    return int.from_bytes(head[16:24], "little") if head.startswith(b"LOGG") else 0
 
 
 def _channel(message: can.Message, first: int) -> str:

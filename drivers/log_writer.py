@@ -1,7 +1,8 @@
 """Frames into a log of another format: by python-can's writers, candump text and MF4 by our own.
 
-Times come back from every format to the microsecond. `.log`, `.blf` and `.mf4` hold all that a frame has; `.asc` holds
-of an error frame only that there was one, and its clock is local time without a zone; `.trc` holds data frames only.
+Times come back from every format to the microsecond. `.log`, `.blf` and `.mf4` hold all that a frame has; only that a
+`.blf` counts stamps before 1990 from its first frame. `.asc` holds of an error frame only that there was one, and its
+clock is local time without a zone. `.trc` holds data frames only.
 """
 
 from __future__ import annotations

@@ -29,8 +29,7 @@ class Part:
         self.first_s = self.last_s = first_s
         self.frames = 0
         self.size = 0
-        self._torn = False
-        self._told = False
+        self._torn = self._told = self._gone = False
 
     def append(self, line: bytes, time_s: float) -> None:
         """Write one line, all of it or nothing: else an OSError, and no half line stays."""
@@ -55,7 +54,8 @@ class Part:
 
     def is_gone(self) -> bool:
         """Whether somebody deleted or renamed it: what is written goes where nobody looks."""
-        return not self.path.exists()
+        self._gone = self._gone or not self.path.exists()
+        return self._gone
 
     def finish(self, about: Mapping[str, Any]) -> None:
         """No more frames come: to the disk, with a sidecar that says so."""

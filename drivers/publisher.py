@@ -17,8 +17,7 @@ from drivers.dbc import find_dbc
 from drivers.received import Received
 from estimator.errors import BallscrewError, SetupError
 from estimator.rig import Rig
-from estimator.step import Mode, Step
-from estimator.trust import Trust
+from estimator.step import Mode, Step, Trust
 
 ESTIMATE, COMPENSATION = "Estimate", "Compensation"
 NO_SIGMA = 65535  # raw
@@ -50,7 +49,7 @@ class Publisher:
 
     def send(self, now_s: float, step: Step, trust: Trust, position_mm: float) -> None:
         """Both frames of a moment; a bus that fails is tried again later."""
-        if self._stopped or (now_s - self._last[0] < SPACING_S and trust.valid == self._last[1]):
+        if self._stopped or (abs(now_s - self._last[0]) < SPACING_S and trust.valid == self._last[1]):
             return
         bus = self._bus or self._open()
         if bus is None:

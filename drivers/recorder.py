@@ -14,6 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from drivers.budget import Budget
 from drivers.candump_line import line_of
 from drivers.folder_lock import FolderLock
 from drivers.part import Part, utc
@@ -104,11 +105,14 @@ class Recorder:
 
     def _append(self, line: bytes, time_s: float) -> None:
         part = self._part
-        if part is None or (
-            part.frames and (part.size + len(line) > self._size_bytes or time_s - part.first_s >= self._span_s)
-        ):
+        if part is None or (part.frames and self._is_full(part, len(line), time_s)):
             part = self._next(time_s)
         part.append(line, time_s)
+
+    def _is_full(self, part: Part, more: int, time_s: float) -> bool:
+        """What comes after a long silence is another recording, and has a file of its own."""
+        silent = time_s - part.last_s > Budget().gap_s
+        return silent or part.size + more > self._size_bytes or time_s - part.first_s >= self._span_s
 
     def _next(self, time_s: float) -> Part:
         before = self.path.name if self._parts else None
@@ -170,6 +174,7 @@ class Recorder:
             if self._part is part:
                 self._part = None
                 self._finished.append(part)
+        self._not_synced = ""
         self._note(f"{part.path.name} was deleted or renamed while it was written; a new file begins")
 
     def _note(self, sentence: str) -> None:

@@ -18,23 +18,20 @@ class RigTime:
     speed_up = 1.0
 
     def __init__(self) -> None:
-        self._latest: tuple[float, float] | None = None  # rig time of the latest frame, and the steady clock then
+        self._latest: float | None = None  # by the steady clock
 
     def place(self, frame: Received) -> list[Received]:
         """Take a frame; returns those whose rig time is known now, in order."""
-        self._latest = (frame.time_s, time.monotonic())
+        self._latest = time.monotonic()
         return [frame]
 
     def flush(self) -> list[Received]:
         """No more frames come: those that still wait."""
         return []
 
-    def now(self) -> float | None:
-        """Rig time of this moment, by the steady clock since the latest frame; None before the first."""
-        if self._latest is None:
-            return None
-        rig_s, then = self._latest
-        return rig_s + self.speed_up * (time.monotonic() - then)
+    def silence(self) -> float:
+        """How long the latest frame is ago, s on the rig's clock; 0 before the first."""
+        return self.speed_up * (time.monotonic() - self._latest) if self._latest is not None else 0.0
 
 
 class FastTime(RigTime):
@@ -95,6 +92,6 @@ class FastTime(RigTime):
         self._placed = (frames[-1].time_s, end_s)
         if number is not None:
             self._scan = (number, end_s)
-        self._latest = (end_s, time.monotonic())
+        self._latest = time.monotonic()
         step = (end_s - begin_s) / count
         return [frame._replace(time_s=round(begin_s + (i + 1) * step, 6)) for i, frame in enumerate(frames)]

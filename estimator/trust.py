@@ -2,34 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from estimator.record import Sample
 from estimator.regime import AT_REST
 from estimator.rig import Rig
-from estimator.step import Mode, Step
+from estimator.step import Mode, Step, Trust
 
 FEW_S = 5.0  # with too few thermometers
 DRIVE_S = (3.0, 0.5)  # without news of the drive, at rest and moving
 DISPLACEMENT_S = 600.0
 SHARE = 0.25  # of the thermometers, that are too few
-
-
-@dataclass(frozen=True)
-class Trust:
-    """Why the estimate is not to be relied on; empty where it is. The rest are the flags of the frame Estimate."""
-
-    why: tuple[str, ...] = ("no estimate yet",)
-    displacement_stale: bool = True
-    telemeter_stale: bool = True
-    diverged: bool = False
-
-    @property
-    def valid(self) -> bool:
-        """Whether it may be used."""
-        return not self.why
 
 
 class Watch:

@@ -204,7 +204,7 @@ def test_on_a_silent_bus_the_model_goes_on_alone_and_is_taken_back(parts, frames
                 break
             if waits and frame.time_s - before.time_s > 15:
                 for passed in range(1, 20):
-                    moments += monitor.idle(before.time_s + passed)
+                    moments += monitor.idle(passed)
             moments += monitor.feed(frame)
         runs.append(moments)
     moments = runs[1]

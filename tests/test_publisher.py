@@ -18,8 +18,7 @@ from drivers.virtual_rig.crc import crc8_j1850
 from estimator.errors import SetupError
 from estimator.model import load_model
 from estimator.rig_file import load_rig
-from estimator.step import Mode, Step
-from estimator.trust import Trust
+from estimator.step import Mode, Step, Trust
 from tests.live_fake import rig_frames
 
 RECORDINGS = Path(__file__).parents[1] / "recordings"
