@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from ballscrew.monitor import Moment, Monitor
-from ballscrew.status import Status, defects
+from ballscrew.status import Status, defects, not_used
 from drivers.publisher import Publisher
 from drivers.received import Received
 from drivers.receiver import Notice, Receiver
@@ -143,7 +143,7 @@ class Session:
         return Status(
             rig=self.monitor.rig, moment=self.latest, alarms=tuple(self.monitor.active.values()),
             bus=f"{self.bus} {self.receiver.state}", frames=self.receiver.frames, frames_per_s=self._frames_per_s(),
-            dropped=self.receiver.dropped + lost + sum(skipped.values()), skipped=skipped,
+            dropped=self.receiver.dropped + lost + not_used(skipped), skipped=skipped,
             recording=(self.recorder.trouble or str(self.recorder.path)) if self.recorder else "none (--record DIR)",
             publishing=(publisher.trouble or sent) if publisher else "", views=self.views_at,
         )  # fmt: skip

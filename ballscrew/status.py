@@ -53,7 +53,7 @@ class Status:
         rows = [*_estimate(self.moment, self.rig)] if self.moment else [("elongation", "waiting for the first tick")]
         rows.append(("bus", f"{self.bus}, {self.frames} frames, {self.frames_per_s:.0f}/s, {self.dropped} dropped"))
         if defects := ", ".join(f"{count} x {reason}" for reason, count in self.skipped.items()):
-            rows.append(("not used", defects))
+            rows.append(("noticed", defects))
         rows.append(("recording", self.recording))
         rows += [("publishing", self.publishing)] if self.publishing else []
         rows += [("views", self.views)] if self.views else []
@@ -78,6 +78,11 @@ class Status:
 def defects(skipped: Mapping[str, int]) -> dict[str, int]:
     """What was not used though it should have been."""
     return {reason: count for reason, count in skipped.items() if not reason.startswith(NO_DEFECT)}
+
+
+def not_used(skipped: Mapping[str, int]) -> int:
+    """How many frames and readings were lost; of some defects the rest can be used all the same."""
+    return sum(count for reason, count in skipped.items() if not reason.endswith("(used)"))
 
 
 def fused_thermometers(moment: Moment, rig: Rig) -> int:
