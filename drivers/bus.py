@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import can
+from can.util import cast_from_string
 
 from estimator.errors import SetupError
 
@@ -24,7 +25,7 @@ class BusAddress:
     interface: str | None
     channel: str | None = None
     bitrate: int | None = None
-    options: Mapping[str, str] = field(default_factory=dict)
+    options: Mapping[str, str | int | float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -53,7 +54,7 @@ class BusAddress:
 
     def _reach(self) -> None:
         # python-can spins on a port where nobody listens, for ten seconds
-        where = (self.options.get("host", "127.0.0.1"), int(self.options.get("port", 28600)))
+        where = (str(self.options.get("host", "127.0.0.1")), int(self.options.get("port", 28600)))
         socket.create_connection(where, CONNECT_S).close()
 
 
@@ -65,9 +66,9 @@ class Listener:
         self.shutdown: Callable[[], None] = bus.shutdown
 
 
-def bus_options(words: tuple[str, ...]) -> dict[str, str]:
-    """K=V ... of the command line as options of an interface."""
+def bus_options(words: tuple[str, ...]) -> dict[str, str | int | float]:
+    """K=V ... of the command line as options of an interface: numbers and booleans as such, the rest as text."""
     wrong = [word for word in words if "=" not in word]
     if wrong:
         raise SetupError(f"--bus-kwargs {wrong[0]}: write NAME=VALUE, for example host=127.0.0.1")
-    return dict(word.split("=", 1) for word in words)
+    return {key: cast_from_string(value) for key, _, value in (word.partition("=") for word in words)}

@@ -31,6 +31,7 @@ from estimator.system import Gate
 from estimator.view import View
 
 GATE = Gate(sd=10.0, stubborn=5)  # reject the impossible, report the surprising; what stays, the model has to explain
+KEPT = 256  # regimes whose matrices are kept, 20 MB or so
 FIRST_SD_K = 0.3  # the first reading may be a spike too, and has nothing to be checked against
 
 Mute = Callable[[float], Array]
@@ -88,7 +89,7 @@ class Filter:
         return self.forcing.ticks(self.forcing.read(chunk))
 
     def _begin(self, sample: Sample, start: Start) -> Step:
-        self.forcing = Forcing(self.model, self.rig, start)
+        self.forcing = Forcing(self.model, self.rig, start, keep=KEPT)
         offset = self._ticks(collect("", [sample])).offset[0]
         place, readings = self.forcing.place, self.forcing.readings
         self.view = View(self.rig, place, self.forcing.terms)
@@ -123,6 +124,8 @@ class Filter:
 
     def _transition(self, regime: int) -> Transition:
         if regime not in self._transitions:
+            if len(self._transitions) >= KEPT:
+                self._transitions.clear()
             self._transitions[regime] = self._state.transition(self.forcing.transition(regime), self.rig.tick_s)
         return self._transitions[regime]
 

@@ -152,6 +152,7 @@ def test_a_listener_has_no_way_to_transmit():
 
 
 def test_options_of_the_interface():
-    assert bus_options(("host=127.0.0.1", "port=28610")) == {"host": "127.0.0.1", "port": "28610"}
+    words = ("host=127.0.0.1", "port=28610", "listen_only=False", "name=a=b")
+    assert bus_options(words) == {"host": "127.0.0.1", "port": 28610, "listen_only": False, "name": "a=b"}
     with pytest.raises(SetupError, match="--bus-kwargs host: write NAME=VALUE"):
         bus_options(("host",))

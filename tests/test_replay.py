@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from drivers.recordings import read_recording
+from estimator import filter as filtering
 from estimator import replay as module
 from estimator.effect import Effect, Param
 from estimator.effects.readings import Thermometers
@@ -254,3 +255,17 @@ def test_a_recording_of_the_bus(name, rig):
     assert track.fused[:, :15].mean() > 0.95
     assert track.fused[:, 15].sum() > 50
     assert abs(track.error_at_table_um).max() > 5
+
+
+def test_regimes_that_were_forgotten_come_back_the_same(lived, monkeypatch):
+    """A machine that never does the same twice meets more regimes than memory holds."""
+    model, rig, recording = lived
+    kept = Filter(model, rig)
+    all_kept = [kept.step(sample) for sample in recording]
+    assert len(kept.forcing._solved) > 3
+    monkeypatch.setattr(filtering, "KEPT", 2)
+    forgetful = Filter(model, rig)
+    for step, sample in zip(all_kept, recording, strict=True):
+        assert forgetful.step(sample).elongation_um == pytest.approx(step.elongation_um, abs=1e-12)
+        assert len(forgetful.forcing._solved) <= 3
+        assert len(forgetful._transitions) <= 2
