@@ -63,7 +63,7 @@ pictures: $(READY) $(LOGS) pictures-improve
 	$(BIN)/python -m viz.pictures demo.rrd docs/pictures --window 1280x800 --only Overview --only Residuals
 	$(BIN)/ballscrew review $(LOGS) --quiet --save twelve.rrd
 	$(BIN)/python -m viz.pictures twelve.rrd docs/pictures --window 1280x800 --only Accuracy
-	$(BIN)/python docs/pictures/live/make_pictures.py
+	$(BIN)/python docs/live_pictures.py
 
 # HIDDEN=FOLDER names other recordings of a machine with an effect that MODEL has not
 pictures-improve: $(READY)

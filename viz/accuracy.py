@@ -14,7 +14,8 @@ import rerun as rr
 from estimator.record import Array
 from viz import paths
 from viz.axes import Axes, words
-from viz.run import JUDGED, Indices, Run
+from viz.columns import Indices
+from viz.run import JUDGED, Run
 from viz.scale import Range, extent_of, rounded
 
 SIDE, LOW = 1000.0, 420.0  # view units: side of the square, height of the frame below

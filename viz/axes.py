@@ -2,12 +2,14 @@
 
 A point (x, y) in the data's units stands at (x * x_unit, -y * y_unit) of the view, whose y runs downwards. A label
 hangs below its anchor, so those of y are lifted by half a line.
+
+What is not `static` holds from the time that the stream has been given: a frame whose ranges grow.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import rerun as rr
@@ -50,6 +52,10 @@ class Axes:
         """Places (..., 2) moved to the right by a share of the width and down by so many lines of text."""
         return self.place(x, y) + np.array([widths * self.width, lines * self.line])
 
+    def grounded(self) -> Axes:
+        """The same frame with its bottom at 0 of the view, whatever y is there."""
+        return replace(self, down=self.y[0] * self.y_unit)
+
     @property
     def bounds(self) -> tuple[Range, Range]:
         """What a view must show: the frame and its labels."""
@@ -58,27 +64,34 @@ class Axes:
         return x, (top - 2.6 * self.line, bottom + 3.2 * self.line)
 
     def draw(
-        self, rec: rr.RecordingStream, at: str, x_title: str, y_title: str = "", y_unit: str = "", x_pieces: int = 7
+        self,
+        rec: rr.RecordingStream,
+        at: str,
+        x_title: str,
+        y_title: str = "",
+        y_unit: str = "",
+        x_pieces: int = 7,
+        static: bool = True,
     ) -> None:
-        """Log grid, tick labels and titles under `at`, once."""
+        """Log grid, tick labels and titles under `at`."""
         xs, ys = ticks_of(self.x, x_pieces), ticks_of(self.y, 7)
         upright = [self.place([x, x], self.y) for x in {*xs, *self.x}]
         level = [self.place(self.x, [y, y]) for y in {*ys, *self.y}]
         grid = rr.LineStrips2D(upright + level, radii=rr.Radius.ui_points(0.5), colors=paths.GRID, draw_order=-10.0)
-        rec.log(f"{at}/grid", grid, static=True)
-        words(rec, f"{at}/x", self._shifted(xs, self.y[0], 0.0, 0.15), [f"{x:g}" for x in xs])
-        words(
-            rec,
-            f"{at}/y",
-            self._shifted(self.x[0], ys, -0.05 if y_unit else -0.035, -0.56),
-            [f"{y:g}{y_unit}" for y in ys],
-        )
-        words(rec, f"{at}/x_title", self._shifted([sum(self.x) / 2], self.y[0], 0.0, 1.5), [x_title])
+        rec.log(f"{at}/grid", grid, static=static)
+        left = self._shifted(self.x[0], ys, -0.05 if y_unit else -0.035, -0.56)
+        labels = {
+            "x": (self._shifted(xs, self.y[0], 0.0, 0.15), [f"{x:g}" for x in xs]),
+            "y": (left, [f"{y:g}{y_unit}" for y in ys]),
+            "x_title": (self._shifted([sum(self.x) / 2], self.y[0], 0.0, 1.5), [x_title]),
+        }
         if y_title:
-            words(rec, f"{at}/y_title", self._shifted([self.x[0]], self.y[1], 0.05, -1.8), [y_title])
+            labels["y_title"] = self._shifted([self.x[0]], self.y[1], 0.05, -1.8), [y_title]
+        for name, (places, texts) in labels.items():
+            words(rec, f"{at}/{name}", places, texts, static=static)
 
     def key(self, rec: rr.RecordingStream, at: str, entries: Sequence[tuple[str, paths.Colour]]) -> None:
-        """Log coloured words in a row above the frame, each with room for its letters."""
+        """Log coloured words in a row above the frame, each with room for its letters, once."""
         left, top = self.place(self.x[0], self.y[1])
         room = np.array([len(name) + 4.0 for name, _ in entries])
         xs = left + self.width * (room.cumsum() - room / 2) / room.sum()
@@ -92,10 +105,11 @@ def words(
     places: ArrayLike,
     texts: Sequence[str],
     colours: Sequence[paths.Colour] | None = None,
+    static: bool = True,
 ) -> None:
     """Log labels at places (n, 2) in view units."""
     points = rr.Points2D(places, labels=list(texts), show_labels=True, radii=0.0, colors=colours or paths.TEXT)
-    rec.log(at, points, static=True)
+    rec.log(at, points, static=static)
 
 
 def colour_bar(rec: rr.RecordingStream, at: str, colours: Colours, labels: Sequence[str]) -> None:

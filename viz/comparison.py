@@ -16,10 +16,10 @@ import rerun as rr
 from estimator.errors import InputError
 from estimator.record import Array
 from estimator.rig import Rig
-from viz import bars, comparison_curves, comparison_maps, moment, paths
+from viz import bars, columns, comparison_curves, comparison_maps, moment, paths
 from viz.bars import Bars
+from viz.columns import Indices
 from viz.comparison_layout import blueprint
-from viz.run import Indices
 from viz.save import distinct
 
 
@@ -76,12 +76,12 @@ class Compared:
     @property
     def thermometers(self) -> Indices:
         """Columns of the thermometers among the channels, in order."""
-        return np.array([self.rig.index(name) for name in self.rig.thermometers], dtype=np.intp)
+        return columns.thermometers(self.rig)
 
     @property
     def lengths(self) -> Indices:
         """Columns of the others."""
-        return np.setdiff1d(np.arange(len(self.rig.names)), self.thermometers)
+        return columns.lengths(self.rig)
 
 
 def save(

@@ -10,8 +10,9 @@ import rerun.blueprint as rrb
 from viz import comparison_curves, paths
 from viz.bars import Bars, at
 from viz.comparison_maps import BODIES, HEAT, INNOVATION, OPEN_LOOP, TITLES, UNITS, frame_of, map_of
-from viz.layout import LEGEND_ROOM, flat, tabbed, whole
-from viz.scale import Range
+from viz.layout import tabbed
+from viz.scale import Range, lasting
+from viz.views import LEGEND_ROOM, SQUEEZED, Whole, flat, plot
 
 if TYPE_CHECKING:
     from viz.comparison import Compared
@@ -76,7 +77,7 @@ def _maps(run: Compared, models: Sequence[str], what: str) -> rrb.Container:
         flat(paths.compared(root, what, side), f"{title}: {TITLES[what]}", bounds)
         for side, title in titles(models).items()
     ]
-    views.append(flat(paths.compared(root, f"{what}_key"), f"[{UNITS[what]}]", ((-6, 36), (-7, 75))))
+    views.append(flat(paths.compared(root, f"{what}_key"), f"[{UNITS[what]}]", SQUEEZED))
     return rrb.Horizontal(*views, column_shares=[*[9] * len(models), 1.9])
 
 
@@ -110,11 +111,4 @@ def _temperatures(run: Compared, group: range) -> rrb.Container:
 def _plot(
     run: Compared, origin: str, name: str, extent: Range | None, legend: bool = False, room: float = 0.0
 ) -> rrb.TimeSeriesView:
-    begin, end = float(run.time_s[0]), float(run.time_s[-1])
-    return rrb.TimeSeriesView(
-        origin=origin,
-        name=name,
-        axis_x=whole((begin, max(end, begin + 1.0)), room),
-        axis_y=rrb.ScalarAxis(range=extent, zoom_lock=False) if extent else None,
-        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend),
-    )
+    return plot(origin, name, Whole(lasting(run.time_s)), extent, legend, room)

@@ -27,6 +27,7 @@ TEMPERATURES = "channels/temperature"
 INNOVATIONS = "channels/innovation"
 DISPLACEMENT = "channels/displacement"
 EVENTS = "events"
+STATUS = "status"
 MOMENT = "moment"
 
 BARS = "bars"

@@ -22,9 +22,10 @@ from rerun.experimental import ViewerClient
 
 from estimator.errors import BallscrewError, SetupError
 from viz import paths
+from viz.address import free_port
 from viz.moment import moment_of
 from viz.pages import pages_of
-from viz.viewer import connect, free_port, start
+from viz.viewer import connect, start
 
 WINDOW = "1600x1000"
 TOP_BAR = 36  # pixels of the window's own bar, blank without a window
@@ -53,13 +54,13 @@ def render(
     if moment is None:
         raise SetupError(f"pictures: {rrd}: not written by ballscrew; give --at")
     folder.mkdir(parents=True, exist_ok=True)
-    with _viewer(rrd, window) as client:
+    with headless([str(rrd)], window) as client:
         client.set_time(paths.TIMELINE, duration=moment, play_state="paused")
         time.sleep(GREETING_S)
-        return list(_walk(client, folder, {*only}, views))
+        return list(walk(client, folder, {*only}, views))
 
 
-def _walk(client: ViewerClient, folder: Path, only: set[str], views: bool) -> Iterator[Path]:
+def walk(client: ViewerClient, folder: Path, only: set[str], views: bool) -> Iterator[Path]:
     """Show one page after the other and write its pictures."""
     layout = {**client.get_blueprint().blueprint, "/top_panel": {"PanelBlueprint": {"state": "Hidden"}}}
     for page in pages_of(layout):
@@ -76,11 +77,11 @@ def _walk(client: ViewerClient, folder: Path, only: set[str], views: bool) -> It
 
 
 @contextmanager
-def _viewer(rrd: Path, window: str) -> Iterator[ViewerClient]:
-    """A viewer without a window, with `rrd` loaded."""
+def headless(arguments: Sequence[str], window: str) -> Iterator[ViewerClient]:
+    """A viewer without a window, with what the arguments name loaded."""
     port = free_port()
     with tempfile.TemporaryFile() as said:
-        process = start(["--headless", "--window-size", window, str(rrd)], port, said)
+        process = start(["--headless", "--window-size", window, *arguments], port, said)
         try:
             yield connect(process, port)
         except TimeoutError as error:
@@ -105,8 +106,13 @@ def _write(client: ViewerClient, path: Path, view: str | None) -> Path:
     while (now := client.take_screenshot(view)) != before and time.monotonic() < end:
         before = now
         time.sleep(0.5)
-    picture = Image.open(io.BytesIO(now)).convert("RGB")
-    picture = picture.crop((0, 0 if view else TOP_BAR, *picture.size))
+    return keep(now, path, 0 if view else TOP_BAR)
+
+
+def keep(png: bytes, path: Path, top: int = 0) -> Path:
+    """Write a picture without its `top` pixels, as small as it gets."""
+    picture = Image.open(io.BytesIO(png)).convert("RGB")
+    picture = picture.crop((0, top, *picture.size))
     picture = picture.quantize(
         256, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE
     )  # a third of the size

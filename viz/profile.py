@@ -12,9 +12,11 @@ from estimator.record import Array
 from estimator.rig import Rig
 from viz import paths
 from viz.axes import Axes
+from viz.columns import Indices
 from viz.run import Flags
-from viz.scale import Scale
+from viz.scale import BodyScale
 
+PICTURE_S = 10.0  # profile and screw are kept every 10 s, curves at every tick
 ASPECT = 0.46  # height of the frame over its width
 KEY = (
     ("estimate ±2 sd", paths.FILTER),
@@ -27,17 +29,23 @@ KEY = (
 LINE = 0.035  # a line of text over the width of the frame
 
 
-def axes_of(rig: Rig, scale: Scale) -> Axes:
+def axes_of(rig: Rig, scale: BodyScale) -> Axes:
     """The frame: the whole screw, and all temperatures of the run."""
     assert rig.screw is not None
     width = rig.screw.to_mm - rig.screw.from_mm
     return Axes((rig.screw.from_mm, rig.screw.to_mm), scale.temperature_C, width, ASPECT * width, LINE * width)
 
 
-def style(rec: rr.RecordingStream, root: str, rig: Rig, scale: Scale, truth: bool) -> None:
-    """Log axes, key, bearings and the looks of lines and points, once."""
-    at, points, axes = f"{root}/{paths.PROFILE}", rr.Radius.ui_points, axes_of(rig, scale)
-    axes.draw(rec, f"{at}/axes", "place x [mm]", y_unit=" °C", x_pieces=12)
+def picture_ticks(time_s: Array, profile_C: Array) -> Indices:
+    """Indices of the first tick with a profile in each 10 s."""
+    known = np.flatnonzero(np.isfinite(profile_C).all(axis=1) & (profile_C.shape[1] > 0))
+    first = np.unique(np.floor(time_s[known] / PICTURE_S), return_index=True)[1]
+    return known[first]
+
+
+def style(rec: rr.RecordingStream, root: str, rig: Rig, axes: Axes, truth: bool) -> None:
+    """Log the key and the looks of lines and points, once."""
+    at, points = f"{root}/{paths.PROFILE}", rr.Radius.ui_points
     absent = {"nut": rig.nut is None, "bearings": not rig.supports, "truth": not truth}
     axes.key(rec, f"{at}/axes/key", [entry for entry in KEY if not absent.get(entry[0])])
     line = rr.LineStrips2D.from_fields(
@@ -52,15 +60,17 @@ def style(rec: rr.RecordingStream, root: str, rig: Rig, scale: Scale, truth: boo
     rec.log(f"{at}/truth", rings, static=True)
     nut = rr.LineStrips2D.from_fields(radii=points(3.5), colors=paths.NUT, draw_order=3.0)
     rec.log(f"{at}/nut", nut, static=True)
-    _bearings(rec, at, rig, axes)
 
 
-def _bearings(rec: rr.RecordingStream, at: str, rig: Rig, axes: Axes) -> None:
+def frame(rec: rr.RecordingStream, root: str, rig: Rig, axes: Axes, static: bool = True) -> None:
+    """Log axes and bearings."""
+    at = f"{root}/{paths.PROFILE}"
+    axes.draw(rec, f"{at}/axes", "place x [mm]", y_unit=" °C", x_pieces=12, static=static)
     spans = [(s.at_mm - s.width_mm / 2, s.at_mm + s.width_mm / 2) for s in rig.supports.values()]
     if spans:
         bars = [axes.place(span, axes.y[0]) for span in spans]
         thick = rr.LineStrips2D(bars, radii=rr.Radius.ui_points(3.5), colors=paths.BOUND, draw_order=2.5)
-        rec.log(f"{at}/bearings", thick, static=True)
+        rec.log(f"{at}/bearings", thick, static=static)
 
 
 def send(rec: rr.RecordingStream, root: str, axes: Axes, time_s: Array, x_mm: Array, mean: Array, sd: Array) -> None:

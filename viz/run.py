@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import Track
+from viz import columns
+from viz.columns import Indices
 
-Indices = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
 AT_REST = 0.5  # rad/s
@@ -58,18 +59,17 @@ class Run:
     @property
     def thermometers(self) -> Indices:
         """Columns of the thermometers among the channels, in order."""
-        return np.array([self.rig.index(name) for name in self.rig.thermometers], dtype=np.intp)
+        return columns.thermometers(self.rig)
 
     @property
     def on_screw(self) -> Indices:
         """Columns of the thermometers that have a place on the screw."""
-        channels = enumerate(self.rig.channels.values())
-        return np.array([i for i, channel in channels if channel.at_mm is not None], dtype=np.intp)
+        return columns.on_screw(self.rig)
 
     @property
     def places_mm(self) -> Array:
         """Places of those thermometers, mm."""
-        return np.array([c.at_mm for c in self.rig.channels.values() if c.at_mm is not None], dtype=float)
+        return columns.places_mm(self.rig)
 
     @property
     def turning(self) -> Flags:

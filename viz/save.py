@@ -16,15 +16,14 @@ import numpy as np
 import rerun as rr
 
 from estimator.errors import InputError
-from estimator.record import Array
-from viz import accuracy, events, moment, paths, profile, residuals, screw, series
+from viz import accuracy, columns, events, moment, paths, profile, residuals, screw, series
+from viz.columns import Indices
 from viz.layout import blueprint
-from viz.run import Indices, Run, first_stop_s
+from viz.profile import picture_ticks
+from viz.run import Run, first_stop_s
 from viz.scale import Scale, minutes, scale_of
 
 Named = TypeVar("Named", bound=Any)  # a dataclass with a name
-
-PICTURE_S = 10.0  # profile and screw are kept every 10 s, curves at every tick
 
 
 def save(path: Path, runs: Sequence[Run], summary: str, progress: Callable[[int], None] = lambda _: None) -> None:
@@ -72,10 +71,11 @@ def send(rec: rr.RecordingStream, run: Run, scale: Scale) -> None:
 
 
 def _curves(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> None:
-    track, at, heat = run.track, f"{root}/{paths.ELONGATION}", run.thermometers
+    track, at = run.track, f"{root}/{paths.ELONGATION}"
     dense = bool(np.isfinite(run.reference_um).mean() > series.DENSE)
-    series.style(rec, root, run.rig, run.reference_name, dense)
-    series.send_band(rec, f"{at}/filter", track.time_s, track.elongation_um, track.sigma_um)
+    series.style(rec, root, run.rig, {**series.POLYLINE, **series.OPEN_LOOP})
+    series.style_reference(rec, root, run.reference_name, dense)
+    series.send_track(rec, root, run.rig, track)
     series.send(rec, f"{at}/models", track.time_s, np.stack([run.polyline_um, track.open_loop_um], axis=-1))
     shown = series.spaced(track.time_s, run.readings_um, scale.time_s, scale.elongation_um)
     series.send_known(rec, f"{at}/readings", track.time_s[shown], run.readings_um[shown])
@@ -83,51 +83,37 @@ def _curves(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> None:
         series.send_known(rec, f"{at}/reference", track.time_s, run.reference_um)
     series.send_band(rec, f"{root}/{paths.ERROR}/filter", track.time_s, run.errors_um["filter"], run.error_sd_um)
     series.send_known(rec, f"{root}/{paths.ERROR}/polyline", track.time_s, run.errors_um["polyline"])
-    for plot, columns in paths.thermometer_groups(run.rig).items():
-        series.send(rec, f"{root}/{plot}", track.time_s, track.measured[:, heat][:, columns])
-    series.send(rec, f"{root}/{paths.INNOVATIONS}", track.time_s, track.innovation[:, heat])
-    lengths = np.delete(track.innovation, heat, axis=1)
+    lengths = track.innovation[:, columns.lengths(run.rig)]
     read = np.flatnonzero(np.isfinite(lengths).any(axis=1))[1:]  # the first one sets the zero
     series.send(rec, f"{root}/{paths.DISPLACEMENT}", track.time_s[read], lengths[read])
 
 
 def _residuals(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> None:
-    track, heat, names = run.track, run.thermometers, paths.channel_names(run.rig, "K")
-    time_s, innovation, model_error = (
-        track.time_s,
-        track.innovation[:, heat],
-        (track.measured - track.open_loop)[:, heat],
-    )
-    maps = (
-        (paths.SURPRISE_MAP, paths.SURPRISE_BAR, innovation, scale.innovation_K),
-        (paths.MODEL_MAP, paths.MODEL_BAR, model_error, scale.open_loop_K),
-    )
-    for at, bar, values, extent in maps:
-        residuals.style_map(rec, f"{root}/{at}", f"{root}/{bar}", names, extent)
-        begins, means = minutes(time_s, values)
-        closed = np.append(begins, time_s[-1]), np.concatenate([means, means[-1:]])
-        residuals.send_map(rec, f"{root}/{at}", *closed, extent)
-    residuals.style_tests(rec, root, paths.channel_names(run.rig, "1"))
-    middle, white = residuals.whiteness(time_s, innovation, track.innovation_sd[:, heat])
-    series.send(rec, f"{root}/{paths.WHITENESS}/channels", middle, white)
-    ends = time_s[[0, -1]]
-    series.send(rec, f"{root}/{paths.WHITENESS}/bounds", ends, np.tile([1.96, -1.96], (2, 1)))
-    middle, ratio, bounds = residuals.consistency(time_s, track.nis, track.nis_channels)
-    series.send(rec, f"{root}/{paths.NIS}/window", middle, ratio)
-    series.send(rec, f"{root}/{paths.NIS}/bounds", middle, bounds)
+    misfit = residuals.Misfit.of(run.track, run.thermometers)
+    residuals.style(rec, root, run.rig)
+    extents = dict(zip(residuals.MAPS, (scale.innovation_K, scale.open_loop_K), strict=True))
+    for at, values in misfit.mapped().items():
+        residuals.map_bar(rec, f"{root}/{residuals.MAPS[at]}", extents[at])
+        begins, means = minutes(misfit.time_s, values)
+        closed = np.append(begins, misfit.time_s[-1]), np.concatenate([means, means[-1:]])
+        residuals.send_map(rec, f"{root}/{at}", *closed, extents[at])
+    residuals.send_tests(rec, root, misfit)
+    residuals.send_bounds(rec, root, misfit.time_s[[0, -1]])
 
 
 def _pictures(rec: rr.RecordingStream, root: str, run: Run, scale: Scale, shown: Indices) -> None:
     rig, track, axes = run.rig, run.track, profile.axes_of(run.rig, scale)
     time_s = track.time_s[shown]
-    profile.style(rec, root, rig, scale, run.truth_C_rise is not None)
+    profile.style(rec, root, rig, axes, run.truth_C_rise is not None)
+    profile.frame(rec, root, rig, axes)
     profile.send(rec, root, axes, time_s, track.x_mm, track.profile_C[shown], track.profile_sd_K[shown])
     measured, fused = track.measured[shown][:, run.on_screw], track.fused[shown][:, run.on_screw]
     profile.send_measured(rec, root, axes, time_s, run.places_mm, measured, fused)
     if run.truth_C_rise is not None:
         start = np.interp(run.places_mm, track.x_mm, track.profile_C[shown[0]])
         profile.send_truth(rec, root, axes, time_s, run.places_mm, start + run.truth_C_rise[shown])
-    screw.style(rec, root, rig, scale, track.x_mm)
+    screw.style(rec, root, rig, track.x_mm)
+    screw.bar_labels(rec, root, rig, scale)
     screw.send(rec, root, rig, scale, time_s, track.profile_C[shown], track.elongation_um[shown])
     position = run.recording.inputs.get("position")
     if rig.nut is not None and position is not None:
@@ -135,10 +121,3 @@ def _pictures(rec: rr.RecordingStream, root: str, run: Run, scale: Scale, shown:
         if len(known):
             profile.send_nut(rec, root, axes, rig, track.time_s[known], position[known])
             screw.send_nut(rec, root, rig, track.time_s[known], position[known])
-
-
-def picture_ticks(time_s: Array, profile_C: Array) -> Indices:
-    """Indices of the first tick with a profile in each 10 s."""
-    known = np.flatnonzero(np.isfinite(profile_C).all(axis=1) & (profile_C.shape[1] > 0))
-    first = np.unique(np.floor(time_s[known] / PICTURE_S), return_index=True)[1]
-    return known[first]

@@ -18,12 +18,18 @@ DIVERGING = ((150, 215, 255), (45, 115, 220), (34, 34, 38), (215, 85, 30), (255,
 
 
 @dataclass(frozen=True)
-class Scale:
+class BodyScale:
+    """Ranges of profile and screw."""
+
+    temperature_C: Range
+    elongation_um: Range
+
+
+@dataclass(frozen=True)
+class Scale(BodyScale):
     """Ranges of one run's views: what the data needs, rounded outwards."""
 
     time_s: Range
-    temperature_C: Range
-    elongation_um: Range
     error_um: Range | None  # None: nothing to judge the estimates by
     innovation_K: Range
     open_loop_K: Range
@@ -32,17 +38,22 @@ class Scale:
 def scale_of(run: Run) -> Scale:
     """Ranges that hold a whole run."""
     track, heat = run.track, run.thermometers
-    begin, end = extent_of(track.time_s)
     lengths = (track.elongation_um, track.open_loop_um, run.polyline_um, run.readings_um, run.reference_um)
     measured = track.measured[:, heat]
     return Scale(
-        time_s=(begin, max(end, begin + 1.0)),  # the viewer does not bear an axis without length
+        time_s=lasting(track.time_s),
         temperature_C=rounded(widened(extent_of(measured, track.profile_C), 1.0)),
         elongation_um=rounded(widened(extent_of(*lengths), 1.0)),
         error_um=rounded(extent_of(*(run.errors_um[name] for name in JUDGED))) if run.is_judged else None,
         innovation_K=symmetric(minutes(track.time_s, track.innovation[:, heat])[1]),
         open_loop_K=symmetric(minutes(track.time_s, measured - track.open_loop[:, heat])[1]),
     )
+
+
+def lasting(time_s: Array) -> Range:
+    """First and last time, at least a second apart: the viewer does not bear an axis without length."""
+    begin, end = float(time_s[0]), float(time_s[-1])
+    return begin, max(end, begin + 1.0)
 
 
 def extent_of(*arrays: Array) -> Range:
@@ -79,21 +90,25 @@ def ticks_of(extent: Range, pieces: int = 5) -> Array:
     return np.arange(first, np.floor(extent[1] / step + 1e-9) + 1) * step + 0.0  # no -0
 
 
-def symmetric(values: Array, share: float = 0.99) -> Range:
-    """A range around zero that holds this share of the values, its end 1, 2 or 5 times a power of ten."""
+def symmetric(values: Array) -> Range:
+    """A range around zero that holds 99 % of the values, its end 1, 2 or 5 times a power of ten."""
     sizes = np.abs(values[np.isfinite(values)])
-    end = step_of(float(np.quantile(sizes, share)), 1) if len(sizes) else 1.0
+    end = step_of(float(np.quantile(sizes, 0.99)), 1) if len(sizes) else 1.0
     return -end, end
 
 
-def minutes(time_s: Array, values: Array, width_s: float = 60.0) -> tuple[Array, Array]:
-    """Means over windows of a minute: begins of the windows (n,) and means (n, columns); NaN where all is."""
-    window = np.floor((time_s - time_s[0]) / width_s).astype(int)
+def minutes(time_s: Array, values: Array, width_s: float = 60.0, first_s: float | None = None) -> tuple[Array, Array]:
+    """Means over windows of a minute: begins of the windows (n,) and means (n, columns); NaN where all is.
+
+    The first window begins at `first_s`, by default at the first time.
+    """
+    first_s = float(time_s[0]) if first_s is None else first_s
+    window = np.floor((time_s - first_s) / width_s).astype(int)
     count, total = np.zeros((2, window[-1] + 1, values.shape[1]))
     np.add.at(count, window, np.isfinite(values))
     np.add.at(total, window, np.nan_to_num(values))
     mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
-    return time_s[0] + np.arange(len(mean)) * width_s, mean
+    return first_s + np.arange(len(mean)) * width_s, mean
 
 
 def coloured(values: ArrayLike, extent: Range, anchors: tuple[tuple[int, int, int], ...] = WARM) -> Colours:

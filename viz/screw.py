@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from estimator.record import Array
 from estimator.rig import Rig
 from viz import paths
-from viz.scale import Scale, coloured, step_of
+from viz.scale import BodyScale, coloured, step_of
 
 RING = 10
+BAR_WIDTH = 0.5  # of the screw
 SHOWN_SHARE = 0.08  # the largest growth is drawn as about this share of the screw
 
 
-def exaggeration(rig: Rig, scale: Scale) -> float:
+def exaggeration(rig: Rig, scale: BodyScale) -> float:
     """How many times too large growth is drawn, a round number."""
     assert rig.screw is not None
     largest = max(abs(end) for end in scale.elongation_um)
@@ -32,8 +33,8 @@ def held_mm(rig: Rig) -> float:
     return rig.supports["anchor"].at_mm if "anchor" in rig.supports else rig.screw.to_mm
 
 
-def style(rec: rr.RecordingStream, root: str, rig: Rig, scale: Scale, x_mm: Array) -> None:
-    """Log what does not move: the tube, bearings, the mark of the cold end, the colour bar."""
+def style(rec: rr.RecordingStream, root: str, rig: Rig, x_mm: Array) -> None:
+    """Log what does not move, once: the tube, bearings, the mark of the cold end, the colours of the colour bar."""
     assert rig.screw is not None
     at, radius = f"{root}/{paths.SCREW}", rig.screw.outer_mm / 2
     rec.log(at, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
@@ -57,7 +58,7 @@ def style(rec: rr.RecordingStream, root: str, rig: Rig, scale: Scale, x_mm: Arra
         box = rr.Boxes3D(half_sizes=half, fill_mode="transparentfillmajorwireframe", colors=paths.NUT)
         rec.log(f"{at}/nut", box, static=True)
     _names(rec, at, rig, arm)
-    _bar(rec, at, rig, scale)
+    _bar(rec, at, rig)
 
 
 def _names(rec: rr.RecordingStream, at: str, rig: Rig, arm: float) -> None:
@@ -70,22 +71,37 @@ def _names(rec: rr.RecordingStream, at: str, rig: Rig, arm: float) -> None:
     rec.log(f"{at}/names", words, static=True)
 
 
-def _bar(rec: rr.RecordingStream, at: str, rig: Rig, scale: Scale) -> None:
+def _bar(rec: rr.RecordingStream, at: str, rig: Rig) -> None:
     """A colour bar below the screw, as a row of boxes."""
-    assert rig.screw is not None
-    lo, hi = scale.temperature_C
-    length, pieces = rig.screw.to_mm - rig.screw.from_mm, 48
-    left, width, z = rig.screw.from_mm + 0.25 * length, 0.5 * length, -0.163 * length
-    middles = left + width * (np.arange(pieces) + 0.5) / pieces
-    centers = np.stack([middles, np.zeros(pieces), np.full(pieces, z)], axis=-1)
-    colours = coloured(np.linspace(lo, hi, pieces), scale.temperature_C)
-    half = [[width / pieces / 2, 1.0, 0.009 * length]]
+    pieces = 48
+    centers = _along_bar(rig, (np.arange(pieces) + 0.5) / pieces)
+    colours = coloured(np.linspace(0.0, 1.0, pieces), (0.0, 1.0))
+    length = _length_mm(rig)
+    half = [[BAR_WIDTH * length / pieces / 2, 1.0, 0.009 * length]]
     rec.log(f"{at}/bar", rr.Boxes3D(centers=centers, half_sizes=half, fill_mode="solid", colors=colours), static=True)
-    ticks = np.linspace(lo, hi, 3)
-    places = [[left + width * (tick - lo) / (hi - lo), 0, z - 0.012 * length] for tick in ticks]
-    labels = [f"{tick:g} °C" for tick in ticks]
+
+
+def bar_labels(rec: rr.RecordingStream, root: str, rig: Rig, scale: BodyScale, growth: bool = False) -> None:
+    """Log what the colours mean, once; with `growth` also how many times too large it is drawn, from now on."""
+    places = _along_bar(rig, np.array([0.0, 0.5, 1.0, 1.6][: 4 if growth else 3]))
+    places[:, 2] -= 0.012 * _length_mm(rig)
+    labels = [f"{tick:g} °C" for tick in np.linspace(*scale.temperature_C, 3)]
+    labels += [f"growth × {exaggeration(rig, scale):g}"] if growth else []
     words = rr.Points3D(places, labels=labels, show_labels=True, radii=0.0, colors=paths.TEXT)
-    rec.log(f"{at}/bar_labels", words, static=True)
+    rec.log(f"{root}/{paths.SCREW}/bar_labels", words, static=not growth)
+
+
+def _along_bar(rig: Rig, shares: Array) -> Array:
+    """Places (n, 3) along the colour bar, from its left end (0) to its right one (1)."""
+    assert rig.screw is not None
+    length = _length_mm(rig)
+    x = rig.screw.from_mm + length * (0.5 + BAR_WIDTH * (shares - 0.5))
+    return np.stack([x, np.zeros(len(x)), np.full(len(x), -0.163 * length)], axis=-1)
+
+
+def _length_mm(rig: Rig) -> float:
+    assert rig.screw is not None
+    return rig.screw.to_mm - rig.screw.from_mm
 
 
 def _tube(x_mm: Array, radius: float) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]:
@@ -102,7 +118,13 @@ def _tube(x_mm: Array, radius: float) -> tuple[NDArray[np.float32], NDArray[np.f
 
 
 def send(
-    rec: rr.RecordingStream, root: str, rig: Rig, scale: Scale, time_s: Array, profile_C: Array, elongation_um: Array
+    rec: rr.RecordingStream,
+    root: str,
+    rig: Rig,
+    scale: BodyScale,
+    time_s: Array,
+    profile_C: Array,
+    elongation_um: Array,
 ) -> None:
     """Log n moments: temperatures (n, x) as colours, elongation (n,) as a stretch away from the anchor."""
     assert rig.screw is not None

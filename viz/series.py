@@ -6,7 +6,7 @@ Max for NIS.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -14,23 +14,37 @@ import rerun as rr
 
 from estimator.record import Array
 from estimator.rig import Rig
+from estimator.step import Track
 from viz import paths
-from viz.run import Indices
+from viz.columns import Indices, thermometers
 from viz.scale import Range, coloured
 
 Aggregation = Literal["Average", "Max", "MinMax", "Off"]
 
+POLYLINE = {"polyline [µm]": paths.POLYLINE}
+OPEN_LOOP = {"open-loop [µm]": paths.OPEN_LOOP}
 DENSE = 0.9  # a reference known at this share of the ticks is drawn as a line, else as points
 SPACING = 0.03  # of the plot, between readings drawn
 
 
-def style(rec: rr.RecordingStream, root: str, rig: Rig, reference: str, dense: bool) -> None:
-    """Log names, units and colours, once."""
+def style(rec: rr.RecordingStream, root: str, rig: Rig, models: Mapping[str, paths.Colour]) -> None:
+    """Log names, units and colours of what every run has, once; `models` are drawn beside the filter."""
     at = f"{root}/{paths.ELONGATION}"
     band = rr.Measurements.from_fields(names="filter ±2 sd", units="µm", colors=paths.FILTER, widths=2.0)
     rec.log(f"{at}/filter", band, static=True)
-    lines(rec, f"{at}/models", ["polyline [µm]", "open-loop [µm]"], [paths.POLYLINE, paths.OPEN_LOOP], 1.5)
+    lines(rec, f"{at}/models", list(models), list(models.values()), 1.5)
     dots(rec, f"{at}/readings", "readings [µm]", paths.READING, 3.0)
+    rainbow = channel_colours(len(rig.thermometers))
+    for plot, columns in paths.thermometer_groups(rig).items():
+        lines(rec, f"{root}/{plot}", paths.channel_names(rig, "°C")[columns], rainbow[columns], 1.0)
+    lines(rec, f"{root}/{paths.INNOVATIONS}", paths.channel_names(rig, "K"), rainbow, 1.0, "MinMax")
+    lengths = [f"{name} [µm]" for name in rig.names if name not in rig.thermometers]
+    dots(rec, f"{root}/{paths.DISPLACEMENT}", lengths, paths.READING, 2.5)
+
+
+def style_reference(rec: rr.RecordingStream, root: str, reference: str, dense: bool) -> None:
+    """Log the same of a reference and of the errors against it, once."""
+    at = f"{root}/{paths.ELONGATION}"
     if dense:
         lines(rec, f"{at}/reference", [f"{reference} [µm]"], [paths.REFERENCE], 1.0)
     else:
@@ -40,12 +54,6 @@ def style(rec: rr.RecordingStream, root: str, rig: Rig, reference: str, dense: b
     )
     rec.log(f"{root}/{paths.ERROR}/filter", error, static=True)
     lines(rec, f"{root}/{paths.ERROR}/polyline", [f"{reference} − polyline [µm]"], [paths.POLYLINE], 1.5, "MinMax")
-    rainbow = channel_colours(len(rig.thermometers))
-    for plot, columns in paths.thermometer_groups(rig).items():
-        lines(rec, f"{root}/{plot}", paths.channel_names(rig, "°C")[columns], rainbow[columns], 1.0)
-    lines(rec, f"{root}/{paths.INNOVATIONS}", paths.channel_names(rig, "K"), rainbow, 1.0, "MinMax")
-    lengths = [f"{name} [µm]" for name in rig.names if name not in rig.thermometers]
-    dots(rec, f"{root}/{paths.DISPLACEMENT}", lengths, paths.READING, 2.5)
 
 
 def lines(
@@ -63,7 +71,7 @@ def lines(
     rec.log(at, looks, static=True)
 
 
-def dots(rec: rr.RecordingStream, at: str, names: str | Sequence[str], colour: paths.Colour, size: float) -> None:
+def dots(rec: rr.RecordingStream, at: str, names: str | Sequence[str], colour: Sequence[int], size: float) -> None:
     """Log how the points of one entity look."""
     looks = rr.SeriesPoints(names=names, colors=colour, markers="circle", marker_sizes=size)
     rec.log(at, looks, static=True)
@@ -94,6 +102,15 @@ def send(rec: rr.RecordingStream, at: str, time_s: Array, values: Array) -> None
         return
     index = [rr.TimeColumn(paths.TIMELINE, duration=time_s)]
     rec.send_columns(at, indexes=index, columns=rr.Scalars.columns(scalars=values))
+
+
+def send_track(rec: rr.RecordingStream, root: str, rig: Rig, track: Track) -> None:
+    """Log elongation by the filter, temperatures and innovations of the thermometers."""
+    heat = thermometers(rig)
+    send_band(rec, f"{root}/{paths.ELONGATION}/filter", track.time_s, track.elongation_um, track.sigma_um)
+    for plot, columns in paths.thermometer_groups(rig).items():
+        send(rec, f"{root}/{plot}", track.time_s, track.measured[:, heat][:, columns])
+    send(rec, f"{root}/{paths.INNOVATIONS}", track.time_s, track.innovation[:, heat])
 
 
 def send_known(rec: rr.RecordingStream, at: str, time_s: Array, values: Array) -> None:

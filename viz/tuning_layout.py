@@ -9,9 +9,10 @@ import numpy as np
 import rerun.blueprint as rrb
 
 from viz import paths
-from viz.layout import flat, tabbed, whole
-from viz.scale import symmetric
+from viz.layout import tabbed
+from viz.scale import lasting, symmetric
 from viz.tuning_figures import frame_of_bars, frame_of_map
+from viz.views import SQUEEZED, Whole, flat, plot
 
 if TYPE_CHECKING:
     from viz.tuning import Tuning
@@ -40,7 +41,7 @@ def _pages(channels: Sequence[str], run: Tuning) -> list[rrb.Container]:
 def _maps(channels: Sequence[str], run: Tuning) -> rrb.Container:
     at, bounds = f"{paths.root(run.name)}/{paths.AUTOCORRELATION}", frame_of_map(channels, run.lags_s).bounds
     maps = [flat(f"{at}/{side}", f"Autocorrelation of the innovations {side} [1]", bounds) for side in SIDES]
-    key = flat(f"{at}/key", "[1]", ((-6, 36), (-7, 75)))
+    key = flat(f"{at}/key", "[1]", SQUEEZED)
     return rrb.Horizontal(*maps, key, column_shares=[9, 9, 1.2], name="Autocorrelation")
 
 
@@ -55,11 +56,6 @@ def _innovations(channels: Sequence[str], run: Tuning, group: range) -> rrb.Cont
 
 
 def _innovation(run: Tuning, side: str, channel: str, extent: tuple[float, float]) -> rrb.TimeSeriesView:
-    begin, end = float(run.time_s[0]), float(run.time_s[-1])
-    return rrb.TimeSeriesView(
-        origin=paths.scaled(paths.root(run.name), side, channel),
-        name=f"{channel} {side}: innovation over its sd [1], with ±2 and the mean of each minute",
-        axis_x=whole((begin, max(end, begin + 1.0))),
-        axis_y=rrb.ScalarAxis(range=extent, zoom_lock=False),
-        plot_legend=rrb.PlotLegend(visible=False),
-    )
+    name = f"{channel} {side}: innovation over its sd [1], with ±2 and the mean of each minute"
+    origin = paths.scaled(paths.root(run.name), side, channel)
+    return plot(origin, name, Whole(lasting(run.time_s)), extent, legend=False)

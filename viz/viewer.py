@@ -7,7 +7,6 @@ goes to a proxy that is not there: the viewer runs without outbound traffic.
 from __future__ import annotations
 
 import os
-import socket
 import subprocess
 import sys
 import time
@@ -18,9 +17,11 @@ from typing import IO
 from rerun.experimental import ViewerClient
 
 from viz import paths
+from viz.address import LOOPBACK, free_port
 from viz.moment import moment_of
 
 START_S = 20.0
+MEMORY = "2GiB"  # what a viewer keeps of a stream; the oldest goes first
 
 
 def open_viewer(path: Path, at_s: float | None = None) -> bool:
@@ -35,6 +36,11 @@ def open_viewer(path: Path, at_s: float | None = None) -> bool:
     return True
 
 
+def follow(url: str) -> subprocess.Popen[bytes] | None:
+    """Show a live stream as it comes, and do not wait; None without a screen."""
+    return start(["--memory-limit", MEMORY, "--connect", url], free_port()) if has_screen() else None
+
+
 def has_screen() -> bool:
     """Whether a window can be shown here."""
     return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
@@ -42,7 +48,7 @@ def has_screen() -> bool:
 
 def start(arguments: Sequence[str], port: int, said: IO[bytes] | int = subprocess.DEVNULL) -> subprocess.Popen[bytes]:
     """Start the viewer on the loopback, cut off from the network, in a session of its own; `said` gets its messages."""
-    command = [str(executable()), "--bind", "127.0.0.1", "--port", str(port), "--hide-welcome-screen", *arguments]
+    command = [str(executable()), "--bind", LOOPBACK, "--port", str(port), "--hide-welcome-screen", *arguments]
     closed = {"CI": "1", "HTTP_PROXY": "http://127.0.0.1:9", "HTTPS_PROXY": "http://127.0.0.1:9"}
     env = {**os.environ, **closed, "NO_PROXY": "127.0.0.1,localhost", "RUST_LOG": "warn"}
     return subprocess.Popen(
@@ -55,13 +61,6 @@ def executable() -> Path:
     import rerun_cli  # type: ignore[import-untyped]
 
     return Path(rerun_cli.__file__).parent / ("rerun.exe" if sys.platform == "win32" else "rerun")
-
-
-def free_port() -> int:
-    """A port on the loopback that nobody uses now."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def connect(viewer: subprocess.Popen[bytes], port: int) -> ViewerClient:

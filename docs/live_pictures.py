@@ -1,0 +1,66 @@
+"""Make the pictures of the live views: FS-20, as somebody sees them who looks on after the second stop.
+
+Views know nothing of logs and filters, so this script brings them together. `make pictures` runs it.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from drivers.recordings import read_recording
+from estimator.filter import Filter
+from estimator.model import load_model
+from estimator.record import Sample
+from estimator.rig_file import load_rig
+from estimator.step import Step
+from viz import live_pictures
+from viz.live import LiveViews
+
+PICTURES = Path(__file__).parent / "pictures" / "live"
+RECORDINGS = Path(__file__).parents[1] / "recordings"
+RUN, UNTIL_S = "FS-20", 4280.0
+BATCH = 60  # ticks
+WINDOW = "1440x1000"
+AT_REST = 0.5  # rad/s
+
+
+def ticks(rig_folder: Path, name: str) -> Iterator[tuple[Sample, Step]]:
+    """Samples of a recording and what the filter says of each."""
+    rig = load_rig(rig_folder)
+    estimate = Filter(load_model(rig_folder / "model.toml"), rig)
+    for sample in read_recording(rig_folder / f"{name}.blf", rig):
+        yield sample, estimate.step(sample)
+
+
+def feed(views: LiveViews) -> None:
+    """Show the run up to the moment of the pictures, with words on its drives and on how it stands."""
+    driving = False
+    for k, (sample, step) in enumerate(ticks(RECORDINGS, RUN)):
+        if step.time_s > UNTIL_S:
+            break
+        views.show(sample, step)
+        now = f"{step.elongation_um:.1f} ± {2 * step.sigma_um:.1f} µm (2 sd)"
+        if (sample.omega > AT_REST) != driving:
+            driving = not driving
+            views.say(step.time_s, "drive starts" if driving else f"drive stops at {now}")
+        if k % BATCH == BATCH - 1:
+            rows = {"elongation": now, "mode": step.mode.name.lower(), "channels": f"{step.fused.sum()} fused"}
+            views.status("\n".join(["| | |", "|---|---|", *(f"| {name} | {text} |" for name, text in rows.items())]))
+            views.flush()
+    views.flush()
+
+
+def main() -> int:
+    """Feed, look, write."""
+    views = LiveViews(load_rig(RECORDINGS), RUN, port=0)
+    try:
+        feed(views)
+        return live_pictures.main([views.url, str(PICTURES), "--window", WINDOW])
+    finally:
+        views.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
