@@ -1,0 +1,115 @@
+"""Processes on a loopback bus: a hub, the monitor, and somebody who sends as the rig does."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from array import array
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import can
+import numpy as np
+
+from drivers.virtual_rig import simulate
+from estimator.record import Array
+
+RECORDINGS = Path(__file__).parents[1] / "recordings"
+FILLER = 0x7A0
+
+Timed = tuple[float, can.Message]
+
+
+@contextmanager
+def hub() -> Iterator[int]:
+    """A hub in a process of its own; its port."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "ballscrew", "hub", "--port", "0"], stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    try:
+        yield int(process.stdout.readline().rpartition(":")[2])
+    finally:
+        process.terminate()
+        process.wait()
+
+
+@contextmanager
+def monitor(port: int, folder: Path, *options: str) -> Iterator[subprocess.Popen[bytes]]:
+    """The monitor, recording into `folder`/rec, ready to hear; SIGTERM at the end."""
+    said = folder / "said.txt"
+    command = [
+        sys.executable, "-m", "ballscrew", "live", "--interface", "socketcand", "--channel", "can0", "--bus-kwargs",
+        "host=127.0.0.1", f"port={port}", "--rig", str(RECORDINGS), "--record", str(folder / "rec"),
+        "--json", str(folder / "live.jsonl"), *options,
+    ]  # fmt: skip
+    with said.open("w") as file:
+        process = subprocess.Popen(command, stdout=file, stderr=file)
+        try:
+            while "listening" not in said.read_text():
+                time.sleep(0.05)
+            yield process
+        finally:
+            process.send_signal(signal.SIGTERM)
+            process.wait()
+
+
+def connected(port: int) -> can.BusABC:
+    """The rig's side of the bus."""
+    return can.Bus(interface="socketcand", channel="can0", host="127.0.0.1", port=port)
+
+
+def rig_frames(seconds: float, **options: object) -> Iterator[Timed]:
+    """Frames of the rig with the time at which each is due, s from the first."""
+    return timed(simulate("FS-20", seed=5, seconds=seconds, **options).frames())
+
+
+def timed(messages: Iterable[can.Message]) -> Iterator[Timed]:
+    first = None
+    for message in messages:
+        first = message.timestamp if first is None else first
+        yield message.timestamp - first, message
+
+
+def with_filler(frames: Iterator[Timed], rate: int) -> Iterator[Timed]:
+    """The bus filled up with frames of others to so many a second; each is numbered."""
+    number, filler = 0, 0.0
+    for due, message in frames:
+        while filler <= due:
+            yield filler, can.Message(arbitration_id=FILLER, is_extended_id=False, data=number.to_bytes(8, "big"))
+            number, filler = number + 1, filler + 1.0 / rate
+        yield due, message
+
+
+def play(bus: can.BusABC, frames: Iterable[Timed], speed_up: float = 1.0) -> tuple[Array, Array]:
+    """Send all when due: the instant and the id of each."""
+    begin = time.monotonic()
+    instants, ids = array("d"), array("I")
+    for due, message in frames:
+        wait = begin + due / speed_up - time.monotonic()
+        if wait > 0:
+            time.sleep(wait)
+        bus.send(message)
+        instants.append(time.monotonic())
+        ids.append(message.arbitration_id)
+    return np.array(instants), np.array(ids)
+
+
+def lines_of(folder: Path) -> list[dict[str, object]]:
+    return [json.loads(line) for line in (folder / "live.jsonl").read_text().splitlines()]
+
+
+def cpu_s(pid: int) -> float:
+    """Processor time of a process."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def memory_MB(pid: int) -> float:
+    """Resident memory of a process."""
+    return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
