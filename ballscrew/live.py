@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-import json
+import math
 import signal
-import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from ipaddress import ip_address
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import click
 import numpy as np
-from rich.live import Live
 
 from ballscrew.bus_options import bus_options
+from ballscrew.json_lines import json_lines
 from ballscrew.monitor import Monitor
 from ballscrew.muting import chosen_thermometers
 from ballscrew.options import output_options, rig_options, save_option
 from ballscrew.session import Session
-from ballscrew.status import Status
-from ballscrew.terminal import INTERRUPTED, Terminal, plain
+from ballscrew.terminal import INTERRUPTED, Terminal
+from ballscrew.voice import stop_asked, voice
 from ballscrew.workspace import open_model, open_rig
 from drivers.bus import BusAddress
 from drivers.bus import bus_options as options_of
@@ -37,9 +34,6 @@ from drivers.rig_time import FastTime, RigTime
 from estimator.filter import Mute
 from estimator.rig import Rig
 
-LINE_S = 60.0  # between status lines where the terminal cannot redraw
-REDRAW_S = 0.25
-DIGITS = 16  # of JSON: the same estimate as review's, to the last
 LATE_S = 0.5  # wall time that frames of a bus faster than the rig may be late
 
 
@@ -57,7 +51,7 @@ LATE_S = 0.5  # wall time that frames of a bus faster than the rig may be late
 @click.option("--channels", "chosen", metavar="2,4,..", help="Use only these thermometers; default: all.")
 @click.option("--no-displacement", is_flag=True, help="Do not use the displacement readings.")
 @click.option("--speed-up", default=1.0, show_default=True, help="The bus runs so many times faster than the rig.")
-@click.option("--seconds", type=float, metavar="S", help="End after this time of the rig; default: run until stopped.")
+@click.option("--seconds", type=float, metavar="S", help="End after this time of the rig; default: never.")
 @output_options
 def command(
     interface: str | None, channel: str | None, bitrate: int | None, bus_kwargs: tuple[str, ...],
@@ -78,34 +72,35 @@ def command(
     rig = open_rig([], rig_path, terminal)
     model = open_model(rig, model_path, terminal)
     address = BusAddress(interface, channel, bitrate, options_of(bus_kwargs))
-    clock = _clock(rig, speed_up)
-    with ExitStack() as open_parts, stop_asked() as stopped, _voice(terminal) as voice:
+    decoder = Decoder(rig, Tally())
+    clock = _clock(rig, decoder, speed_up)
+    with stop_asked() as stopped, ExitStack() as open_parts, voice(terminal) as person:
         about = {"bus": str(address), "rig": rig.name, "model": model.name, "speed_up": speed_up}
-        recorder = open_parts.enter_context(Recorder(record, about)) if record else None
+        recorder = open_parts.enter_context(Recorder(record, about, own=decoder.own)) if record else None
         receiver = Receiver(address.listen, clock, recorder.write if recorder else _nowhere, address.name)
         publisher = Publisher(rig, address.open) if publish else None
         views, views_at = _views(terminal, rig, model.name, view, bind, rrd, open_parts)
         late_s = LATE_S * max(speed_up - 1.0, 0.0)
         mute = _mute(rig, chosen_thermometers(chosen, rig), no_displacement)
-        lines = open_parts.enter_context(_json_lines(json_path))
+        lines = open_parts.enter_context(json_lines(json_path))
         monitor = Monitor(model, rig, mute, late_s)
         session = Session(
-            monitor, receiver, clock, str(address), voice.say, lines, recorder, publisher, views, views_at
+            monitor, receiver, clock, str(address), person.say, lines, recorder, publisher, views, views_at
         )
         open_parts.callback(receiver.stop)
         if publisher is not None:
             open_parts.callback(publisher.close)
-        session.run(lambda: not stopped() and _before(session, seconds), voice.show)
+        end = time.monotonic() + (seconds or math.inf) / speed_up
+        session.run(lambda: not stopped() and time.monotonic() < end, person.show)
         session.finish()
-        voice.end(session.status())
+        person.end(session.status())
     return INTERRUPTED if stopped() == signal.SIGINT else 0
 
 
-def _clock(rig: Rig, speed_up: float) -> RigTime:
+def _clock(rig: Rig, decoder: Decoder, speed_up: float) -> RigTime:
     """The rig's own pace, or a faster one by the numbers of the scans."""
     if speed_up == 1.0:
-        return RigTime()
-    decoder = Decoder(rig, Tally())
+        return RigTime(decoder.own)
 
     def closing(frame: Received) -> int | None:
         packed = PACKED.pack(frame.time_s, frame.id, frame.extended, len(frame.data), frame.data, 0)
@@ -116,10 +111,6 @@ def _clock(rig: Rig, speed_up: float) -> RigTime:
 
 def _nowhere(frame: object) -> None:
     """Nothing is recorded."""
-
-
-def _before(session: Session, seconds: float | None) -> bool:
-    return seconds is None or session.latest is None or session.latest.step.time_s < seconds
 
 
 def _mute(rig: Rig, chosen: list[str] | None, no_displacement: bool) -> Mute:
@@ -154,72 +145,3 @@ def _views(
             terminal.warn(f"no screen here: open {views.url} in a viewer, or use --view web")
         return views, views.url
     return views, str(save)
-
-
-@contextmanager
-def stop_asked() -> Iterator[Callable[[], int]]:
-    """A function that says which signal asked us to stop, 0 while none did; a second one stops at once."""
-    asked: list[int] = []
-
-    def ask(number: int, frame: FrameType | None) -> None:
-        if asked:
-            raise KeyboardInterrupt
-        asked.append(number)
-
-    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield lambda: asked[0] if asked else 0
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-@contextmanager
-def _json_lines(path: str | None) -> Iterator[Callable[[Status], None] | None]:
-    """Who writes a line of JSON for each tick; None where it was not asked for."""
-    if path is None:
-        yield None
-        return
-    with ExitStack() as opened:
-        file = sys.stdout if path == "-" else opened.enter_context(Path(path).open("w"))
-        yield lambda status: print(json.dumps(plain(status.json(), DIGITS)), file=file, flush=True)
-
-
-class _Voice:
-    """What the person sees: a panel where the terminal can redraw, else a line a minute and what happens."""
-
-    def __init__(self, terminal: Terminal, panel: Live | None) -> None:
-        self.terminal, self.panel = terminal, panel
-        self._next = 0.0
-
-    def say(self, text: str, level: str) -> None:
-        """One sentence with the time of day."""
-        if level == "WARN" or not self.terminal.quiet:
-            console = self.panel.console if self.panel else self.terminal.err
-            console.print(f"{time.strftime('%H:%M:%S')} {text}", markup=False)
-
-    def show(self, status: Status) -> None:
-        """The state, as often as it can be read."""
-        if time.monotonic() < self._next or (status.moment is None and self.panel is None):
-            return
-        self._next = time.monotonic() + (REDRAW_S if self.panel else LINE_S)
-        if self.panel is not None:
-            self.panel.update(status.panel(), refresh=True)
-        else:
-            self.terminal.say(status.line())
-
-    def end(self, status: Status) -> None:
-        """How it was at the end."""
-        if self.panel is not None:
-            self.panel.update(status.panel(), refresh=True)
-        else:
-            self.terminal.say(f"ended: {status.line()}")
-
-
-@contextmanager
-def _voice(terminal: Terminal) -> Iterator[_Voice]:
-    if terminal.quiet or not terminal.out.is_terminal:
-        yield _Voice(terminal, None)
-        return
-    with Live(console=terminal.out, auto_refresh=False, transient=False) as panel:
-        yield _Voice(terminal, panel)

@@ -6,6 +6,8 @@ import copy
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from drivers.budget import Budget
 from drivers.frames import Tally
 from drivers.missing import Missing
@@ -52,13 +54,15 @@ class Monitor:
 
     def __init__(self, model: Model, rig: Rig, mute: Mute | None = None, late_s: float = 0.0) -> None:
         self.model, self.rig, self.mute, self.late_s = model, rig, mute, late_s
+        muted = mute(0.0) if mute else np.zeros(len(rig.names), dtype=bool)
+        self._used = int((np.isin(rig.names, rig.thermometers) & ~muted).sum())
         self.tally, self.active = Tally(), dict[tuple[str, str, float], Alarm]()
         self._begin()
 
     def _begin(self) -> None:
         """With the first frame, and after a silence that ends a recording."""
         self.ticker, self.filter = Ticker(self.rig, self.tally), Filter(self.model, self.rig, self.mute)
-        self.tests, self.watch = Alarms(self.rig), Watch(self.rig)
+        self.tests, self.watch = Alarms(self.rig), Watch(self.rig, self._used)
         decoder = self.ticker.decoder
         self.missing = Missing(decoder.used, self.rig.tick_s)
         from_drive = [s for group in decoder.sources.values() for s in group if s.name == "speed"]
@@ -88,9 +92,11 @@ class Monitor:
     def _again(self) -> list[Moment]:
         """The recording has ended with a long silence: begin another with the frames after it."""
         after = self._undecided
+        last = [self._moment(sample) for sample in self.ticker.flush()]
+        self.tally.skipped.pop("after the end of the recording", None)
         self.tally.note("the estimate begins anew")
         self._begin()
-        return [moment for frame in after for moment in self.feed(frame)]
+        return [*last, *(moment for frame in after for moment in self.feed(frame))]
 
     def finish(self) -> list[Moment]:
         """No more frames come."""
@@ -107,7 +113,8 @@ class Monitor:
         ticker, alone = self._ahead
         found = []
         for sample in ticker.advance(self._stamp + silent_s):
-            step, silent = alone.step(sample), _silent(self.ticker.clock.now)
+            step = alone.step(sample)
+            silent = Alarm("bus", "", self.ticker.clock.now, "nothing of the rig on the bus")
             alarms = {silent.key: silent, **self.tests.active}
             found.append(Moment(sample, step, self.trust(silent_s), *self._changed(alarms), True))
         return found
@@ -127,8 +134,8 @@ class Monitor:
     def _absent(self, now_s: float) -> Iterator[Alarm]:
         missing = list(self.missing.since(now_s))
         if missing and len(missing) == self.missing.count:
-            missing = []
-            yield _silent(self.ticker.clock.now)
+            yield Alarm("bus", "", max(since_s for _, since_s in missing), "nothing of the rig on the bus")
+            return
         for name, since_s in missing:
             yield Alarm("missing", name, since_s, f"{name} is missing")
 
@@ -138,7 +145,3 @@ class Monitor:
         over = tuple(alarm for key, alarm in self.active.items() if key not in now)
         self.active = now
         return begun, over
-
-
-def _silent(since_s: float) -> Alarm:
-    return Alarm("bus", "", since_s, "no frame on the bus")

@@ -15,12 +15,14 @@ from drivers.received import Received
 from drivers.receiver import Notice, Receiver
 from drivers.recorder import Recorder
 from drivers.rig_time import RigTime
+from estimator.step import Mode, Trust
 
 if TYPE_CHECKING:
     from viz.live import LiveViews  # rerun takes half a second to import
 
 WAIT_S = 0.05  # half of what the bus may wait for an invalid frame
 RATE_S = 5.0  # frames per second are counted over
+BEHIND_S = 0.5  # that a frame may wait for the estimate
 SHOWN_S = 1.0  # between two states of the monitor in the views
 
 
@@ -45,17 +47,22 @@ class Session:
     latest: Moment | None = None
     _rate: deque[tuple[float, int]] = field(default_factory=deque)
     _shown: float = 0.0
+    _fresh: bool = False
+    _was_valid: bool | None = None
     _troubles: dict[str, str] = field(default_factory=dict)
 
     def run(self, goes_on: Callable[[], bool], each: Callable[[Status], None]) -> None:
         """Until `goes_on` says no; `each` hears the status some times a second."""
         self.receiver.start()
+        if self.publisher is not None:
+            self.publisher.start()
         while goes_on():
             for item in self.receiver.take(WAIT_S):
                 self._take(item)
             if self.receiver.failure is not None:
                 raise self.receiver.failure
             self._idle()
+            self._publish()
             self._tell()
             each(self.status())
 
@@ -67,6 +74,7 @@ class Session:
                 self._take(item)
         for moment in self.monitor.finish():
             self._moment(moment)
+        self._publish()
         self._tell()
 
     def _take(self, item: Received | Notice) -> None:
@@ -84,15 +92,11 @@ class Session:
         for moment in self.monitor.idle(silent_s):
             self._moment(moment)
         if self.latest is not None and self.latest.trust.valid:
-            trust = self.monitor.trust(silent_s)
-            if not trust.valid:
-                self.latest = replace(self.latest, trust=trust)
-                self._publish()
-                self._say(f"estimate no longer valid: {', '.join(trust.why)}", "WARN")
+            self._judge(self.monitor.trust(silent_s))
 
     def _moment(self, moment: Moment) -> None:
-        self.latest = moment
-        self._publish()
+        self.latest, self._fresh = moment, True
+        self._judge(moment.trust)
         for alarm in moment.begun:
             self._say(f"alarm: {alarm.text}, since {alarm.since_s:.0f} s", "WARN")
         for alarm in moment.over:
@@ -103,27 +107,39 @@ class Session:
         if self.tick is not None:
             self.tick(self.status())
 
+    def _judge(self, trust: Trust) -> None:
+        """Whether the latest estimate is to be relied on; tell of a change."""
+        assert self.latest is not None
+        if self.receiver.waited_s > BEHIND_S:
+            trust = replace(trust, why=(*trust.why, "the monitor is behind"))
+        if trust.valid != self.latest.trust.valid or trust.why != self.latest.trust.why:
+            self.latest, self._fresh = replace(self.latest, trust=trust), True
+        if self._was_valid is not None and trust.valid != self._was_valid and self.latest.step.mode != Mode.INIT:
+            why = "" if trust.valid else f" no longer: {', '.join(trust.why)}"
+            self._say(f"estimate valid{why or ' again'}", "INFO" if trust.valid else "WARN")
+        self._was_valid = trust.valid if self.latest.step.mode != Mode.INIT else None
+
+    def _publish(self) -> None:
+        """What is newest, once a turn: a control has no use for what was."""
+        if self.publisher is not None and self.latest is not None and self._fresh:
+            self.publisher.send(self.latest.step, self.latest.trust, self.latest.step.position_mm)
+        self._fresh = False
+
     def _show_status(self) -> None:
         assert self.views is not None
         if time.monotonic() - self._shown > SHOWN_S:
             self._shown = time.monotonic()
             self.views.status(self.status().markdown())
 
-    def _publish(self) -> None:
-        if self.publisher is not None and self.latest is not None:
-            sample, step = self.latest.sample, self.latest.step
-            position_mm = float(sample.inputs.get("position", float("nan")))
-            self.publisher.send(step.time_s, step, self.latest.trust, position_mm)
-
     def _tell(self) -> None:
         """New sentences of the clock, the recorder, the publisher and the views."""
         notes, self.monitor.tally.notes = self.monitor.tally.notes, []
         if self.recorder is not None:
-            notes = [*notes, *self.recorder.notes]
-            self.recorder.notes.clear()
+            while self.recorder.notes:
+                notes.append(self.recorder.notes.pop(0))
         for note in notes:
             self._say(note, "WARN")
-        for part in ("recorder", "publisher", "views"):
+        for part in ("clock", "recorder", "publisher", "views", "tick"):
             trouble = getattr(getattr(self, part), "trouble", "")
             if trouble and trouble != self._troubles.get(part):
                 self._say(trouble, "WARN")
@@ -140,9 +156,11 @@ class Session:
         lost = self.recorder.lost if self.recorder else 0
         publisher = self.publisher
         sent = f"{publisher.sent} frames sent" if publisher else ""
+        errors = f", {self.receiver.errors} error frames" if self.receiver.errors else ""
         return Status(
             rig=self.monitor.rig, moment=self.latest, alarms=tuple(self.monitor.active.values()),
-            bus=f"{self.bus} {self.receiver.state}", frames=self.receiver.frames, frames_per_s=self._frames_per_s(),
+            bus=f"{self.bus} {self.receiver.state}{errors}", frames=self.receiver.frames,
+            frames_per_s=self._frames_per_s(),
             dropped=self.receiver.dropped + lost + not_used(skipped), skipped=skipped,
             recording=(self.recorder.trouble or str(self.recorder.path)) if self.recorder else "none (--record DIR)",
             publishing=(publisher.trouble or sent) if publisher else "", views=self.views_at,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from rich.panel import Panel
 from rich.table import Table
+from rich.text import Text
 
 from ballscrew.monitor import Moment
 from ballscrew.terminal import duration
@@ -38,8 +39,10 @@ class Status:
         """For a terminal that can redraw."""
         grid = Table.grid(padding=(0, 2))
         for name, text in self._rows():
-            grid.add_row(f"[dim]{name}[/dim]", text)
-        return Panel(grid, title=self.rig.name, title_align="left", border_style="red" if self.alarms else "green")
+            grid.add_row(Text(name, style="dim"), Text(text))
+        return Panel(
+            grid, title=Text(self.rig.name), title_align="left", border_style="red" if self.alarms else "green"
+        )
 
     def line(self) -> str:
         """For a terminal that cannot."""

@@ -53,9 +53,14 @@ class BusAddress:
         return Listener(self.open())
 
     def _reach(self) -> None:
-        # python-can spins on a port where nobody listens, for ten seconds
-        where = (str(self.options.get("host", "127.0.0.1")), int(self.options.get("port", 28600)))
-        socket.create_connection(where, CONNECT_S).close()
+        # python-can spins on a port where nobody listens, for ten seconds, and waits for ever for one who says nothing
+        host, port = self.options.get("host"), self.options.get("port")
+        if host is None or not isinstance(port, int):
+            raise SetupError("--interface socketcand: say where: --bus-kwargs host=127.0.0.1 port=28600")
+        with socket.create_connection((str(host), port), CONNECT_S) as probe:
+            probe.settimeout(CONNECT_S)
+            if not probe.recv(16):
+                raise ConnectionError(f"{host}:{port} hangs up")
 
 
 class Listener:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import queue
+import threading
 import time
-from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
@@ -15,22 +16,28 @@ import numpy as np
 from drivers.checks import frame_checksum
 from drivers.dbc import find_dbc
 from drivers.received import Received
-from estimator.errors import BallscrewError, SetupError
+from estimator.errors import SetupError
 from estimator.rig import Rig
 from estimator.step import Mode, Step, Trust
 
 ESTIMATE, COMPENSATION = "Estimate", "Compensation"
 NO_SIGMA = 65535  # raw
 COUNTS = 15
-SPACING_S = 0.05  # rig time, between two pairs of frames of the same validity
+SPACING_S = 0.008  # wall time between two pairs of frames of the same validity
+STALE_S = 0.1  # a pair that could not be sent by then is not sent any more
 RETRY_S = 5.0
-REMEMBERED = 64  # frames of our own that may still come back
+ECHO_S = 10.0  # a frame of our own may come back for so long
+ENDED = Trust(("the monitor has ended",), True, True, False)
+
+Job = tuple[float, list[can.Message]]
 
 
 class Publisher:
-    """Sends the two messages, and nothing else. `trouble` says in one sentence why it does not; `sent` counts frames.
+    """Sends the two messages, and nothing else, in a thread of its own: a bus that hangs does not hold up the estimate.
 
     It stops for good when one of its ids comes from somebody else: two senders of one id are a fault of the bus.
+
+    trouble  why it does not send, in one sentence;  sent  frames
     """
 
     def __init__(self, rig: Rig, opens: Callable[[], can.BusABC]) -> None:
@@ -44,24 +51,33 @@ class Publisher:
         self._ids = {(message.frame_id, bool(message.is_extended_frame)) for message in self._messages}
         self._heat = np.isin(rig.names, rig.thermometers)
         self._opens, self._bus, self._count = opens, None, 0
-        self._own: deque[bytes] = deque(maxlen=REMEMBERED)
-        self._last, self._retry, self._stopped = (-np.inf, False), 0.0, False
+        self._own: dict[bytes, float] = {}
+        self._last, self._retry, self._stopped = (-np.inf, False), -np.inf, False
+        self._step: Step | None = None
+        self._jobs: queue.SimpleQueue[Job] = queue.SimpleQueue()
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="publisher", daemon=True)
 
-    def send(self, now_s: float, step: Step, trust: Trust, position_mm: float) -> None:
-        """Both frames of a moment; a bus that fails is tried again later."""
-        if self._stopped or (abs(now_s - self._last[0]) < SPACING_S and trust.valid == self._last[1]):
-            return
-        bus = self._bus or self._open()
-        if bus is None:
-            return
-        self._last = (now_s, trust.valid)
-        try:
-            for frame in self.frames(step, trust, position_mm):
-                self._own.append(bytes(frame.data))
-                bus.send(frame, timeout=0.1)
-                self.sent += 1
-        except Exception as error:  # each interface has its own
-            self._lost(f"{type(error).__name__}: {error}")
+    def start(self) -> None:
+        """Begin to send what is to be sent."""
+        self._thread.start()
+
+    def send(self, step: Step, trust: Trust, position_mm: float) -> None:
+        """Both frames of a moment, unless the same was said a moment ago."""
+        now = time.monotonic()
+        self._step = step
+        if not self._stopped and (now - self._last[0] >= SPACING_S or trust.valid != self._last[1]):
+            self._last = (now, trust.valid)
+            self._jobs.put((now, self.frames(step, trust, position_mm)))
+
+    def close(self) -> None:
+        """Say that the estimate is not valid any more, and close the bus."""
+        if self._step is not None:
+            self.send(self._step, ENDED, float("nan"))
+        self._over.set()
+        if self._thread.is_alive():
+            self._thread.join(2.0)
+        self._hang_up()
 
     def frames(self, step: Step, trust: Trust, position_mm: float) -> list[can.Message]:
         """The two frames of a moment, counter and checksum included."""
@@ -83,35 +99,55 @@ class Publisher:
 
     def heard(self, frame: Received) -> None:
         """A frame has come on the bus: is it somebody else's with an id of ours?"""
-        ours = (frame.id, frame.extended) in self._ids and frame.kind == "data"
-        if ours and frame.data not in self._own and not self._stopped:
+        if self._stopped or frame.kind != "data" or (frame.id, frame.extended) not in self._ids:
+            return
+        if frame.data not in self._own:
             self._stopped = True
             self.trouble = f"not publishing any more: 0x{frame.id:X} comes from another sender"
-            self.close()
 
-    def close(self) -> None:
-        """Close the bus."""
+    def _run(self) -> None:
+        while not (self._over.is_set() and self._jobs.empty()):
+            self.turn(0.1)
+
+    def turn(self, wait_s: float) -> None:
+        """Send what there is to send; waits for it at most so long."""
+        job: Job | None = None
+        with suppress(queue.Empty):
+            job = self._jobs.get(timeout=wait_s) if wait_s else self._jobs.get_nowait()
+        try:
+            self._drain()
+            if job is not None and not self._stopped:
+                self._transmit(*job)
+        except Exception as error:  # each interface has its own
+            self.trouble = f"not publishing: {' '.join(f'{type(error).__name__}: {error}'.split())}"
+            self._retry = time.monotonic() + RETRY_S
+            self._hang_up()
+
+    def _drain(self) -> None:
+        """Nobody reads this handle: what piles up there would be lost to us, and a burden to whoever holds it."""
+        for _ in range(10_000):
+            if self._bus is None or self._bus.recv(0) is None:
+                return
+
+    def _transmit(self, since: float, frames: list[can.Message]) -> None:
+        now = time.monotonic()
+        if self._bus is None and now >= self._retry:
+            self._bus = self._opens()
+            self.trouble = ""
+            since = now  # opening took its time
+        if self._bus is None or now - since > STALE_S:
+            return
+        self._own = {data: at for data, at in self._own.items() if now - at < ECHO_S}
+        for frame in frames:
+            self._own[bytes(frame.data)] = now
+            self._bus.send(frame, timeout=0.1)
+            self.sent += 1
+
+    def _hang_up(self) -> None:
         if self._bus is not None:
             with suppress(Exception):  # a bus that is gone cannot be closed either
                 self._bus.shutdown()
         self._bus = None
-
-    def _open(self) -> can.BusABC | None:
-        if time.monotonic() < self._retry:
-            return None
-        try:
-            self._bus = self._opens()
-            self.trouble = ""
-        except BallscrewError:
-            raise
-        except Exception as error:  # each interface has its own
-            self._lost(f"{type(error).__name__}: {error}")
-        return self._bus
-
-    def _lost(self, why: str) -> None:
-        self.trouble = f"not publishing: {' '.join(why.split())}"
-        self._retry = time.monotonic() + RETRY_S
-        self.close()
 
 
 def _int24(value: float, scale: float = 1e3) -> int:

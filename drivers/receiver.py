@@ -24,8 +24,9 @@ from estimator.errors import BallscrewError
 WAIT_S = 0.2
 BACK_OFF_S = (0.2, 5.0)
 SILENT_S = (5.0, 60.0)
-AT_ONCE = 2000
+AT_ONCE = 100
 MOST_WAITING = 500_000  # frames that may wait for the estimate: a minute of a full bus
+JOIN_S = 3.0
 BUS_OFF = 0x40  # class bit of an error frame
 TOLD_S = 10.0  # between two sentences about error frames
 
@@ -41,6 +42,7 @@ class Receiver:
     """Receives in the background; `record` is called there with every frame, before anything else.
 
     frames   taken so far, of all kinds;  errors  error frames among them
+    waited_s how long the last frame taken had waited
     dropped  that were recorded but are not estimated from, because the estimate is too slow
     state    "opening", "open", "silent" or "lost"
     """
@@ -51,11 +53,12 @@ class Receiver:
         self.frames = self.errors = self.dropped = 0
         self.failure: BallscrewError | None = None
         self._opens, self._record, self._channel = opens, record, channel
-        self._queue: queue.SimpleQueue[Received | Notice] = queue.SimpleQueue()
+        self.waited_s = 0.0
+        self._queue: queue.SimpleQueue[tuple[float, Received | Notice]] = queue.SimpleQueue()
         self._halt = threading.Event()
         self._gone_at: float | None = None
         self._silence = SILENT_S[0]
-        self._error_told, self._opened_before = -TOLD_S, False
+        self._error_told, self._opened_before = {False: -TOLD_S, True: -TOLD_S}, False
         self._thread = threading.Thread(target=self._run, name="receiver", daemon=True)
 
     def start(self) -> None:
@@ -66,18 +69,22 @@ class Receiver:
         """End the thread and close the bus."""
         self._halt.set()
         if self._thread.is_alive():
-            self._thread.join()
+            self._thread.join(JOIN_S)  # an interface may hang while it opens
+        if not self._thread.is_alive():
             self._pass_on(self.clock.flush())
 
     def take(self, wait_s: float) -> list[Received | Notice]:
         """What has come since the last call; waits for the first at most so long."""
         found: list[Received | Notice] = []
         try:
-            found.append(self._queue.get(timeout=wait_s))
+            came, item = self._queue.get(timeout=wait_s)
+            found.append(item)
             while len(found) < AT_ONCE:
-                found.append(self._queue.get_nowait())
+                came, item = self._queue.get_nowait()
+                found.append(item)
         except queue.Empty:
             pass
+        self.waited_s = time.monotonic() - came if found else 0.0
         return found
 
     def _run(self) -> None:
@@ -108,6 +115,7 @@ class Receiver:
                 if time.monotonic() - last > self._silence:
                     self._silent(time.monotonic() - last)
                     return
+                self._pass_on(self.clock.overdue())
                 continue
             last = time.monotonic()
             self._back()
@@ -126,34 +134,37 @@ class Receiver:
             if frame.kind == "error":
                 continue
             if self._queue.qsize() < MOST_WAITING:
-                self._queue.put(frame)
+                self._put(frame)
             else:
                 self.dropped += 1
+
+    def _put(self, item: Received | Notice) -> None:
+        self._queue.put((time.monotonic(), item))
 
     def _error(self, frame: Received) -> None:
         self.errors += 1
         off = bool(frame.id & BUS_OFF)
-        if off or time.monotonic() - self._error_told > TOLD_S:
-            self._error_told = time.monotonic()
+        if time.monotonic() - self._error_told[off] > TOLD_S:
+            self._error_told[off] = time.monotonic()
             what = "bus off: the controller has left the bus" if off else f"error frame, {self.errors} so far"
-            self._queue.put(Notice(f"{what} (class 0x{frame.id:X}, {frame.data.hex().upper()})"))
+            self._put(Notice(f"{what} (class 0x{frame.id:X}, {frame.data.hex().upper()})"))
 
     def _opened(self) -> None:
         if self.state == "opening":
             self.state = "open"
         if not self._opened_before:
             self._opened_before = True
-            self._queue.put(Notice(f"listening on {self._channel}", "INFO"))
+            self._put(Notice(f"listening on {self._channel}", "INFO"))
 
     def _lost(self, why: str) -> None:
         if self.state != "lost":
-            self._queue.put(Notice(f"bus lost: {' '.join(why.split())}; trying to open it again"))
+            self._put(Notice(f"bus lost: {' '.join(why.split())}; trying to open it again"))
             self._gone()
         self.state = "lost"
 
     def _silent(self, seconds: float) -> None:
         if self.state != "silent":
-            self._queue.put(Notice(f"no frame for {seconds:.1f} s: opening the bus anew"))
+            self._put(Notice(f"no frame for {seconds:.1f} s: opening the bus anew"))
             self._gone(seconds)
         self.state = "silent"
         self._silence = min(2 * self._silence, SILENT_S[1])
@@ -166,7 +177,7 @@ class Receiver:
         """A frame has come."""
         self._silence = SILENT_S[0]
         if self._gone_at is not None:
-            self._queue.put(Notice(f"frames again after {time.monotonic() - self._gone_at:.1f} s", "INFO"))
+            self._put(Notice(f"frames again after {time.monotonic() - self._gone_at:.1f} s", "INFO"))
             self._gone_at = None
         self.state = "open"
 

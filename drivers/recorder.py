@@ -7,9 +7,10 @@ receives never waits for it.
 from __future__ import annotations
 
 import errno
+import math
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -33,6 +34,7 @@ class Recorder:
     size_bytes  a file does not get longer
     hours       nor does it hold more, by the frames' stamps
     sync_s      s between two syncs: what a power cut may take
+    own         id and kind of messages that are not the rig's: without the rig it is silent
 
     path     file that is written; the folder until the first frame comes
     frames   recorded so far
@@ -43,7 +45,7 @@ class Recorder:
 
     def __init__(
         self, folder: Path, about: Mapping[str, Any], *, size_bytes: int = 500_000_000, hours: float = 24.0,
-        sync_s: float = 1.0,
+        sync_s: float = 1.0, own: Collection[tuple[int, bool]] = (),
     ) -> None:  # fmt: skip
         self.path = self._folder = Path(folder)
         self.frames = self.lost = 0
@@ -51,6 +53,7 @@ class Recorder:
         self._about, self._size_bytes, self._span_s = dict(about), size_bytes, hours * 3600.0
         self._part: Part | None = None
         self._parts = 0
+        self._own, self._rig_s = own, math.inf
         self._finished: list[Part] = []
         self._not_taken = self._not_synced = ""
         self._retry_at = 0.0
@@ -69,7 +72,8 @@ class Recorder:
                 self.lost += 1
                 return
             try:
-                self._append(line, frame.time_s)
+                rigs = frame.kind == "data" and (frame.id, frame.extended) not in self._own
+                self._append(line, frame.time_s, rigs)
             except OSError as error:
                 self._failed(error, frame.time_s)
             else:
@@ -103,15 +107,17 @@ class Recorder:
     ) -> None:
         self.close()
 
-    def _append(self, line: bytes, time_s: float) -> None:
+    def _append(self, line: bytes, time_s: float, rigs: bool) -> None:
         part = self._part
         if part is None or (part.frames and self._is_full(part, len(line), time_s)):
             part = self._next(time_s)
         part.append(line, time_s)
+        if rigs:
+            self._rig_s = time_s
 
     def _is_full(self, part: Part, more: int, time_s: float) -> bool:
         """What comes after a long silence is another recording, and has a file of its own."""
-        silent = time_s - part.last_s > Budget().gap_s
+        silent = time_s - self._rig_s > Budget().gap_s
         return silent or part.size + more > self._size_bytes or time_s - part.first_s >= self._span_s
 
     def _next(self, time_s: float) -> Part:
@@ -152,10 +158,10 @@ class Recorder:
             self._finish(old)
         if part is None:
             return
-        if part.is_gone():
-            self._leave(part)
-            return
         try:
+            if part.is_gone():
+                self._leave(part)
+                return
             part.sync(self._about)
         except OSError as error:
             self._not_synced = f"{_reason(error)}: {part.path}: a power cut may take more than the last second"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Step
 from estimator.stuck import Stuck
@@ -56,7 +57,8 @@ class Alarms:
 
     def step(self, step: Step) -> tuple[list[Alarm], list[Alarm]]:
         """Take one tick; returns the alarms that begin with it, and those that end."""
-        found, judged = [*self._silences(step), *self._standstills(step)], {0.0}
+        heat = self._heat & (np.array(step.why, dtype=object) != "muted")
+        found, judged = [*self._silences(step, heat), *self._standstills(step, heat)], {0.0}
         for test in self._tests:
             if test.add(step):
                 judged.add(test.over_s)
@@ -69,21 +71,21 @@ class Alarms:
         self.active.update({alarm.key: alarm for alarm in begun})
         return begun, over
 
-    def _silences(self, step: Step) -> Iterator[Alarm]:
+    def _silences(self, step: Step, heat: Array) -> Iterator[Alarm]:
         """Thermometers that have been read before and are not now."""
         known = np.isfinite(step.measured)
         self._silent[known] = 0
         self._silent[~known & (self._silent >= 0)] += 1
-        gone = self._heat & (self._silent >= SILENT_TICKS)
+        gone = heat & (self._silent >= SILENT_TICKS)
         since = step.time_s - self._silent * self.rig.tick_s
-        if gone.any() and gone.sum() == (self._heat & (self._silent >= 0)).sum():
+        if gone.any() and gone.sum() == (heat & (self._silent >= 0)).sum():
             yield Alarm("silent", "", float(since[gone].max()), "no thermometer is read")
             return
         for i in np.flatnonzero(gone):
             yield Alarm("silent", self.rig.names[i], float(since[i]), f"{place_of(self.rig, i)} is not read")
 
-    def _standstills(self, step: Step) -> Iterator[Alarm]:
+    def _standstills(self, step: Step, heat: Array) -> Iterator[Alarm]:
         """Thermometers that read the same again and again."""
-        for i, ticks in self._stuck.step(np.where(self._heat, step.measured, np.nan)):
-            text = f"{place_of(self.rig, i)} is stuck at {step.measured[i]:.2f} degC"
+        for i, value, ticks in self._stuck.step(np.where(heat, step.measured, np.nan)):
+            text = f"{place_of(self.rig, i)} is stuck at {value:.2f} degC"
             yield Alarm("stuck", self.rig.names[i], step.time_s - ticks * self.rig.tick_s, text)

@@ -20,6 +20,7 @@ from filterpy.kalman import KalmanFilter
 from estimator.augment import Augmented
 from estimator.discretise import Transition
 from estimator.forcing import Forcing, Ticks
+from estimator.held import Held
 from estimator.model import Model
 from estimator.openloop import OpenLoop
 from estimator.prior import prior
@@ -54,6 +55,7 @@ class Filter:
 
     mute      decides by time what is not fused: mute(time_s) -> (m,) bool; such channels are still compared
     rejected  (m,) for how many ticks in a row each channel has been beyond the gate
+    places    of the table, held where one is late
     """
 
     def __init__(self, model: Model, rig: Rig, mute: Mute | None = None) -> None:
@@ -61,6 +63,7 @@ class Filter:
         self._mute = mute or (lambda _: np.zeros(len(rig.names), dtype=bool))
         self.rejected = np.zeros(len(rig.names), dtype=int)
         self._transitions: dict[int, Transition] = {}
+        self.places = Held()
         self.started = False
 
     def step(self, sample: Sample) -> Step:
@@ -156,7 +159,8 @@ class Filter:
         n, x, P = self._state.n, self._kf.x, self._kf.P
         c, profile = self._state.elongation(self._grown_um()), self.view.profile
         um = 1.0 if self.view.has_span else float("nan")  # without a screw nothing grows
-        table, table_sd = self._table_error(sample)
+        position = self.places.held(np.array([sample.inputs.get("position", np.nan)]))[0]
+        table, table_sd = self._table_error(position)
         return Step(
             time_s=sample.time_s,
             mode=Mode(int(modes(compared.fuse, self.rig))),
@@ -178,14 +182,15 @@ class Filter:
             open_loop=open_loop,
             nis=nis,
             nis_channels=int(compared.fuse.sum()),
+            position_mm=float(position),
         )
 
     def _grown_um(self) -> float:
         """Growth since the start by the model alone, um."""
         return float(self.view.growth @ (self.open_loop.z - self._start_z)) if self.started else 0.0
 
-    def _table_error(self, sample: Sample) -> tuple[float, float]:
-        weights = self.view.table_error(sample.inputs.get("position", np.nan))
+    def _table_error(self, position_mm: float) -> tuple[float, float]:
+        weights = self.view.table_error(position_mm)
         n, x, P = self._state.n, self._kf.x, self._kf.P
         growth = weights @ (x[:n] - self._start_z)
         variance = weights @ P[:n, :n] @ weights + growth**2 * P[-2, -2]

@@ -78,7 +78,7 @@ class Forcing:
     ) -> None:  # fmt: skip
         self.model, self.rig, self.start = model, rig, start
         self._reader = InputReader(rig, start)
-        self._regimes = Regimes(rig.tick_s)
+        self._regimes = Regimes(rig.tick_s, forgets=keep is not None)
         self._keep = keep
         self._solved: dict[int, Solved] = {}
         self.terms = checked_terms(model, self.nothing(), rig)

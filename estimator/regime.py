@@ -19,16 +19,25 @@ AT_REST = 0.5  # rad/s, 5 rpm
 WINDOW_S = 60.0
 SPEED_STEP = 0.05
 COVERAGE_STEP = 0.02
+REMEMBERED = 500  # that may hold again; a machine that never does the same twice meets more in a day
+
+
+NOTHING: Array = np.empty(0)
 
 
 @dataclass
 class Regimes:
-    """The regimes met so far, and which one holds now. Causal: the same live and in review."""
+    """The regimes met so far, and which one holds now. Causal: the same live and in review.
+
+    forgets  whether those that cannot hold again leave no coverage behind
+    """
 
     tick_s: float
     omega: list[float] = field(default_factory=list)
     coverage: list[Array] = field(default_factory=list)
+    forgets: bool = False
     _current: int = -1
+    _recent: dict[int, None] = field(default_factory=dict)
     _moving: deque[tuple[float, Array]] = field(default_factory=deque)
     _sum: Array | float = 0.0
 
@@ -37,6 +46,8 @@ class Regimes:
         mean_omega, mean_coverage = self._mean(omega, coverage)
         if self._current < 0 or not self._fits(self._current, mean_omega, mean_coverage):
             self._current = self._find(mean_omega, mean_coverage)
+        self._recent.pop(self._current, None)
+        self._recent[self._current] = None
         return self._current
 
     def _mean(self, omega: float, coverage: Array) -> tuple[float, Array]:
@@ -58,9 +69,14 @@ class Regimes:
         return bool(moved <= COVERAGE_STEP * max(float(coverage.sum()), 1.0))
 
     def _find(self, omega: float, coverage: Array) -> int:
-        for regime in range(len(self.omega)):
+        for regime in sorted(self._recent):
             if self._fits(regime, omega, coverage):
                 return regime
+        if len(self._recent) >= REMEMBERED:
+            oldest = next(iter(self._recent))
+            del self._recent[oldest]
+            if self.forgets:
+                self.coverage[oldest] = NOTHING
         self.omega.append(omega)
         self.coverage.append(np.array(coverage))
         return len(self.omega) - 1

@@ -54,7 +54,7 @@ def _part(first: Filter, trial: Trial, posed: Posed, chunk: Chunk, some: slice) 
     weighed = P @ now
     variance = weighed @ now + 2 * grown * weighed[:, -2] + grown**2 * P[:, -2, -2]
     predicted = chunk.predicted[some] + posed.offset[1:][at] + posed.run.lag[at] + posed.run.late[at]
-    table = view.table_error(rest.inputs["position"]) if "position" in rest.inputs else np.full((len(rest), n), np.nan)
+    table = view.table_error(first.places.held(rest.inputs.get("position", np.full(len(rest), np.nan))))
     growth = (table * (x[:, :n] - posed.run.z[0])).sum(axis=1)
     return Track(
         view.x_mm,

@@ -47,6 +47,7 @@ class Step:
     measured, predicted, innovation, innovation_sd, fused, why   (m,) for each channel
     open_loop         (m,) what the channels would read by the model alone
     nis, nis_channels e' S^-1 e over the fused channels, and how many they are
+    position_mm       of the table, that the error there is for; a tick or two old where the drive was late
     """
 
     time_s: float
@@ -69,6 +70,7 @@ class Step:
     open_loop: Array
     nis: float
     nis_channels: int
+    position_mm: float = float("nan")
 
     def channel(self, name: str) -> ChannelStep:
         """One channel of this step."""

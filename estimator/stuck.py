@@ -26,8 +26,8 @@ class Stuck:
         self._same, self._changes = np.zeros(m, dtype=int), np.zeros(m, dtype=int)
         self._size = np.zeros(m)
 
-    def step(self, measured: Array) -> Iterator[tuple[int, int]]:
-        """Take one tick, (m,) with NaN where nothing was read: channels that are stuck, and for how many ticks."""
+    def step(self, measured: Array) -> Iterator[tuple[int, float, int]]:
+        """Take one tick, (m,), NaN where nothing was read: channels that are stuck, at what, for how many readings."""
         change = np.abs(measured - self._last)
         moved = change > 0
         self._finest[moved] = np.minimum(self._finest, change)[moved]
@@ -37,5 +37,5 @@ class Stuck:
         self._same = np.where(change == 0, self._same + 1, np.where(moved, 0, self._same))
         self._last = np.where(np.isfinite(measured), measured, self._last)
         fine = (self._changes >= CHANGES) & (self._size >= STEPS * self._finest)
-        for i in np.flatnonzero(fine & (change == 0) & (self._same > REPEATS)):
-            yield int(i), int(self._same[i])
+        for i in np.flatnonzero(fine & (self._same > REPEATS)):
+            yield int(i), float(self._last[i]), int(self._same[i])

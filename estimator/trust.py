@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import ceil
+
 import numpy as np
 
 from estimator.record import Sample
@@ -10,7 +12,10 @@ from estimator.rig import Rig
 from estimator.step import Mode, Step, Trust
 
 FEW_S = 5.0  # with too few thermometers
-DRIVE_S = (3.0, 0.5)  # without news of the drive, at rest and moving
+DRIVE_S = (
+    3.0,
+    1.5,
+)  # without news of the drive, at rest and moving; it stops within a tick, and is then heard once a second
 DISPLACEMENT_S = 600.0
 SHARE = 0.25  # of the thermometers, that are too few
 
@@ -18,8 +23,9 @@ SHARE = 0.25  # of the thermometers, that are too few
 class Watch:
     """When things were last heard of, s on the rig's clock."""
 
-    def __init__(self, rig: Rig) -> None:
-        self.least = max(1, int(SHARE * len(rig.thermometers)))
+    def __init__(self, rig: Rig, thermometers: int | None = None) -> None:
+        """`thermometers` are to be fused; by default all of the rig."""
+        self.least = max(1, ceil(SHARE * (len(rig.thermometers) if thermometers is None else thermometers)))
         self.needs_drive = "speed" in rig.inputs
         self._heat = np.isin(rig.names, rig.thermometers)
         self._enough = self._displacement = self._drive = -np.inf

@@ -102,5 +102,6 @@ def test_a_fine_sensor_is_stuck_within_half_a_minute():
         found = list(stuck.step(value))
         if found:
             break
-    assert found == [(0, 21)]
+    assert found == [(0, 19.99, 21)]
+    assert list(stuck.step(np.array([np.nan, 20.0]))) == [(0, 19.99, 21)]  # one reading missed says nothing
     assert k == 321

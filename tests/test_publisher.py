@@ -45,12 +45,16 @@ def step(rig) -> Step:
 
 class Bus:
     def __init__(self, fails: bool = False) -> None:
-        self.sent, self.fails, self.closed = [], fails, False
+        self.sent, self.fails, self.closed, self.waiting = [], fails, False, 0
 
     def send(self, message: can.Message, timeout: float | None = None) -> None:
         if self.fails:
             raise can.CanOperationError("no acknowledge")
         self.sent.append(message)
+
+    def recv(self, timeout: float) -> can.Message | None:
+        self.waiting -= 1
+        return can.Message() if self.waiting >= 0 else None
 
     def shutdown(self) -> None:
         self.closed = True
@@ -109,40 +113,77 @@ def test_numbers_beyond_their_bits_stop_at_the_end(rig, dbc, step):
     assert compensation["CmpError"] == pytest.approx(-8388.608)
 
 
-def test_a_change_of_validity_goes_out_at_once_and_nothing_faster_than_the_rate(rig, step):
-    bus = Bus()
-    publisher = Publisher(rig, lambda: bus)
-    publisher.send(10.0, step, GOOD, 0.0)
-    publisher.send(10.01, step, GOOD, 0.0)
-    assert len(bus.sent) == 2
-    publisher.send(10.02, step, BAD, 0.0)
-    assert len(bus.sent) == 4
+def turns(publisher: Publisher) -> None:
+    """All that waits to be sent, as the publisher's own thread does it."""
+    while not publisher._jobs.empty():
+        publisher.turn(0)
 
 
-def test_another_sender_of_our_ids_ends_it(rig, step):
+def test_a_change_of_validity_goes_out_at_once_and_the_same_not_faster_than_the_rate(rig, step, monkeypatch):
+    monkeypatch.setattr(publishing, "SPACING_S", 60.0)
     bus = Bus()
     publisher = Publisher(rig, lambda: bus)
-    publisher.send(1.0, step, GOOD, 0.0)
+    for trust in (GOOD, GOOD, GOOD, BAD, BAD):
+        publisher.send(step, trust, 0.0)
+    turns(publisher)
+    assert [m.data[1] >> 4 for m in bus.sent if m.arbitration_id == 0x610] == [2, 14]
+
+
+def test_another_sender_of_our_ids_ends_it_and_an_echo_does_not(rig, step, monkeypatch):
+    bus = Bus()
+    publisher = Publisher(rig, lambda: bus)
+    monkeypatch.setattr(publishing, "SPACING_S", 0.0)
+    for _ in range(200):
+        publisher.send(step, GOOD, 0.0)
+        turns(publisher)
     for own in bus.sent:
         publisher.heard(Received(1.0, own.arbitration_id, False, bytes(own.data)))
     assert not publisher.trouble
     publisher.heard(Received(1.1, 0x610, False, bytes(8)))
     assert publisher.trouble == "not publishing any more: 0x610 comes from another sender"
-    assert bus.closed
-    publisher.send(2.0, step, GOOD, 0.0)
-    assert len(bus.sent) == 2
+    publisher.send(step, GOOD, 0.0)
+    turns(publisher)
+    assert len(bus.sent) == 400
 
 
 def test_a_bus_that_fails_is_told_and_tried_again(rig, step, monkeypatch):
+    monkeypatch.setattr(publishing, "SPACING_S", 0.0)
     buses = [Bus(fails=True), Bus()]
     publisher = Publisher(rig, lambda: buses.pop(0))
-    publisher.send(1.0, step, GOOD, 0.0)
-    assert publisher.trouble == "not publishing: CanOperationError: no acknowledge"
-    publisher.send(2.0, step, GOOD, 0.0)
+    for _ in range(2):
+        publisher.send(step, GOOD, 0.0)
+        turns(publisher)
+        assert publisher.trouble == "not publishing: CanOperationError: no acknowledge"
     assert len(buses) == 1
     monkeypatch.setattr(publisher, "_retry", 0.0)
-    publisher.send(3.0, step, GOOD, 0.0)
+    publisher.send(step, GOOD, 0.0)
+    turns(publisher)
     assert (publisher.sent, publisher.trouble) == (2, "")
+
+
+def test_what_is_old_is_not_sent_and_what_comes_in_is_read(rig, step, monkeypatch):
+    bus = Bus()
+    publisher = Publisher(rig, lambda: bus)
+    publisher.send(step, GOOD, 0.0)
+    turns(publisher)
+    monkeypatch.setattr(publishing, "STALE_S", -1.0)
+    publisher.send(step, BAD, 0.0)
+    bus.waiting = 300
+    turns(publisher)
+    assert len(bus.sent) == 2
+    assert bus.waiting < 0
+
+
+def test_the_last_word_is_that_it_is_not_valid(rig, dbc, step):
+    bus = Bus()
+    publisher = Publisher(rig, lambda: bus)
+    publisher.start()
+    publisher.send(step, GOOD, 1.0)
+    publisher.close()
+    estimate, compensation = decoded(dbc, bus.sent[-2:])
+    assert (estimate["EstMode"], compensation["CmpValid"]) == (14, 0)
+    assert decoded(dbc, bus.sent[:1])[0]["EstMode"] == 2
+    assert bus.closed
 
 
 def test_a_dbc_without_our_messages_cannot_publish(rig, tmp_path):

@@ -133,10 +133,11 @@ def test_a_new_file_begins_with_its_hour_and_with_its_size(tmp_path: Path) -> No
 
 
 def test_what_comes_after_a_night_has_a_file_of_its_own(tmp_path: Path) -> None:
-    with Recorder(tmp_path, {}) as recorder:
+    with Recorder(tmp_path, {}, own={(0x610, False)}) as recorder:
         for time_s in (START, START + HOUR - 1, START + 9 * HOUR, START + 9 * HOUR + 1):
             recorder.write(frame(time_s=time_s))
-    assert [len(lines(path)) for path in sorted(tmp_path.glob("*.log"))] == [2, 2]
+            recorder.write(frame(time_s=time_s + 0.9 * HOUR, id=0x610))
+    assert [len(lines(path)) for path in sorted(tmp_path.glob("*.log"))] == [4, 4]
 
 
 def test_a_file_that_is_there_stays_as_it_is(tmp_path: Path) -> None:

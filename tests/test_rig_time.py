@@ -7,7 +7,7 @@ import pytest
 
 from drivers.received import Received
 from drivers.rig_time import FastTime, RigTime
-from tests.live_fake import STATUS, Frames, rig_frames
+from tests.live_fake import DRIVE, STATUS, Frames, rig_frames
 
 SPEED_UP = 60.0
 START_S = 1_790_000_000.0
@@ -75,6 +75,44 @@ def test_a_rig_started_again_goes_on_one_tick_later(frames):
     found = placed(FastTime(SPEED_UP, 1.0, closing), [*first, *(f._replace(time_s=f.time_s + 2.1) for f in again)])
     steps = np.diff([f.time_s for f in found if f.id == STATUS])
     np.testing.assert_allclose(steps, 1.0, atol=2e-6)
+
+
+def test_a_pause_in_mid_scan_is_no_time_of_the_rig(frames):
+    """The next scan tells how many ticks it was: one, for a rig that was stopped."""
+    before = hurried(frames, 0.0)
+    middle = next(k for k, f in enumerate(frames) if k > 3000 and f.id == DRIVE)
+    paused = [f._replace(time_s=f.time_s + (5.0 if k >= middle else 0.0)) for k, f in enumerate(before)]
+    found = placed(FastTime(SPEED_UP, 1.0, closing), paused)
+    scans = [f.time_s for f in found if f.id == STATUS]
+    assert max(np.diff(scans)) == pytest.approx(1.0, abs=0.1)
+    assert (np.diff([f.time_s for f in found]) >= 0).all()
+
+
+def test_a_wrong_speed_up_is_told(frames):
+    slow = [f._replace(time_s=START_S + f.time_s - frames[0].time_s) for f in frames]
+    clock = FastTime(SPEED_UP, 1.0, closing)
+    placed(clock, slow)
+    assert "--speed-up 60" in clock.trouble
+    right = FastTime(SPEED_UP, 1.0, closing)
+    placed(right, hurried(frames, 0.05))
+    assert not right.trouble
+
+
+def test_error_frames_and_our_own_are_no_life(frames):
+    clock = RigTime({(0x610, False)})
+    clock.place(frames[0])
+    silent = clock.silence()
+    clock.place(frames[0]._replace(kind="error"))
+    clock.place(frames[0]._replace(id=0x610))
+    assert clock.silence() > silent
+
+
+def test_what_is_overdue_is_placed_while_the_bus_is_silent(frames, monkeypatch):
+    clock = FastTime(SPEED_UP, 1.0, closing)
+    assert not [f for frame in hurried(frames, 0.0)[:5] for f in clock.place(frame)]
+    assert not clock.overdue()
+    monkeypatch.setattr(clock, "_patience_s", -1.0)
+    assert len(clock.overdue()) == 5
 
 
 def test_what_we_send_ourselves_neither_waits_nor_counts(frames):

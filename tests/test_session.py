@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rich.console import Console
 
@@ -22,7 +23,7 @@ RECORDINGS = Path(__file__).parents[1] / "recordings"
 
 
 class Clock:
-    silent_s = 0.0
+    silent_s, trouble = 0.0, ""
 
     def silence(self) -> float:
         return self.silent_s
@@ -31,7 +32,7 @@ class Clock:
 class Receiver:
     """Gives its items ten at a time."""
 
-    state, failure, dropped = "open", None, 0
+    state, failure, dropped, errors, waited_s = "open", None, 0, 0, 0.0
 
     def __init__(self, items: list) -> None:
         self.items, self.frames = list(items), len(items)
@@ -49,10 +50,13 @@ class Publisher:
     trouble, sent = "", 0
 
     def __init__(self) -> None:
-        self.heard_frames, self.modes = 0, []
+        self.heard_frames, self.sent_valid, self.positions = 0, [], []
 
-    def send(self, now_s, step, trust, position_mm) -> None:
-        self.modes.append((now_s, trust.valid))
+    def start(self) -> None: ...
+
+    def send(self, step, trust, position_mm) -> None:
+        self.sent_valid.append((step.time_s, trust.valid))
+        self.positions.append(position_mm)
 
     def heard(self, frame) -> None:
         self.heard_frames += 1
@@ -104,9 +108,11 @@ def session(parts):
 
 def test_every_tick_is_told_shown_and_published(session, frames):
     live, said, ticks = session(frames)
-    assert len(ticks) == live.views.ticks == len(live.publisher.modes) >= 45
+    assert len(ticks) == live.views.ticks >= 45
+    assert len(live.publisher.sent_valid) >= 44  # the newest of each turn
+    assert np.isfinite(live.publisher.positions).all()
     assert live.publisher.heard_frames == len(frames)
-    assert all(valid for _, valid in live.publisher.modes)
+    assert all(valid for _, valid in live.publisher.sent_valid)
     assert not said
     assert "elongation" in live.views.states[0]
 
@@ -123,18 +129,52 @@ def test_alarms_and_what_happens_to_the_bus_reach_the_views(session, frames):
 
 def test_who_relies_on_it_hears_of_a_silent_bus_before_the_next_tick(session, frames):
     live, _, _ = session(frames[:-400])
-    sent = len(live.publisher.modes)
-    for silent_s in (0.05, 0.3, 0.55, 0.6):
+    sent = len(live.publisher.sent_valid)
+    for silent_s in (0.05, 0.6, 1.4, 1.55, 1.6):
         live.clock.silent_s = silent_s
         live._idle()
-    assert live.publisher.modes[sent:] == [(live.latest.step.time_s, False)]
+        live._publish()
+    assert live.publisher.sent_valid[sent:] == [(live.latest.step.time_s, False)]
     assert live.latest.mode == Mode.INVALID
     assert live.latest.trust.why == ("no news of the drive",)
 
 
 def test_a_silent_drive_alone_is_heard_of_too(session, frames):
     live, _, _ = session(dropped(frames, 40.0, [DRIVE]))
-    assert live.publisher.modes[-1][1] is False
+    assert live.publisher.sent_valid[-1][1] is False
+
+
+def test_what_comes_late_is_not_valid(session, frames, monkeypatch):
+    """A monitor that has fallen behind the bus must not pass off what was as what is."""
+    monkeypatch.setattr(Receiver, "waited_s", 2.0)
+    live, _, ticks = session(frames)
+    assert not any(valid for _, valid in live.publisher.sent_valid)
+    assert ticks[-1].json()["why_invalid"] == ["the monitor is behind"]
+
+
+def test_a_backlog_is_published_once(session, frames, monkeypatch):
+    def everything(receiver: Receiver, wait_s: float) -> list:
+        found, receiver.items = receiver.items, []
+        return found
+
+    monkeypatch.setattr(Receiver, "take", everything)
+    live, _, ticks = session(frames)
+    assert len(ticks) >= 45
+    assert len(live.publisher.sent_valid) <= 3
+
+
+def test_validity_is_told_when_it_changes(session, frames):
+    _, said, _ = session(dropped(frames, 30.0, [DRIVE], 36.0))
+    told = [text for text in said if text.startswith("estimate valid")]
+    assert told == ["estimate valid no longer: no news of the drive", "estimate valid again"]
+
+
+def test_text_from_outside_is_no_markup(session, frames):
+    live, _, _ = session(frames[:200])
+    live.publisher.trouble = "not publishing: [/dev/ttyACM0] gone"
+    console = Console(file=io.StringIO(), width=110)
+    console.print(live.status().panel())
+    assert "[/dev/ttyACM0]" in console.file.getvalue()
 
 
 def test_an_interface_that_cannot_be_is_the_end(session):
