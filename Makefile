@@ -54,7 +54,7 @@ bench-engine: $(PEERS) $(FITTED:%=recordings/%.blf)
 study-fit: $(READY)
 	$(BIN)/python -m benchmarks recovery
 
-# which effect is missing, over some 190 simulated cases: up to two hours
+# which effect is missing, over 208 simulated cases: up to two hours
 study-hidden: $(READY)
 	$(BIN)/python -m benchmarks hidden
 
