@@ -57,10 +57,10 @@ class Monitor:
         muted = mute(0.0) if mute else np.zeros(len(rig.names), dtype=bool)
         self._used = int((np.isin(rig.names, rig.thermometers) & ~muted).sum())
         self.tally, self.active = Tally(), dict[tuple[str, str, float], Alarm]()
-        self._begin()
+        self.begin()
 
-    def _begin(self) -> None:
-        """With the first frame, and after a silence that ends a recording."""
+    def begin(self) -> None:
+        """Anew: with the first frame, and after a silence that ends a recording."""
         self.ticker, self.filter = Ticker(self.rig, self.tally), Filter(self.model, self.rig, self.mute)
         self.tests, self.watch = Alarms(self.rig), Watch(self.rig, self._used)
         decoder = self.ticker.decoder
@@ -95,7 +95,7 @@ class Monitor:
         last = [self._moment(sample) for sample in self.ticker.flush()]
         self.tally.skipped.pop("after the end of the recording", None)
         self.tally.note("the estimate begins anew")
-        self._begin()
+        self.begin()
         return [*last, *(moment for frame in after for moment in self.feed(frame))]
 
     def finish(self) -> list[Moment]:

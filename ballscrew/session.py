@@ -83,13 +83,22 @@ class Session:
             return
         if self.publisher is not None:
             self.publisher.heard(item)
-        for moment in self.monitor.feed(item):
+        for moment in self._estimated(lambda: self.monitor.feed(item)):
             self._moment(moment)
+
+    def _estimated(self, moments: Callable[[], list[Moment]]) -> list[Moment]:
+        """Moments; none if the estimate fails: a defect of ours must not end weeks of recording."""
+        try:
+            return moments()
+        except Exception as error:
+            self.monitor.begin()
+            self._trouble("estimate", f"the estimate failed and begins anew: {type(error).__name__}: {error}")
+            return []
 
     def _idle(self) -> None:
         """No frame: the model goes on alone, and who relies on the estimate hears that it is not to be trusted."""
         silent_s = self.clock.silence()
-        for moment in self.monitor.idle(silent_s):
+        for moment in self._estimated(lambda: self.monitor.idle(silent_s)):
             self._moment(moment)
         if self.latest is not None and self.latest.trust.valid:
             self._judge(self.monitor.trust(silent_s))
@@ -140,10 +149,13 @@ class Session:
         for note in notes:
             self._say(note, "WARN")
         for part in ("clock", "recorder", "publisher", "views", "tick"):
-            trouble = getattr(getattr(self, part), "trouble", "")
-            if trouble and trouble != self._troubles.get(part):
-                self._say(trouble, "WARN")
-            self._troubles[part] = trouble
+            self._trouble(part, getattr(getattr(self, part), "trouble", ""))
+
+    def _trouble(self, part: str, trouble: str) -> None:
+        """Say what is wrong with a part, once."""
+        if trouble and trouble != self._troubles.get(part):
+            self._say(trouble, "WARN")
+        self._troubles[part] = trouble
 
     def _say(self, text: str, level: str) -> None:
         self.say(text, level)

@@ -163,6 +163,24 @@ def test_a_backlog_is_published_once(session, frames, monkeypatch):
     assert len(live.publisher.sent_valid) <= 3
 
 
+def test_a_defect_of_ours_is_told_once_and_the_loop_goes_on(session, frames, monkeypatch):
+    feed = Monitor.feed
+
+    def failing(monitor: Monitor, frame) -> list:
+        if 500 < len(seen) < 600:
+            seen.append(frame)
+            raise ZeroDivisionError("a defect")
+        seen.append(frame)
+        return feed(monitor, frame)
+
+    seen: list = []
+    monkeypatch.setattr(Monitor, "feed", failing)
+    live, said, ticks = session(frames)
+    assert said.count("the estimate failed and begins anew: ZeroDivisionError: a defect") == 1
+    assert len(ticks) > 30
+    assert live.latest.trust.valid
+
+
 def test_validity_is_told_when_it_changes(session, frames):
     _, said, _ = session(dropped(frames, 30.0, [DRIVE], 36.0))
     told = [text for text in said if text.startswith("estimate valid")]
