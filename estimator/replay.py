@@ -54,7 +54,8 @@ def _part(first: Filter, trial: Trial, posed: Posed, chunk: Chunk, some: slice) 
     weighed = P @ now
     variance = weighed @ now + 2 * grown * weighed[:, -2] + grown**2 * P[:, -2, -2]
     predicted = chunk.predicted[some] + posed.offset[1:][at] + posed.run.lag[at] + posed.run.late[at]
-    table = view.table_error(first.places.held(rest.inputs.get("position", np.full(len(rest), np.nan))))
+    position = first.places.held(rest.inputs.get("position", np.full(len(rest), np.nan)))
+    table = view.table_error(position)
     growth = (table * (x[:, :n] - posed.run.z[0])).sum(axis=1)
     return Track(
         view.x_mm,
@@ -77,4 +78,5 @@ def _part(first: Filter, trial: Trial, posed: Posed, chunk: Chunk, some: slice) 
         open_loop=posed.run.lagged[at] + posed.offset[1:][at] + posed.state.channel_zeros(posed.system.x0),
         nis=chunk.nis[some],
         nis_channels=fused.sum(axis=1),
+        position_mm=position,
     )

@@ -130,6 +130,7 @@ class Track:
     open_loop: Array
     nis: Array
     nis_channels: Array
+    position_mm: Array
 
     @classmethod
     def of(cls, steps: Sequence[Step], x_mm: Array, bodies: tuple[str, ...]) -> Track:

@@ -236,10 +236,12 @@ def test_table_error_is_growth_between_anchor_and_nut_longer_is_positive(rig, fu
 
 def test_table_error_is_unknown_without_a_position_and_grows_with_distance(rig, full, run):
     log = copy(run)
-    log.inputs["position"][100] = np.nan
+    log.inputs["position"][98:101] = np.nan  # two ticks late it is still where it was, three it is not known
     log.inputs["position"][101:] = np.where(np.arange(SECONDS - 101) % 2, 0.0, 400.0)
-    error = Filter(full, rig).run(log).error_at_table_um
-    assert np.isnan(error[100])
+    track = Filter(full, rig).run(log)
+    error = track.error_at_table_um
+    assert list(np.isnan(error[97:102])) == [False, False, False, True, False]
+    assert list(track.position_mm[97:100]) == [log.inputs["position"][97]] * 3
     near, far = error[102:-1:2], error[103::2]
     assert (near > 0).all()
     assert (far > near + 1).all()
