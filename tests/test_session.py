@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 from rich.console import Console
 
+from ballscrew.json_lines import JsonLines
 from ballscrew.monitor import Monitor
 from ballscrew.session import Session
 from ballscrew.status import Status
@@ -226,6 +228,25 @@ def test_the_panel_has_everything_with_its_unit(session, frames):
     assert set(told) >= {
         "t", "elongation_um", "sigma_um", "error_at_table_um", "mode", "channels", "nis", "frames", "dropped", "alarms",
     }  # fmt: skip
+
+
+def test_json_lines_on_a_full_disk_cost_lines_and_nothing_else(session, frames):
+    class Disk(io.StringIO):
+        full = False
+
+        def flush(self) -> None:
+            if self.full:
+                raise OSError(28, "No space left on device")
+
+    _, _, ticks = session(frames[:400])
+    disk = Disk()
+    lines = JsonLines(disk)
+    for k, status in enumerate(ticks[:4]):
+        disk.full = k in (1, 2)
+        lines(status)
+        assert lines.trouble == ("--json: No space left on device: lines are lost" if disk.full else "")
+    assert lines.lost == 2
+    assert json.loads(disk.getvalue().splitlines()[-1])["t"] == pytest.approx(ticks[3].moment.step.time_s, abs=1e-9)
 
 
 def test_before_the_first_tick_the_status_says_so(session):
