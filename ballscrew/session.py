@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 WAIT_S = 0.05  # half of what the bus may wait for an invalid frame
 RATE_S = 5.0  # frames per second are counted over
 BEHIND_S = 0.5  # that a frame may wait for the estimate
+LOOK_S = 0.1  # between two looks at how things are: with each frame they would cost more than the estimate
 SHOWN_S = 1.0  # between two states of the monitor in the views
 
 
@@ -46,13 +47,14 @@ class Session:
     views_at: str = ""
     latest: Moment | None = None
     _rate: deque[tuple[float, int]] = field(default_factory=deque)
+    _looked: float = 0.0
     _shown: float = 0.0
     _fresh: bool = False
     _was_valid: bool | None = None
     _troubles: dict[str, str] = field(default_factory=dict)
 
     def run(self, goes_on: Callable[[], bool], each: Callable[[Status], None]) -> None:
-        """Until `goes_on` says no; `each` hears the status some times a second."""
+        """Until `goes_on` says no; `each` hears the status ten times a second."""
         self.receiver.start()
         if self.publisher is not None:
             self.publisher.start()
@@ -63,8 +65,10 @@ class Session:
                 raise self.receiver.failure
             self._idle()
             self._publish()
-            self._tell()
-            each(self.status())
+            if time.monotonic() - self._looked > LOOK_S:
+                self._looked = time.monotonic()
+                self._tell()
+                each(self.status())
 
     def finish(self) -> None:
         """The end: stop receiving, take what has come, and close the open tick as `review` does at the end of a log."""
