@@ -12,6 +12,7 @@ from typing import IO
 from ballscrew.options import STDOUT
 from ballscrew.status import Status
 from ballscrew.terminal import plain
+from estimator.errors import SetupError
 
 DIGITS = 16  # the same estimate as review's, to the last
 
@@ -43,7 +44,10 @@ def json_lines(path: str | None) -> Iterator[JsonLines | None]:
     with ExitStack() as opened:
         file = sys.stdout
         if path != STDOUT:
-            file = Path(path).open("w")  # noqa: SIM115 - a full disk must not spoil the end
+            try:
+                file = Path(path).open("w")  # noqa: SIM115 - a full disk must not spoil the end
+            except OSError as error:
+                raise SetupError(f"--json {path}: {error.strerror}; name another file") from error
             opened.callback(_close, file)
         yield JsonLines(file)
 

@@ -72,6 +72,7 @@ def command(
     rig = open_rig([], rig_path, terminal)
     model = open_model(rig, model_path, terminal)
     address = BusAddress(interface, channel, bitrate, options_of(bus_kwargs))
+    mute = _mute(rig, chosen_thermometers(chosen, rig), no_displacement)
     decoder = Decoder(rig, Tally())
     clock = _clock(rig, decoder, speed_up)
     with stop_asked() as stopped, ExitStack() as open_parts, voice(terminal) as person:
@@ -81,7 +82,6 @@ def command(
         publisher = Publisher(rig, address.open) if publish else None
         views, views_at = _views(terminal, rig, model.name, view, bind, rrd, open_parts)
         late_s = LATE_S * max(speed_up - 1.0, 0.0)
-        mute = _mute(rig, chosen_thermometers(chosen, rig), no_displacement)
         lines = open_parts.enter_context(json_lines(json_path))
         monitor = Monitor(model, rig, mute, late_s)
         session = Session(
@@ -90,7 +90,7 @@ def command(
         open_parts.callback(receiver.stop)
         if publisher is not None:
             open_parts.callback(publisher.close)
-        end = time.monotonic() + (seconds or math.inf) / speed_up
+        end = time.monotonic() + (math.inf if seconds is None else seconds) / speed_up
         session.run(lambda: not stopped() and time.monotonic() < end, person.show)
         session.finish()
         person.end(session.status())

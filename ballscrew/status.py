@@ -60,7 +60,7 @@ class Status:
         rows.append(("recording", self.recording))
         rows += [("publishing", self.publishing)] if self.publishing else []
         rows += [("views", self.views)] if self.views else []
-        return rows + [("alarm", f"{alarm.text}, since {_clock(alarm.since_s)}") for alarm in self.alarms]
+        return rows + [("alarm", f"{alarm.text}, since {duration(alarm.since_s)}") for alarm in self.alarms]
 
     def json(self) -> dict[str, Any]:
         """For programs; `t` is in s since the first frame."""
@@ -95,7 +95,7 @@ def fused_thermometers(moment: Moment, rig: Rig) -> int:
 
 def _estimate(moment: Moment, rig: Rig) -> list[tuple[str, str]]:
     step, mode = moment.step, moment.mode.name.lower()
-    rows = [("time", f"{_clock(step.time_s)} since the first frame")]
+    rows = [("time", f"{duration(step.time_s)} since the first frame")]
     if np.isfinite(step.elongation_um):
         table = f", {step.error_at_table_um:+.2f} um at the table" if np.isfinite(step.error_at_table_um) else ""
         rows.append(("elongation", f"{step.elongation_um:+.2f} ± {2 * step.sigma_um:.2f} um (2 sd){table}"))
@@ -104,7 +104,3 @@ def _estimate(moment: Moment, rig: Rig) -> list[tuple[str, str]]:
     per_channel = f"{step.nis / step.nis_channels:.2f}" if np.isfinite(step.nis) else "-"
     alive = f"{fused_thermometers(moment, rig)} of {len(rig.thermometers)} thermometers"
     return [*rows, ("channels", f"{alive}, NIS {per_channel} a channel")]
-
-
-def _clock(seconds: float) -> str:
-    return duration(seconds)

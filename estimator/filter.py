@@ -79,12 +79,12 @@ class Filter:
         steps: list[Step] = []
         while not self.started and len(steps) < len(samples):
             steps.append(self.step(samples[len(steps)]))
-        rest = len(steps)
-        if rest < len(samples):
-            ticks = self._ticks(recording.rows(slice(rest, None)))
-            for k, sample in enumerate(samples[rest:]):
+        while len(steps) < len(samples):
+            some = slice(len(steps), len(steps) + KEPT)  # no more regimes than are kept
+            ticks = self._ticks(recording.rows(some))
+            for k, sample in enumerate(samples[some]):
                 steps.append(self._advance(sample, ticks, k))
-                each(rest + k + 1)
+                each(len(steps))
         x_mm, bodies = (self.view.x_mm, self.view.bodies) if self.started else (np.empty(0), ())
         return Track.of(steps, x_mm, bodies)
 

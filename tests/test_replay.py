@@ -11,6 +11,7 @@ import pytest
 
 from drivers.recordings import read_recording
 from estimator import filter as filtering
+from estimator import regime
 from estimator import replay as module
 from estimator.effect import Effect, Param
 from estimator.effects.readings import Thermometers
@@ -264,6 +265,9 @@ def test_regimes_that_were_forgotten_come_back_the_same(lived, monkeypatch):
     all_kept = [kept.step(sample) for sample in recording]
     assert len(kept.forcing._solved) > 3
     monkeypatch.setattr(filtering, "KEPT", 2)
+    monkeypatch.setattr(regime, "REMEMBERED", 2)
+    both(model, rig, recording)
+    monkeypatch.setattr(regime, "REMEMBERED", 500)
     forgetful = Filter(model, rig)
     for step, sample in zip(all_kept, recording, strict=True):
         assert forgetful.step(sample).elongation_um == pytest.approx(step.elongation_um, abs=1e-12)
