@@ -14,7 +14,7 @@ HIDDEN := recordings/hidden/amber
 MODEL := recordings/base.toml
 SHOWN := FS-20
 
-.PHONY: demo live review test check bench bench-engine bench-live study-fit study-hidden pictures pictures-improve recordings model tuning tuning-test clean
+.PHONY: demo live review test check bench bench-engine bench-search bench-live study-fit study-hidden pictures pictures-improve recordings model tuning tuning-test clean
 
 demo: $(READY)
 	$(BIN)/ballscrew diagnose $(HIDDEN) --model $(MODEL)
@@ -44,6 +44,9 @@ check: $(READY)
 
 bench: $(PEERS) $(LOGS)
 	$(BIN)/python -m benchmarks
+
+bench-search: $(LOGS)
+	$(BIN)/python -m benchmarks search
 
 bench-live: $(READY)
 	$(BIN)/python -m benchmarks live

@@ -15,7 +15,7 @@ from benchmarks.measure import machine
 
 RESULTS = Path(__file__).parent / "RESULTS.md"
 STUDIES = ("accuracy", "mesh", "speed", "engine")
-LONG = ("recovery", "hidden", "live")
+LONG = ("recovery", "search", "hidden", "live")
 
 
 def main(names: list[str]) -> None:

@@ -1,65 +1,58 @@
-"""Recordings of the virtual rig handed over directly: what its frames would decode to, without the frames."""
+"""What is hidden in the study of hidden effects: which effect, how strong, on which rig, in which recordings."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Iterator
+from dataclasses import dataclass
 
-import numpy as np
-
-from drivers.virtual_rig import Run, simulate
-from estimator.record import Array, Recording
-from estimator.rig import Rig
-
-INSTANTS = 20  # of the drive in a tick
-LATE_S = 0.005  # a frame after what it tells
-
-
-def record(run: Run, rig: Rig, speed: float = 1.0, position: float = 1.0) -> Recording:
-    """A run as ticks; `speed` and `position` are errors of the drive's signals, 1: none."""
-    measured, time_s = run.measured, run.measured.time_s
-    channels = np.full((len(time_s), len(rig.names)), np.nan)
-    channels[:, : measured.channels.shape[1]] = measured.channels
-    ages = np.zeros_like(channels)
-    held = rig.index("displacement")
-    good = run.holds.reading.state == 0
-    frozen = run.holds.frozen_s[good] + LATE_S
-    row = np.searchsorted(time_s, frozen)
-    inside = row < len(time_s)
-    channels[row[inside], held] = run.holds.reading.elongation_um[good][inside]
-    ages[row[inside], held] = time_s[row[inside]] - frozen[inside]
-    omega, uneven, coverage, place = _drive(run, rig, speed, position)
-    around = measured.environment
-    direct = np.where(measured.direct.state == 0, measured.direct.elongation_um, np.nan)
-    moving = run.motion(time_s)
-    inputs = {
-        "position": place, "speed": moving.speed_rpm * speed, "current": np.full(len(time_s), np.nan),
-        "ambient": around.ambient, "base": around.base, "anchor_bracket": around.bracket_anchor,
-        "free_bracket": around.bracket_free, "nut": around.nut, "probe": around.probe, "bar": around.bar,
-        "board": measured.board, "displacement_direct": direct,
-    }  # fmt: skip
-    return Recording(f"{run.name}.blf", time_s, channels, ages, inputs, omega, coverage, unevenness=uneven)
+RUNS = (
+    (("FS-20", "FS-5", "CS-10", "ES-20"), ("CS-5", "ES-10")),
+    (("FS-10", "CS-20", "ES-5", "FS-20"), ("ES-20", "CS-10")),
+    (("ES-10", "FS-5", "CS-20", "FS-20"), ("CS-5", "FS-10")),
+)
+PLANTED = (
+    "nut_speed_exponent", "bearing_speed_exponent", "friction_thinning", "churning", "motor_heat", "radiation",
+    "base_drift", "ambient_gradient", "local_heat", "local_heat_driving", "sensor_lag", "expansion_error",
+    "support_yield", "probe_expansion", "bar_expansion", "board_drift", "channel_offset", "channel_gain",
+)  # fmt: skip
+TAKEN_OUT = ("rotating_convection", "nut_body", "anchor_housing", "free_housing")
+STRANGERS = {"rubbing_cover": ("speed2",), "parked_chips": ("rest",), "stop_blast": ("early_stop",)}
+PAIRS = (
+    ("friction_thinning", "motor_heat"), ("churning", "base_drift"), ("sensor_lag", "support_yield"),
+    ("local_heat", "nut_speed_exponent"), ("ambient_gradient", "expansion_error"), ("motor_heat", "churning"),
+    ("bearing_speed_exponent", "channel_offset"), ("local_heat_driving", "bar_expansion"),
+    ("base_drift", "friction_thinning"), ("nut_speed_exponent", "board_drift"), ("churning", "support_yield"),
+)  # fmt: skip
+FIRST_SEED = 21
 
 
-def _drive(run: Run, rig: Rig, speed: float, position: float) -> tuple[Array, Array, Array, Array]:
-    """Mean |speed| rad/s, its unevenness and the cover of the cells in each tick; position at its end, mm."""
-    assert rig.nut is not None
-    ticks = len(run.measured.time_s)
-    ends = run.measured.time_s[:, None] + (np.arange(INSTANTS) + 0.5 - INSTANTS) / INSTANTS
-    motion = run.motion(ends.ravel())
-    centre = rig.nut.centre(motion.position_mm * position)
-    half = rig.nut.length_mm / 2
-    cover = rig.the_screw().overlap(centre - half, centre + half).reshape(ticks, INSTANTS, -1)
-    turned = motion.omega.reshape(ticks, INSTANTS)
-    weight = np.where(turned.sum(axis=1, keepdims=True) > 0, turned, 1.0)
-    coverage = np.einsum("ti,tic->tc", weight / weight.sum(axis=1, keepdims=True), cover)
-    mean = turned.mean(axis=1)
-    uneven = np.divide((turned**2).mean(axis=1), mean**2, out=np.ones(ticks), where=mean > 0)
-    return mean * speed, uneven, coverage, motion.position_mm.reshape(ticks, INSTANTS)[:, -1] * position
+@dataclass(frozen=True)
+class Case:
+    """What is hidden: `kind` is the row of the study; `wrong` the speed and position label of the third run."""
+
+    kind: str
+    planted: tuple[str, ...]
+    strength: float
+    seed: int
+    runs: int
+    wrong: tuple[float, float] = (1.0, 1.0)
+    frames: bool = False
 
 
-def recording(
-    name: str, rig: Rig, *, seed: int, plant: Mapping[str, float] | None = None, without: Collection[str] = (),
-    speed: float = 1.0, position: float = 1.0,
-) -> Recording:  # fmt: skip
-    """Simulate an experiment and hand it over."""
-    return record(simulate(name, seed=seed, plant=plant, without=without), rig, speed, position)
+def cases() -> Iterator[Case]:
+    """All cases, the ones that count first."""
+    for n in range(3):
+        for i, name in enumerate((*PLANTED, *TAKEN_OUT)):
+            yield Case("one", (name,), 1.0, FIRST_SEED + 3 * i + n, n, frames=n == 0 and i < 5)
+    for n in range(21):
+        yield Case("none", (), 1.0, 140 + n, n % 3)
+        yield Case("stranger", (list(STRANGERS)[n % 3],), 1.0, 170 + n, n // 3 % 3)
+    for n, pair in enumerate(PAIRS * 2):
+        yield Case("two", pair, 1.0, 200 + n, n % 3)
+    for n in range(20):
+        yield Case("label", (), 1.0, 230 + n, n % 3, (1.2, 1.2 if n % 2 else 1.0))
+    for name in (*PLANTED, *TAKEN_OUT):
+        yield Case("fitted", (name,), 1.0, 260, 0)
+    for strength in (0.5, 2.0):
+        for name in PLANTED:
+            yield Case(f"strength {strength:g}", (name,), strength, 270, 1)

@@ -66,6 +66,12 @@ def terms_of(name: str, rig: Rig, u: Inputs, **values: float) -> list[Term]:
 
 
 @pytest.fixture(scope="session")
+def paper() -> tuple[Rig, Model]:
+    """The paper's rig with the model that ships with it."""
+    return load_rig(PAPER), load_model(PAPER / "model.toml")
+
+
+@pytest.fixture(scope="session")
 def full() -> Model:
     """What the shipped model says, at the defaults of its effects."""
     return at_defaults()

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ from estimator.filter import Filter
 from estimator.record import Sample
 from estimator.rig import Rig
 from estimator.step import Mode, Step, Track
-from viz import live, live_browser, live_outlet, live_pictures, profile, viewer
+from viz import live, live_outlet, profile, viewer
 from viz.address import free_port
 from viz.live import LiveViews
 from viz.live_repeat import Repeated
@@ -440,7 +440,7 @@ def test_too_many_ticks_are_given_up_and_counted(fed: Fed, monkeypatch: pytest.M
         assert "50 or more ticks were given up" in views.trouble
 
 
-# --- in a viewer, and in a browser
+# --- in a viewer
 
 
 @LINUX
@@ -456,69 +456,3 @@ def test_a_viewer_follows_with_limited_memory(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(viewer, "start", lambda arguments, port: started.append(arguments))
     viewer.follow(url)
     assert started == [["--memory-limit", viewer.MEMORY, "--connect", url]]
-
-
-@pytest.fixture(scope="module")
-def page() -> Iterator[WebPage]:
-    page = WebPage("rerun+http://127.0.0.1:4321/proxy")
-    yield page
-    page.close()
-
-
-def ask(page: WebPage, path: str, host: str = "") -> tuple[int, dict[str, str], bytes]:
-    """Status, headers and body of an answer."""
-    at = urlsplit(page.address)
-    request = urllib.request.Request(f"http://{at.netloc}{path}", headers={"Host": host or at.netloc})
-    direct = urllib.request.build_opener(urllib.request.ProxyHandler({}))
-    try:
-        with direct.open(request, timeout=20) as answer:
-            return answer.status, dict(answer.headers), answer.read()
-    except urllib.error.HTTPError as error:
-        with error:
-            return error.code, dict(error.headers), error.read()
-
-
-@pytest.mark.parametrize(
-    ("path", "kind", "begin"),
-    [
-        ("/?url=x", "text/html; charset=utf-8", b"<!doctype html>"),
-        ("/re_viewer.js", "text/javascript", b""),
-        ("/re_viewer_bg.wasm", "application/wasm", b"\0asm"),
-        ("/favicon.ico", "image/x-icon", b""),
-    ],
-)
-def test_the_page_and_its_parts_are_under_the_policy(page: WebPage, path: str, kind: str, begin: bytes) -> None:
-    status, headers, body = ask(page, path)
-    assert (status, headers["Content-Type"], body[: len(begin)]) == (200, kind, begin)
-    rules = dict(rule.split(" ", 1) for rule in headers["Content-Security-Policy"].split("; "))
-    assert rules["default-src"] == "'none'"
-    assert rules["connect-src"] == "'self' http://127.0.0.1:4321"
-    assert "unsafe" not in rules["script-src"].replace("'wasm-unsafe-eval'", "")
-    assert rules["script-src"].count("sha256-") == 2
-
-
-def test_the_page_links_to_nobody(page: WebPage) -> None:
-    assert b"<link rel=" in ask(page, "/")[2]
-    assert b"fonts" not in ask(page, "/")[2]
-    assert parse_qs(urlsplit(page.address).query)["url"] == ["rerun+http://127.0.0.1:4321/proxy"]
-
-
-@pytest.mark.parametrize(
-    ("path", "host", "status"),
-    [("/etc/passwd", "", 404), ("/../../etc/passwd", "", 404), ("/sw.js", "", 404), ("/", "evil.example", 421)],
-)
-def test_nothing_else_is_served(page: WebPage, path: str, host: str, status: int) -> None:
-    answer = ask(page, path, host)
-    assert answer[0] == status
-    assert answer[1]["Content-Security-Policy"].startswith("default-src 'none'")
-
-
-@pytest.mark.parametrize("url", ["http://127.0.0.1:9", "rerun+http://a;b:9/proxy", "rerun+http://127.0.0.1:9/proxy; *"])
-def test_a_page_shows_live_streams_only(url: str) -> None:
-    with pytest.raises(SetupError, match="not a live stream"):
-        WebPage(url)
-
-
-def test_without_a_browser_there_is_no_picture_of_the_page(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(live_browser, "browser", lambda: None)
-    assert live_pictures.render_page("rerun+http://127.0.0.1:9/proxy", tmp_path) == []

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,22 +14,13 @@ from drivers.checks import frame_checksum
 from drivers.received import Received
 from drivers.recordings import read_recording
 from drivers.virtual_rig import simulate
-from estimator.model import load_model
 from estimator.replay import replay
-from estimator.rig_file import load_rig
 from estimator.step import Mode
 from tests.live_fake import DRIVE, STATUS, TELEMETERS, Frames, changed, channel, dropped, rig_frames, since
 
-RECORDINGS = Path(__file__).parents[1] / "recordings"
 FAULT_S, END_S = 119.0, 190.0  # the fault is there for a whole window of the tests
 
 Run = Callable[[Frames], tuple[Monitor, list[Moment]]]
-
-
-@pytest.fixture(scope="module")
-def parts():
-    rig = load_rig(RECORDINGS)
-    return rig, load_model(RECORDINGS / "model.toml")
 
 
 @pytest.fixture(scope="module")
@@ -39,9 +29,9 @@ def frames() -> Frames:
 
 
 @pytest.fixture(scope="module")
-def run(parts, frames) -> Run:
+def run(paper, frames) -> Run:
     """run(frames): all of them, those before the fault from a monitor that has lived them once."""
-    rig, model = parts
+    rig, model = paper
     before, sound = Monitor(model, rig), [f for f in frames if since(frames, f) < FAULT_S - 1]
     lived = [moment for frame in sound for moment in before.feed(frame)]
 
@@ -82,9 +72,9 @@ def spike(value: int, time_s: float) -> int:
     return value + 2000 if round(time_s) % 10 == 0 else value
 
 
-def test_live_is_review(parts, plain, tmp_path):
+def test_live_is_review(paper, plain, tmp_path):
     """Frame by frame the same estimates as from a log of the same frames."""
-    rig, model = parts
+    rig, model = paper
     log = simulate("FS-20", seed=7, seconds=END_S).write(tmp_path / "a.log")
     track = replay(model, rig, read_recording(log, rig))
     live = np.array([[m.step.elongation_um, m.step.sigma_um, m.step.error_at_table_um] for m in plain])
@@ -194,11 +184,11 @@ def test_frames_out_of_order_cost_nothing(run, frames, plain):
     assert monitor.tally.counts()["time stamp before the last one (used)"] > 10
 
 
-def test_on_a_silent_bus_the_model_goes_on_alone_and_is_taken_back(parts, frames):
+def test_on_a_silent_bus_the_model_goes_on_alone_and_is_taken_back(paper, frames):
     """A silence of 20 s: provisional ticks meanwhile, none of which is left in the estimate after it."""
     heard, runs = dropped(frames, 25, None, 45), []
     for waits in (False, True):
-        monitor, moments = Monitor(parts[1], parts[0]), []
+        monitor, moments = Monitor(paper[1], paper[0]), []
         for before, frame in zip([heard[0], *heard], heard, strict=False):
             if since(frames, frame) > 70:
                 break
@@ -249,8 +239,8 @@ def test_a_tick_without_a_drive_frame_keeps_its_place(run, frames):
     assert all(np.isfinite(m.step.position_mm) for m in moments)
 
 
-def test_with_few_thermometers_chosen_few_are_enough(parts, frames):
-    rig, model = parts
+def test_with_few_thermometers_chosen_few_are_enough(paper, frames):
+    rig, model = paper
     mask = np.array([name not in ("T05", "T12", "displacement") for name in rig.names])
     monitor = Monitor(model, rig, lambda time_s: mask)
     moments = [m for frame in frames if since(frames, frame) < 30 for m in monitor.feed(frame)]

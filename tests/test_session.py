@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,12 +15,8 @@ from ballscrew.session import Session
 from ballscrew.status import Status
 from drivers.receiver import Notice
 from estimator.errors import SetupError
-from estimator.model import load_model
-from estimator.rig_file import load_rig
 from estimator.step import Mode
 from tests.live_fake import DRIVE, Frames, dropped, rig_frames
-
-RECORDINGS = Path(__file__).parents[1] / "recordings"
 
 
 class Clock:
@@ -81,24 +76,18 @@ class Views:
 
 
 @pytest.fixture(scope="module")
-def parts():
-    rig = load_rig(RECORDINGS)
-    return rig, load_model(RECORDINGS / "model.toml")
-
-
-@pytest.fixture(scope="module")
 def frames() -> Frames:
     return rig_frames(45.0)
 
 
 @pytest.fixture
-def session(parts):
+def session(paper):
     """session(items): all parts of it, with what was said and each status."""
 
     def of(items: list) -> tuple[Session, list[str], list[Status]]:
         said, ticks = [], []
         session = Session(
-            Monitor(parts[1], parts[0]), Receiver(items), Clock(), "a bus", lambda text, level: said.append(text),
+            Monitor(paper[1], paper[0]), Receiver(items), Clock(), "a bus", lambda text, level: said.append(text),
             ticks.append, None, Publisher(), Views(),
         )  # fmt: skip
         session.run(lambda: bool(session.receiver.items), lambda status: None)

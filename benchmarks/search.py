@@ -1,0 +1,69 @@
+"""How long it takes to be told which effect is missing, and to have two added: six recordings, as commands."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from benchmarks.measure import Row, alone, say, table
+from estimator.model import load_model, save_model
+
+RECORDINGS = Path(__file__).parents[1] / "recordings"
+SIX = ("FS-20", "FS-10", "FS-5", "CS-10", "CS-5", "ES-5")
+ONE, TWO = ("rotating_convection",), ("rotating_convection", "free_housing")
+
+
+def markdown() -> str:
+    """All tables of this study."""
+    return alone("benchmarks.search")
+
+
+@contextmanager
+def without(names: tuple[str, ...]) -> Iterator[Path]:
+    """A folder with the model that lacks these effects, model.toml."""
+    model = load_model(RECORDINGS / "base.toml")
+    for name in names:
+        model = model - name
+    with tempfile.TemporaryDirectory() as folder:
+        save_model(model, Path(folder) / "model.toml")
+        yield Path(folder)
+
+
+def told(folder: Path, command: str, *options: str) -> tuple[float, dict[str, object]]:
+    """Seconds that a command takes on the six recordings, start included, and what it says."""
+    logs = [str(RECORDINGS / f"{name}.blf") for name in SIX]
+    words = ["--rig", str(RECORDINGS), "--model", str(folder / "model.toml"), "--json", str(folder / "said.json")]
+    began = time.perf_counter()
+    line = [sys.executable, "-m", "ballscrew", command, *logs, *words, "--quiet", *options]
+    subprocess.run(line, check=True, cwd=folder)
+    return time.perf_counter() - began, json.loads((folder / "said.json").read_text())
+
+
+def main() -> None:
+    """Measure both and print the table."""
+    say("suggest")
+    with without(ONE) as folder:
+        suggest_s, suggested = told(folder, "suggest")
+    say("improve")
+    with without(TWO) as folder:
+        improve_s, improved = told(folder, "improve", "-o", str(folder / "better.toml"))
+    first = [effect["name"] for effect in suggested["effects"][:1]]
+    added = [step["added"] for step in improved["steps"] if step["added"]]
+    rows = [
+        Row(f"suggest, without {ONE[0]}", f"{suggest_s:.0f} s: {suggested['verdict']}, {first[0]}", suggest_s, 90.0),
+        Row(f"improve, without {' and '.join(TWO)}", f"{improve_s:.0f} s: + {', + '.join(added)}", improve_s, 360.0),
+    ]
+    says = [
+        f"base.toml without what is to be found, on {', '.join(SIX)}; start, compiled code, report and views included."
+    ]
+    print(table("The search for a missing effect: six recordings, as commands", rows, says))
+
+
+if __name__ == "__main__":
+    main()
