@@ -13,9 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
-from filterpy.kalman import KalmanFilter
 
 from estimator.augment import Augmented
 from estimator.discretise import Transition
@@ -56,6 +57,7 @@ class Filter:
     mute      decides by time what is not fused: mute(time_s) -> (m,) bool; such channels are still compared
     rejected  (m,) for how many ticks in a row each channel has been beyond the gate
     places    of the table, held where one is late
+    x, P      (size,), (size, size) the estimate, once started
     """
 
     def __init__(self, model: Model, rig: Rig, mute: Mute | None = None) -> None:
@@ -97,23 +99,32 @@ class Filter:
         place, readings = self.forcing.place, self.forcing.readings
         self.view = View(self.rig, place, self.forcing.terms)
         self._state = Augmented(readings, self.rig.expansion_tolerance)
-        self._kf = KalmanFilter(dim_x=self._state.size, dim_z=len(self.rig.names))
         inputs = {name: value - start.zero_K[name] for name, value in sample.inputs.items()}
-        self._kf.x, self._kf.P = self._state.prior(*prior(start, self.forcing.terms, place, inputs))
+        before = prior(start, self.forcing.terms, place, inputs)
+        self.x, self.P = self._state.prior(*before)
         R = readings.sd**2 + FIRST_SD_K**2
         compared = self._compare(sample, offset, R)
-        self._update(sample.channels - offset, compared, R)
-        self._state.remember_growth(self._kf.x, self._kf.P)
-        self._start_z, self._start_zeros = self._kf.x[: place.size].copy(), self._state.channel_zeros(self._kf.x)
+        self.x, self.P = self._state.first(before, sample.channels - offset, R, compared.fuse)
+        self._start_z, self._start_zeros = self.x[: place.size].copy(), self._state.channel_zeros(self.x)
         self.open_loop = OpenLoop(self._start_z, readings, self.rig.tick_s)
         self.started = True
         return self._report(sample, compared, self._open_loop_reading(offset), nis=np.nan)
+
+    @cached_property
+    def _kf(self) -> Any:
+        """filterpy's filter, from the first estimate on. Imported late: that takes longer than reading a model."""
+        from filterpy.kalman import KalmanFilter
+
+        kf = KalmanFilter(dim_x=self._state.size, dim_z=len(self.rig.names))
+        kf.x, kf.P = self.x, self.P
+        return kf
 
     def _advance(self, sample: Sample, ticks: Ticks, k: int) -> Step:
         regime, heat = int(ticks.regime[k]), ticks.heat[k]
         self.open_loop.step(self.forcing.transition(regime), heat)
         full = self._transition(regime)
         self._kf.predict(u=heat, B=full.J, F=full.F, Q=full.Q)
+        self.x, self.P = self._kf.x, self._kf.P
         readings, lag = self.forcing.readings, self.open_loop.lag
         R = readings.sd**2 + (readings.lag_noise * lag) ** 2
         offset = ticks.offset[k] + lag + self.open_loop.late(sample.ages_s)
@@ -133,10 +144,10 @@ class Filter:
         return self._transitions[regime]
 
     def _compare(self, sample: Sample, offset: Array, R: Array) -> Comparison:
-        rows, P = self._state.rows(self._grown_um()), self._kf.P
-        predicted = rows @ self._kf.x + offset
+        rows = self._state.rows(self._grown_um())
+        predicted = rows @ self.x + offset
         innovation = sample.channels - predicted
-        sd = np.sqrt(_variances(rows, P) + R)
+        sd = np.sqrt(_variances(rows, self.P) + R)
         wild = np.abs(innovation) > GATE.sd * sd
         self.rejected = np.where(wild, self.rejected + 1, 0)
         why = np.full(len(sd), "", dtype=object)
@@ -153,10 +164,11 @@ class Filter:
             return float("nan")
         self._kf.update(reading[fuse], R=np.diag(R[fuse]), H=compared.rows[fuse])
         self._kf.P = (self._kf.P + self._kf.P.T) / 2
+        self.x, self.P = self._kf.x, self._kf.P
         return float(self._kf.y @ self._kf.SI @ self._kf.y)
 
     def _report(self, sample: Sample, compared: Comparison, open_loop: Array, nis: float) -> Step:
-        n, x, P = self._state.n, self._kf.x, self._kf.P
+        n, x, P = self._state.n, self.x, self.P
         c, profile = self._state.elongation(self._grown_um()), self.view.profile
         um = 1.0 if self.view.has_span else float("nan")  # without a screw nothing grows
         position = self.places.held(np.array([sample.inputs.get("position", np.nan)]))[0]
@@ -165,7 +177,7 @@ class Filter:
             time_s=sample.time_s,
             mode=Mode(int(modes(compared.fuse, self.rig))),
             elongation_um=float(um * (c @ x)),
-            sigma_um=float(um * np.sqrt(max(c @ P @ c, 0.0))),
+            sigma_um=float(um * np.sqrt(max(float(c @ P @ c), 0.0))),
             open_loop_um=um * self._grown_um(),
             profile_C=profile @ x[:n],
             profile_sd_K=np.sqrt(_variances(profile, P[:n, :n])),
@@ -191,7 +203,7 @@ class Filter:
 
     def _table_error(self, position_mm: float) -> tuple[float, float]:
         weights = self.view.table_error(position_mm)
-        n, x, P = self._state.n, self._kf.x, self._kf.P
+        n, x, P = self._state.n, self.x, self.P
         growth = weights @ (x[:n] - self._start_z)
         variance = weights @ P[:n, :n] @ weights + growth**2 * P[-2, -2]
         return float(growth * (1.0 + x[-2])), float(np.sqrt(variance))

@@ -16,7 +16,8 @@ with H, y and R of the channels fused,
     unpredict r <- W' r         N <- W' N W
 
 (Koopman and Durbin 2000, with u and D written for the smoothed state). np.dot is the processor's own matrix product, as
-long as an array lies in one piece. Loops are spelled out: whole arrays in one expression take numba seconds to compile.
+long as an array lies in one piece and is not transposed. Loops are spelled out: whole arrays in one expression take
+numba seconds to compile. What a tick works on is allocated once (Now, Carry): an allocation costs as much as a reading.
 
 All kernels stay in one module: numba's cache does not notice that a compiled function of another file has changed.
 """
@@ -32,6 +33,7 @@ from numba import njit
 from estimator.record import Array
 
 LOG_2PI = float(np.log(2.0 * np.pi))
+VECTOR = 8  # numbers that the processor works on at once: rows of P are filled up to whole vectors
 ROOM = (1e-200, 1e200)
 HOW: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
@@ -39,10 +41,11 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Model(NamedTuple):
-    """What does not change from tick to tick: fields of System, and row o of H has its entries at places[start[o] :
-    start[o + 1]]. Without a column that varies, spans are 0."""
+    """What does not change from tick to tick: fields of System, F of each regime transposed too, and row o of H has its
+    entries at places[start[o] : start[o + 1]]. Without a column that varies, spans are 0."""
 
     F: Array
+    F_T: Array
     Q: Array
     H: Array
     spans: Array
@@ -68,6 +71,24 @@ class States(NamedTuple):
 
     x: Array
     P: Array
+
+
+class Carry(NamedTuple):
+    """Room for what becomes of x (d,) and of P: its first columns, these times W' (n, d) each, and W P W' (d, d)."""
+
+    x: Array
+    P: Array
+    PW: Array
+    WPW: Array
+
+
+class Now(NamedTuple):
+    """The state at one tick: x (w,) and P (n, w), filled up with zeros from n to w; room for one row, and to carry."""
+
+    x: Array
+    P: Array
+    w: Array
+    carry: Carry
 
 
 class Compared(NamedTuple):
@@ -117,8 +138,8 @@ def kernel(function: Function) -> Function:
 
 
 def part(function: Function) -> Function:
-    """Compile as a part of kernels."""
-    return njit(**HOW)(function)
+    """Compile as a part of kernels, in their place: a call would hand over every field of every array."""
+    return njit(forceinline=True, **HOW)(function)
 
 
 @part
@@ -151,45 +172,76 @@ def _row_times(model: Model, H: Array, o: int, P: Array, out: Array) -> None:
 
 
 @part
-def _carry(M: Array, x: Array, P: Array) -> Array:
-    """x <- W x and P <- W P W', W the identity with M (d, d) in its first rows and columns. The first rows of P W'."""
-    d, n = len(M), len(x)
-    Mx, P_dd, PW = np.dot(M, x[:d]), np.empty((d, d)), np.empty((d, n))
+def _carry(M: Array, M_T: Array, x: Array, P: Array, room: Carry) -> None:
+    """x <- W x and P <- W P W', W the identity with M (d, d) in its first rows and columns; P W' stays in the room."""
+    d, n = len(M), len(P)
+    np.dot(M, x[:d], room.x)
     for i in range(d):
-        x[i] = Mx[i]
-        for j in range(d):
-            P_dd[i, j] = P[i, j]
-    MP = np.dot(M, P_dd)
-    for i in range(d):
-        for j in range(d):
-            PW[i, j] = MP[j, i]
-        for j in range(d, n):
-            PW[i, j] = P[i, j]
-    np.dot(M, PW, P[:d])
+        x[i] = room.x[i]
     for i in range(n):
+        for j in range(d):
+            room.P[i, j] = P[i, j]
+    np.dot(room.P, M_T, room.PW)
+    np.dot(M, room.PW[:d], room.WPW)
+    for i in range(d):
+        for j in range(i, d):
+            P[i, j] = room.WPW[i, j]
         for j in range(i):
             P[i, j] = P[j, i]
-    return PW
+    for i in range(d, n):
+        for j in range(d):
+            P[i, j] = P[j, i] = room.PW[i, j]
 
 
 @part
-def _predict(model: Model, data: Data, t: int, x: Array, P: Array) -> None:
-    """x <- W x + b and P <- W P W' + Q."""
-    d, n, Q = model.F.shape[1], len(x), model.Q[data.regime[t]]
-    _carry(model.F[data.regime[t]], x, P)
+def _room(d: int, n: int) -> Carry:
+    return Carry(np.empty(d), np.empty((n, d)), np.empty((n, d)), np.empty((d, d)))
+
+
+@part
+def _begin(model: Model, states: States) -> Now:
+    """The state before the first tick."""
+    n = states.x.shape[1]
+    width = -(-n // VECTOR) * VECTOR
+    now = Now(np.zeros(width), np.zeros((n, width)), np.zeros(width), _room(model.F.shape[1], n))
     for i in range(n):
+        now.x[i] = states.x[0, i]
+        for j in range(n):
+            now.P[i, j] = states.P[0, i, j]
+    return now
+
+
+@part
+def _keep(now: Now, states: States, k: int, ticks: int) -> None:
+    """Keep the state after k of the ticks where there is room for all of them; else after the last alone."""
+    if len(states.x) == 1:
+        if k < ticks:
+            return
+        k = 0
+    for i in range(len(now.P)):
+        states.x[k, i] = now.x[i]
+        for j in range(len(now.P)):
+            states.P[k, i, j] = now.P[i, j]
+
+
+@part
+def _predict(model: Model, data: Data, t: int, now: Now) -> None:
+    """x <- W x + b and P <- W P W' + Q."""
+    x, P, d, Q = now.x, now.P, model.F.shape[1], model.Q[data.regime[t]]
+    _carry(model.F[data.regime[t]], model.F_T[data.regime[t]], x, P, now.carry)
+    for i in range(len(P)):
         x[i] += data.b[t, i]
     for i in range(d):
         for j in range(d):
             P[i, j] += Q[i, j]
-    for i in range(d, n):
+    for i in range(d, len(P)):
         P[i, i] += Q[i, i]
 
 
 @part
-def _fuse(model: Model, H: Array, data: Data, use: Array, t: int, x: Array, P: Array) -> tuple[int, float, float]:
+def _fuse(model: Model, H: Array, data: Data, use: Array, t: int, now: Now) -> tuple[int, float, float]:
     """Update x and P by what is to be used at tick t: count, e'e, and the log-determinant of the innovations."""
-    n, count, squares, logarithm, w = len(x), 0, 0.0, 0.0, np.empty_like(x)
+    x, P, w, count, squares, logarithm = now.x, now.P, now.w, 0, 0.0, 0.0
     product = 1.0  # one logarithm for many channels, as long as their product has room
     for o in range(len(H)):
         if not use[t, o]:
@@ -198,11 +250,11 @@ def _fuse(model: Model, H: Array, data: Data, use: Array, t: int, x: Array, P: A
         f = data.R[t, o] + _row_dot(model, H, o, w)
         s = 1.0 / np.sqrt(f)
         e = s * (data.y[t, o] - _row_dot(model, H, o, x))
-        for i in range(n):
+        for i in range(len(w)):
             w[i] *= s
             x[i] += w[i] * e
-        for i in range(n):
-            for j in range(n):
+        for i in range(len(P)):
+            for j in range(len(w)):
                 P[i, j] -= w[i] * w[j]
         squares += e * e
         count += 1
@@ -213,28 +265,15 @@ def _fuse(model: Model, H: Array, data: Data, use: Array, t: int, x: Array, P: A
     return count, squares, logarithm + np.log(product)
 
 
-@part
-def _next(states: States, t: int) -> tuple[Array, Array]:
-    """x and P where those after tick t are to be, as they are before it."""
-    old, new = min(t, len(states.x) - 1), min(t + 1, len(states.x) - 1)
-    x, P = states.x[new], states.P[new]
-    if old != new:
-        for i in range(len(x)):
-            x[i] = states.x[old, i]
-            for j in range(len(x)):
-                P[i, j] = states.P[old, i, j]
-    return x, P
-
-
 @kernel
 def forward(model: Model, data: Data, states: States) -> float:
     """Filter; the log-likelihood of these ticks."""
-    H, result = model.H.copy(), 0.0
-    for t in range(len(data.y)):
-        x, P = _next(states, t)
+    H, now, ticks, result = model.H.copy(), _begin(model, states), len(data.y), 0.0
+    for t in range(ticks):
         _vary(model, H, data.grown[t])
-        _predict(model, data, t, x, P)
-        count, squares, logarithm = _fuse(model, H, data, data.use, t, x, P)
+        _predict(model, data, t, now)
+        count, squares, logarithm = _fuse(model, H, data, data.use, t, now)
+        _keep(now, states, t + 1, ticks)
         result -= 0.5 * (squares + logarithm + count * LOG_2PI)
     return result
 
@@ -245,19 +284,19 @@ def compare(model: Model, data: Data, limit: float, stubborn: int, wild: Array, 
 
     wild  (m,) ticks for which each channel has been so; for more than `stubborn`, it is believed. Changed.
     """
-    H, hP = model.H.copy(), np.empty(model.H.shape[1])
-    for t in range(len(data.y)):
-        x, P = _next(states, t)
+    H, now, ticks = model.H.copy(), _begin(model, states), len(data.y)
+    for t in range(ticks):
         _vary(model, H, data.grown[t])
-        _predict(model, data, t, x, P)
+        _predict(model, data, t, now)
         for o in range(len(H)):
-            predicted = _row_dot(model, H, o, x)
-            _row_times(model, H, o, P, hP)
-            sd = np.sqrt(max(_row_dot(model, H, o, hP), 0.0) + data.R[t, o])
+            predicted = _row_dot(model, H, o, now.x)
+            _row_times(model, H, o, now.P, now.w)
+            sd = np.sqrt(max(_row_dot(model, H, o, now.w), 0.0) + data.R[t, o])
             wild[o] = wild[o] + 1 if abs(data.y[t, o] - predicted) > limit * sd else 0
             out.predicted[t, o], out.sd[t, o] = predicted, sd
             out.fused[t, o] = data.use[t, o] and (wild[o] == 0 or wild[o] > stubborn)
-        count, squares, logarithm = _fuse(model, H, data, out.fused, t, x, P)
+        count, squares, logarithm = _fuse(model, H, data, out.fused, t, now)
+        _keep(now, states, t + 1, ticks)
         out.nis[t] = squares if count else np.nan
         out.loglike[t] = -0.5 * (squares + logarithm + count * LOG_2PI)
 
@@ -328,7 +367,7 @@ def _smooth_covariance(P: Array, N: Array, var: Array, cov: Array) -> None:
 @kernel
 def smooth(model: Model, data: Data, states: States, r: Array, N: Array, out: Smooth) -> None:
     """From the last tick to the first, after `forward` has kept all states."""
-    H = model.H.copy()
+    H, room = model.H.copy(), _room(model.F.shape[1], len(r))
     for t in range(len(data.y) - 1, -1, -1):
         P = states.P[t + 1]
         _vary(model, H, data.grown[t])
@@ -340,7 +379,7 @@ def smooth(model: Model, data: Data, states: States, r: Array, N: Array, out: Sm
         for k in range(len(out.along)):
             out.along_r[t, k] = np.dot(out.along[k], r)
             out.along_N[t, k] = np.dot(out.along[k], np.dot(N, out.along[k]))
-        _carry(model.F[data.regime[t]].T, r, N)
+        _carry(model.F_T[data.regime[t]], model.F[data.regime[t]], r, N, room)
 
 
 @part
@@ -365,7 +404,8 @@ def score(model: Model, data: Data, rows: Array, states: States, r: Array, N: Ar
     F += r z' - (N W P)_dd, with the adjoint after the transition, the smoothed z and filtered P before it, and
     Q += r r' - N.
     """
-    d, last, H, z = model.F.shape[1], len(data.y), model.H.copy(), np.empty_like(r)
+    n, d, last, H, z = len(r), model.F.shape[1], len(data.y), model.H.copy(), np.empty_like(r)
+    room, NW, P_d, NWP = _room(d, n), np.empty((d, n)), np.empty((n, d)), np.empty((d, d))
     _smooth_mean(states, last, r, z)
     for t in range(last - 1, -1, -1):
         F, Q, b = out.F[data.regime[t]], out.Q[data.regime[t]], out.b[t]
@@ -376,9 +416,13 @@ def score(model: Model, data: Data, rows: Array, states: States, r: Array, N: Ar
             b[i] = r[i]
             for j in range(len(r)):
                 Q[i, j] += r[i] * r[j] - N[i, j]
-        NW = _carry(model.F[data.regime[t]].T, r, N)
+        _carry(model.F_T[data.regime[t]], model.F[data.regime[t]], r, N, room)
         _smooth_mean(states, t, r, z)
-        NWP = np.dot(NW, states.P[t])
+        for i in range(n):
+            for j in range(d):
+                P_d[i, j] = states.P[t, i, j]
+                NW[j, i] = room.PW[j, i] if i < d else room.P[i, j]
+        np.dot(NW, P_d, NWP)
         for i in range(d):
             for j in range(d):
                 F[i, j] += b[i] * z[j] - NWP[i, j]
@@ -435,15 +479,15 @@ def columns(model: Model, data: Data, states: States, B: Array, D: Array, block:
     X      (n, k + 1)     its filtered state; the last column is kept 0. Changed
     G      (blocks, k + 1, k + 1)  sums of v' S^-1 v, v the innovations; the last column is the data's. Changed
     """
-    H = model.H.copy()
-    for t in range(len(B)):
-        x, P = _next(states, t)
+    H, now, ticks = model.H.copy(), _begin(model, states), len(B)
+    for t in range(ticks):
         _vary(model, H, data.grown[t])
         _push(model.F[data.regime[t]], B[t], X)
-        _predict(model, data, t, x, P)
-        v = _innovations(model, H, data, t, D[t], X, x)
-        _fuse(model, H, data, data.use, t, x, P)
-        _regress(model, H, data, t, v, P, X, G[block[t]])
+        _predict(model, data, t, now)
+        v = _innovations(model, H, data, t, D[t], X, now.x)
+        _fuse(model, H, data, data.use, t, now)
+        _keep(now, states, t + 1, ticks)
+        _regress(model, H, data, t, v, now.P, X, G[block[t]])
 
 
 @kernel

@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter
 
 from estimator.assemble import Readings
 from estimator.forcing import Drive, Forcing
@@ -91,19 +90,18 @@ def open_loop(forcing: Forcing, drive: Drive, start: Array, ages_s: Array) -> Ar
 
 def lagging(keep: Array, ramp: Array, spot: Array, pushed: Array) -> Array:
     """Lagged readings (T, m) of spots (T + 1, m), the first in equilibrium, each pushed (T, m) further at its tick."""
-    lagged = np.empty_like(pushed)
-    drive = ramp * spot[1:] + (1 - keep - ramp) * spot[:-1] + pushed
-    for i in range(spot.shape[1]):
-        lagged[:, i] = lfilter([1.0], [1.0, -keep[i]], drive[:, i], zi=[keep[i] * spot[0, i]])[0]
-    return lagged
+    return _remembering(keep, ramp * spot[1:] + (1 - keep - ramp) * spot[:-1] + pushed, spot[0])
+
+
+def _remembering(keep: Array, pushed: Array, start: Array) -> Array:
+    """s[t] = keep s[t-1] + pushed[t] from start (m,) on, (T, m)."""
+    return coast(np.diag(keep)[None], np.zeros(len(pushed), dtype=int), pushed, start)
 
 
 def pull_back(run: Nominal, F: Array, regime: Array, to_lag: Array, to_late: Array, to_grown: Array) -> NominalScore:
     """From derivatives with respect to lag (T, m), late (T, m) and grown (T,) to those of NominalScore."""
     keep, ramp = lag_filter(run.readings.tau, run.tick_s)
-    to_lagged = np.empty_like(to_lag)
-    for i in range(to_lag.shape[1]):
-        to_lagged[::-1, i] = lfilter([1.0], [1.0, -keep[i]], to_lag[::-1, i])
+    to_lagged = _remembering(keep, to_lag[::-1], np.zeros_like(keep))[::-1]
     moved = to_late * run.late_share
     to_spot = np.zeros_like(run.spot)
     to_spot[1:] += ramp * to_lagged - to_lag - moved

@@ -56,7 +56,7 @@ class System:
         entries[:, self.column] |= spans != 0.0
         start = np.append(0, entries.sum(axis=1).cumsum())
         places = np.ascontiguousarray(entries.nonzero()[1])  # one kind of array, however many there are
-        return Model(F, Q, H, spans, int(self.column), start, places)
+        return Model(F, np.ascontiguousarray(F.transpose(0, 2, 1)), Q, H, spans, int(self.column), start, places)
 
     @cached_property
     def data(self) -> Data:

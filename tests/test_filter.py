@@ -253,7 +253,7 @@ def test_covariance_stays_symmetric_and_positive_over_20000_steps(small, small_m
     log.channels[3000:6000] = np.nan
     filter_ = Filter(small_model, small)
     track = filter_.run(log)
-    P = filter_._kf.P
+    P = filter_.P
     assert (P == P.T).all()
     assert np.linalg.eigvalsh(P).min() > -1e-12 * np.linalg.eigvalsh(P).max()
     assert (np.diag(P) > 0).all()

@@ -146,8 +146,8 @@ def test_the_final_state_is_that_of_the_joint_distribution(both, recording):
     filter_, _, whole, _ = both
     b, cov = whole.given(recording.channels, SAMPLES)
     A, a = whole.states[-1]
-    np.testing.assert_allclose(filter_._kf.x[:-1], A @ b + a, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(filter_._kf.P[:-1, :-1], A @ cov @ A.T, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(filter_.x[:-1], A @ b + a, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(filter_.P[:-1, :-1], A @ cov @ A.T, rtol=0, atol=1e-9)
 
 
 def test_elongation_and_sigma_are_those_of_the_growth_since_the_first_sample(both, small, recording):

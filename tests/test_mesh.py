@@ -85,7 +85,7 @@ def test_the_filter_has_at_most_32_states_that_move(full, rig, driven, live):
     constants = len(filter_._state.zeros) + 2  # whose transition is the identity: they cost little
     assert filter_._state.n <= 32
     assert filter_._state.size == filter_._state.n + constants
-    assert filter_._kf.x.shape == (filter_._state.size,)
+    assert filter_.x.shape == (filter_._state.size,)
 
 
 def cost_of_regimes(model, rig, drive, monkeypatch) -> tuple[float, float, int]:
