@@ -91,6 +91,18 @@ class Now(NamedTuple):
     carry: Carry
 
 
+class Backwards(NamedTuple):
+    """What _unfuse finds at a tick: u (m,), D (m, m) and E = H - H P N (m, n); room for H P (m, n), P H', B, to carry."""
+
+    u: Array
+    D: Array
+    E: Array
+    HP: Array
+    PH: Array
+    B: Array
+    carry: Carry
+
+
 class Compared(NamedTuple):
     """Of each tick: predicted reading and its sd, what was fused (K, m); nis and log-likelihood (K,)."""
 
@@ -311,33 +323,59 @@ def _remainder(g: Array, C: Array) -> None:
 
 
 @part
-def _unfuse(model: Model, H: Array, data: Data, t: int, z: Array, P: Array, r: Array,
-            N: Array) -> tuple[Array, Array, Array]:  # fmt: skip
-    """Take r and N back over the readings of tick t, with the smoothed z and filtered P after it: u, D and H - H P N.
+def _backwards(model: Model) -> Backwards:
+    (m, n), d = model.H.shape, model.F.shape[1]
+    E, HP, B = np.empty((m, n)), np.empty((m, n)), np.empty((m, n))
+    return Backwards(np.zeros(m), np.empty((m, m)), E, HP, np.empty((n, m)), B, _room(d, n))
+
+
+@part
+def _unfuse(model: Model, H: Array, data: Data, t: int, z: Array, P: Array, r: Array, N: Array, out: Backwards) -> None:
+    """Take r and N back over the readings of tick t, with the smoothed z and filtered P after it.
 
     Of channels not fused u and D are 0.
     """
-    (m, n), g, u, E = H.shape, data.inverse[t], np.zeros(len(H)), np.empty_like(H)
+    (m, n), g, D, B = H.shape, data.inverse[t], out.D, out.B
     for o in range(m):
-        _row_times(model, H, o, P, E[o])
-        if data.use[t, o]:
-            u[o] = g[o] * (data.y[t, o] - _row_dot(model, H, o, z))
-    PH, B = E.T.copy(), np.dot(E, N)
+        _row_times(model, H, o, P, out.HP[o])
+        out.u[o] = g[o] * (data.y[t, o] - _row_dot(model, H, o, z)) if data.use[t, o] else 0.0
+        for i in range(n):
+            out.PH[i, o] = out.HP[o, i]
+    np.dot(out.HP, N, B)
     for o in range(m):
         for i in range(n):
-            E[o, i] = H[o, i] - B[o, i]
-            r[i] += H[o, i] * u[o]
-    D = np.dot(E, PH)
+            out.E[o, i] = H[o, i] - B[o, i]
+            r[i] += H[o, i] * out.u[o]
+            B[o, i] *= -g[o]
+    np.dot(out.E, out.PH, D)
     _remainder(g, D)
-    DH = np.dot(D, H)
-    for o in range(m):
-        for i in range(n):
-            B[o, i] = 0.5 * DH[o, i] - g[o] * B[o, i]
-    HB = np.dot(H.T, B)
+    for p in range(m):
+        for entry in range(model.start[p], model.start[p + 1]):
+            q = model.places[entry]
+            for o in range(m):
+                B[o, q] += 0.5 * D[o, p] * H[p, q]
+    _add_symmetric(model, H, B, N)
+
+
+@part
+def _add_symmetric(model: Model, H: Array, B: Array, N: Array) -> None:
+    """N <- N + H' B + B' H."""
+    n = len(N)
     for i in range(n):
         for j in range(n):
-            N[i, j] += HB[i, j] + HB[j, i]
-    return u, D, E
+            N[i, j] *= 0.5
+    for o in range(len(H)):
+        for entry in range(model.start[o], model.start[o + 1]):
+            q = model.places[entry]
+            h = H[o, q]
+            for j in range(n):
+                N[q, j] += h * B[o, j]
+    for i in range(n):
+        for j in range(i + 1):
+            N[i, j] += N[j, i]
+    for i in range(n):
+        for j in range(i):
+            N[j, i] = N[i, j]
 
 
 @part
@@ -367,26 +405,26 @@ def _smooth_covariance(P: Array, N: Array, var: Array, cov: Array) -> None:
 @kernel
 def smooth(model: Model, data: Data, states: States, r: Array, N: Array, out: Smooth) -> None:
     """From the last tick to the first, after `forward` has kept all states."""
-    H, room = model.H.copy(), _room(model.F.shape[1], len(r))
+    H, back = model.H.copy(), _backwards(model)
     for t in range(len(data.y) - 1, -1, -1):
         P = states.P[t + 1]
         _vary(model, H, data.grown[t])
         _smooth_mean(states, t + 1, r, out.x[t])
         _smooth_covariance(P, N, out.var[t], out.cov[t] if len(out.cov) else P[:0])
-        _unfuse(model, H, data, t, out.x[t], P, r, N)
+        _unfuse(model, H, data, t, out.x[t], P, r, N, back)
         for i in range(len(r)):
             out.r[t, i] = r[i]
         for k in range(len(out.along)):
             out.along_r[t, k] = np.dot(out.along[k], r)
             out.along_N[t, k] = np.dot(out.along[k], np.dot(N, out.along[k]))
-        _carry(model.F_T[data.regime[t]], model.F[data.regime[t]], r, N, room)
+        _carry(model.F_T[data.regime[t]], model.F[data.regime[t]], r, N, back.carry)
 
 
 @part
-def _slopes_of_readings(model: Model, data: Data, t: int, rows: Array, z: Array, P: Array,
-                        found: tuple[Array, Array, Array], out: Slopes) -> None:  # fmt: skip
+def _slopes_of_readings(model: Model, data: Data, t: int, rows: Array, z: Array, P: Array, found: Backwards,
+                        out: Slopes) -> None:  # fmt: skip
     """R = (u^2 - D) / 2 and H += u z - V h' / R, of what _unfuse has found at tick t."""
-    u, D, E = found
+    u, D, E = found.u, found.D, found.E
     for o in range(len(u)):
         out.y[t, o], out.R[t, o] = -u[o], 0.5 * (u[o] * u[o] - D[o, o])
         if data.use[t, o] and (rows[o] or model.spans[o] != 0.0):
@@ -405,23 +443,23 @@ def score(model: Model, data: Data, rows: Array, states: States, r: Array, N: Ar
     Q += r r' - N.
     """
     n, d, last, H, z = len(r), model.F.shape[1], len(data.y), model.H.copy(), np.empty_like(r)
-    room, NW, P_d, NWP = _room(d, n), np.empty((d, n)), np.empty((n, d)), np.empty((d, d))
+    back, NW, P_d, NWP = _backwards(model), np.empty((d, n)), np.empty((n, d)), np.empty((d, d))
     _smooth_mean(states, last, r, z)
     for t in range(last - 1, -1, -1):
         F, Q, b = out.F[data.regime[t]], out.Q[data.regime[t]], out.b[t]
         _vary(model, H, data.grown[t])
-        found = _unfuse(model, H, data, t, z, states.P[t + 1], r, N)
-        _slopes_of_readings(model, data, t, rows, z, states.P[t + 1], found, out)
+        _unfuse(model, H, data, t, z, states.P[t + 1], r, N, back)
+        _slopes_of_readings(model, data, t, rows, z, states.P[t + 1], back, out)
         for i in range(len(r)):
             b[i] = r[i]
             for j in range(len(r)):
                 Q[i, j] += r[i] * r[j] - N[i, j]
-        _carry(model.F_T[data.regime[t]], model.F[data.regime[t]], r, N, room)
+        _carry(model.F_T[data.regime[t]], model.F[data.regime[t]], r, N, back.carry)
         _smooth_mean(states, t, r, z)
         for i in range(n):
             for j in range(d):
                 P_d[i, j] = states.P[t, i, j]
-                NW[j, i] = room.PW[j, i] if i < d else room.P[i, j]
+                NW[j, i] = back.carry.PW[j, i] if i < d else back.carry.P[i, j]
         np.dot(NW, P_d, NWP)
         for i in range(d):
             for j in range(d):
