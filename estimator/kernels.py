@@ -92,7 +92,7 @@ class Now(NamedTuple):
 
 
 class Backwards(NamedTuple):
-    """What _unfuse finds at a tick: u (m,), D (m, m) and E = H - H P N (m, n); room for H P (m, n), P H', B, to carry."""
+    """What _unfuse finds: u (m,), D (m, m) and E = H - H P N (m, n); room for H P (m, n), P H', B (m, n), to carry."""
 
     u: Array
     D: Array
