@@ -13,12 +13,12 @@ from ballscrew.options import logs_argument, output_options, save_option
 from ballscrew.page import Section
 from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
-from ballscrew.workspace import load, open_model, open_rig
+from ballscrew.workspace import load, open_model, open_rig, true_elongation
 from estimator.compare import ByHorizon, Comparison, compare
 from estimator.errors import InputError
 from estimator.horizon import Error
 from estimator.model import Model
-from estimator.record import Recording
+from estimator.record import Array, Recording
 from estimator.rig import Rig
 
 PHASES = {"drive": "driving", "early_stop": "first 10 min after a stop", "late_stop": "later"}
@@ -43,7 +43,8 @@ def command(
 ) -> int:  # fmt: skip
     """Print how far one or more models are from the readings in all LOGs: where, when, and how far ahead.
 
-    One tick ahead, ten minutes ahead, and by the model alone from the first sample on; by channel, by phase and by
+    The elongation is compared with the truth where a NAME.truth.csv lies beside the log, else with the readings. One
+    tick ahead, ten minutes ahead, and by the model alone from the first sample on; by channel, by phase and by
     speed, with what the sensors alone would leave beside it. The views show one model, or two: before and after.
     """
     if rrd is not None and len(model_paths) > 2:
@@ -55,8 +56,10 @@ def command(
     if not loaded:
         return InputError.exit_code
     terminal.say_if_compiling("passes", "ahead")
-    found = _compared(terminal, rig, models, [one.recording for one in loaded])
+    truths = [true_elongation(one, terminal, failed) for one in loaded]
+    found = _compared(terminal, rig, models, [one.recording for one in loaded], truths)
     _print(terminal, tables := sections(found))
+    terminal.say(_reference(found[0], rig))
     terminal.json({"models": [_as_json(each) for each in found]})
     if rrd is not None:
         from ballscrew.comparison_views import save_views  # rerun takes half a second to import
@@ -66,13 +69,14 @@ def command(
 
 
 def _compared(
-    terminal: Terminal, rig: Rig, models: Sequence[Model], recordings: Sequence[Recording]
-) -> list[Comparison]:
+    terminal: Terminal, rig: Rig, models: Sequence[Model], recordings: Sequence[Recording],
+    truths: Sequence[Array | None],
+) -> list[Comparison]:  # fmt: skip
     found = []
     with terminal.progress("comparing", len(models)) as update, threads() as share:
         for done, model in enumerate(models):
             update(done, model.name)
-            found.append(compare(model, rig, recordings, share))
+            found.append(compare(model, rig, recordings, share, truths))
     return found
 
 
@@ -84,6 +88,18 @@ def _print(terminal: Terminal, tables: Sequence[Section]) -> None:
     for _, said, _ in tables:
         for sentence in said:
             terminal.say(sentence)
+
+
+def _reference(found: Comparison, rig: Rig) -> str:
+    """What the elongation was compared with."""
+    read = "the displacement readings, and at rest the direct reading joined at the stop"
+    if "displacement" not in rig.channels:
+        read = "nothing: there is no displacement channel"
+    rest = found.recordings - found.truths
+    parts = ["the truth"] if found.truths else []
+    if rest:
+        parts.append(f"{read} ({rest} of {found.recordings} recordings)" if found.truths else read)
+    return f"elongation compared with {'; '.join(parts)}"
 
 
 def sections(found: Sequence[Comparison]) -> list[Section]:
@@ -137,6 +153,7 @@ def _as_json(each: Comparison) -> dict[str, object]:
         "by_phase": {phase: _horizons(by) for phase, by in each.by_phase.items()},
         "by_speed_m_min": {f"{speed:g}": _horizons(by) for speed, by in each.by_speed.items()},
         "noise_floor": vars(each.floor),
+        "reference": {"truth": each.truths, "readings": each.recordings - each.truths},
         "warnings": list(each.warnings),
     }
 

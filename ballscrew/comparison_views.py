@@ -133,4 +133,4 @@ def _missed(found: MissingHeat) -> dict[str, object]:
 def _readings(recording: Recording, rig: Rig, model: Model) -> Array:
     if "displacement" not in rig.channels:
         return np.full(len(recording), np.nan)
-    return joined(recording, rig, model)
+    return joined(recording, rig, model).um

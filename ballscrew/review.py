@@ -13,9 +13,8 @@ from ballscrew.options import logs_argument, output_options, rig_options, save_o
 from ballscrew.report import as_json, markdown, print_reviews
 from ballscrew.terminal import Terminal
 from ballscrew.viewing import show, view_option
-from ballscrew.workspace import Loaded, load, open_model, open_rig
+from ballscrew.workspace import Loaded, load, open_model, open_rig, true_elongation
 from estimator.errors import InputError
-from estimator.record import Array
 from estimator.review import Review, review
 from estimator.rig import Rig
 from viz.run import Run, first_stop_s
@@ -57,7 +56,7 @@ def command(
     for one in loaded:
         began = time.perf_counter()
         mute = muted(one.recording, rig, names, no_displacement, spans)
-        truth = _truth(terminal, one, failed)
+        truth = true_elongation(one, terminal, failed)
         with terminal.progress(one.recording.name, len(one.recording)) as update:
             reviews.append(review(one.recording, rig, model, truth, mute, names, update))
         seconds.append(time.perf_counter() - began)
@@ -68,17 +67,6 @@ def command(
     if rrd is not None:
         _save(terminal, rrd, _runs(rig, loaded, reviews), markdown(reviews), view)
     return InputError.exit_code if failed else 0
-
-
-def _truth(terminal: Terminal, one: Loaded, failed: list[str]) -> Array | None:
-    """True elongation at the ticks, (K,) um; a malformed truth file is reported, and the readings serve instead."""
-    try:
-        return one.truth.at(one.recording.time_s) if one.truth else None
-    except InputError as error:
-        terminal.error(str(error))
-        failed.append(str(error))
-        one.truth = None
-        return None
 
 
 def _runs(rig: Rig, loaded: Sequence[Loaded], reviews: Sequence[Review]) -> list[Run]:

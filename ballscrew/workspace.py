@@ -14,7 +14,7 @@ from drivers.recordings import find_recordings, read_joined, read_recording
 from drivers.truth import Truth, read_truth
 from estimator.errors import InputError, SetupError
 from estimator.model import Model, load_model
-from estimator.record import Recording
+from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_file import load_rig
 
@@ -85,6 +85,17 @@ def _read(parts: Sequence[Path], rig: Rig, progress: Progress) -> Loaded:
     if len(parts) == 1:
         return Loaded(parts[0], read_recording(parts[0], rig, progress))
     return Loaded(*read_joined(parts, rig, progress))
+
+
+def true_elongation(one: Loaded, terminal: Terminal, failed: list[str]) -> Array | None:
+    """True elongation at the ticks, (K,) um; a malformed truth file is reported, and the readings serve instead."""
+    try:
+        return one.truth.at(one.recording.time_s) if one.truth else None
+    except InputError as error:
+        terminal.error(str(error))
+        failed.append(str(error))
+        one.truth = None
+        return None
 
 
 def load_apart(

@@ -7,10 +7,11 @@ ten-minutes-ahead errors stand beside them, and the noise floor of the sensors b
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from estimator import displacement
 from estimator.horizon import HORIZONS, Error, Horizons, horizons, overall
 from estimator.model import Model
 from estimator.phase import PHASES, phase_of, speed_of
@@ -30,6 +31,7 @@ class Comparison:
     by_channel  error of each channel by horizon, in the channel's unit
     by_speed    by mean speed in m/min, of the drive that a tick belongs to or follows
     floor       what the sensors alone would leave
+    truths      of how many recordings the true elongation was known, of `recordings`
     """
 
     name: str
@@ -40,12 +42,24 @@ class Comparison:
     by_speed: Mapping[float, ByHorizon]
     floor: Error
     warnings: tuple[str, ...]
+    truths: int
+    recordings: int
 
 
-def compare(model: Model, rig: Rig, recordings: Sequence[Recording], share: Share = map) -> Comparison:
-    """Judge one model on recordings."""
+def compare(
+    model: Model, rig: Rig, recordings: Sequence[Recording], share: Share = map,
+    truths: Sequence[Array | None] | None = None,
+) -> Comparison:  # fmt: skip
+    """Judge one model on recordings.
+
+    truths  true elongation at the ticks, (K,) um, of those for which it is known. Else the elongation is compared
+            with the readings while driving, and at rest with the direct reading, joined at the stop
+    """
+    truths = truths or [None] * len(recordings)
     trials = [Trial(model, rig, recording) for recording in recordings]
     found: list[Horizons] = list(share(lambda trial: horizons(trial, model), trials))
+    references = [_reference(trial, model, truth) for trial, truth in zip(trials, truths, strict=True)]
+    found = [replace(each, reference=reference) for each, reference in zip(found, references, strict=True)]
     known = set(model.about.get("fitted_on", {}).values())
     rest = [each for each, r in zip(found, recordings, strict=True) if r.fingerprint not in known]
     whole, floor = _by_horizon(found), noise_floor(model, trials[0])
@@ -61,7 +75,19 @@ def compare(model: Model, rig: Rig, recordings: Sequence[Recording], share: Shar
         {float(level): _by_horizon(_where(found, [s == level for s in speeds])) for level in levels},
         floor,
         _warnings(whole, floor),
+        sum(truth is not None for truth in truths),
+        len(recordings),
     )
+
+
+def _reference(trial: Trial, model: Model, truth: Array | None) -> Array:
+    """Elongation since the start that predictions are compared with, (T,) um; NaN where there is none."""
+    if truth is not None:
+        return truth[trial.begin :]
+    if "displacement" not in trial.rig.channels:
+        return np.full(len(trial.rest), np.nan)
+    at_rest = phase_of(trial.recording) != "drive"
+    return np.where(at_rest, displacement.joined(trial.recording, trial.rig, model).um, np.nan)[trial.begin :]
 
 
 def _by_horizon(found: Sequence[Horizons]) -> ByHorizon:
@@ -79,10 +105,7 @@ def _rms(rest: Array) -> float:
 
 def _where(found: Sequence[Horizons], masks: Sequence[Array]) -> list[Horizons]:
     """The same errors at some of the ticks."""
-    return [
-        Horizons(each.one_step[at], each.ahead[at], each.open_loop[at], each.thermometers)
-        for each, at in zip(found, masks, strict=True)
-    ]
+    return [each.where(at) for each, at in zip(found, masks, strict=True)]
 
 
 def _warnings(whole: ByHorizon, floor: Error) -> tuple[str, ...]:

@@ -78,14 +78,15 @@ def review(
         estimates["polyline_7"] = polyline.elongation(recording, rig, rig.subset_7)
     readings = np.full(len(recording), np.nan)
     if "displacement" in rig.channels:
-        readings = displacement.joined(recording, rig, model)
+        measured = displacement.joined(recording, rig, model)
+        readings = measured.um
         estimates["polyline_joined"] = rivals.joined_polyline(recording, rig, model, line)
         estimates["last_reading"] = rivals.last_reading(recording, rig, model, line)
     reference = readings if truth_um is None else truth_um
     errors = {name: reference - series for name, series in estimates.items()}
     sigma = track.sigma_um
     if truth_um is None and "displacement" in rig.channels:
-        errors["filter"], sigma = _before_use(track, rig, errors["filter"])
+        errors["filter"], sigma = _before_use(track, rig, errors["filter"], measured.sd)
     return Review(
         recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, sigma,
         cooling(recording), len(polyline.along_screw(rig, used)), *_temperature_errors(track, rig),
@@ -104,15 +105,16 @@ def _reference_name(rig: Rig, truth_um: Array | None) -> str:
     return "readings" if "displacement" in rig.channels else "none"
 
 
-def _before_use(track: Track, rig: Rig, error: Array) -> tuple[Array, Array]:
+def _before_use(track: Track, rig: Rig, error: Array, reading_sd: Array) -> tuple[Array, Array]:
     """Where a reading was fused the error is its innovation: it is compared with the prediction made before it.
 
-    The first reading only tells the unknown zero: it has no error.
+    The first reading only tells the unknown zero: it has no error. Elsewhere the sd is that of estimate and reading.
     """
     i = rig.index("displacement")
     fused = track.fused[:, i]
     before = np.where(np.cumsum(fused) > 1, track.innovation[:, i], np.nan)
-    return np.where(fused, before, error), np.where(fused, track.innovation_sd[:, i], track.sigma_um)
+    elsewhere = np.hypot(track.sigma_um, reading_sd)
+    return np.where(fused, before, error), np.where(fused, track.innovation_sd[:, i], elsewhere)
 
 
 def cooling(recording: Recording) -> Array:

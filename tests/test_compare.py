@@ -11,7 +11,9 @@ import pytest
 from conftest import ballscrew
 
 from estimator.compare import compare
+from estimator.horizon import horizons
 from estimator.phase import phase_of, speed_of
+from estimator.trial import Trial
 
 PAPER = Path(__file__).parents[1] / "recordings"
 TRUE = {"anchor_friction.power": 24.0}
@@ -70,6 +72,34 @@ def test_parts_add_up_to_the_whole(both):
     assert min(squares) < off.whole["open_loop"].temperature_K < max(squares)
     (by_speed,) = off.by_speed.values()
     assert by_speed["open_loop"].temperature_K >= off.whole["open_loop"].temperature_K
+
+
+def test_elongation_is_compared_with_the_truth_where_it_is_known(rig, full, lived):
+    known = compare(full.with_values(TRUE), rig, [lived], truths=[np.full(len(lived), 7.0)])
+    run = horizons(Trial(full.with_values(TRUE), rig, lived), full.with_values(TRUE))
+    expected = np.sqrt(np.mean((7.0 - run.elongation["open_loop"]) ** 2))
+    assert known.whole["open_loop"].elongation_um == pytest.approx(expected)
+    assert (known.truths, known.recordings) == (1, 1)
+
+
+def test_the_command_says_what_it_compared_with(fs20_log, tmp_path):
+    with_truth = ballscrew("compare", fs20_log, "--rig", PAPER)[1]
+    assert "elongation compared with the truth" in with_truth
+    copy = tmp_path / fs20_log.name
+    copy.write_bytes(fs20_log.read_bytes())
+    status, out, _ = ballscrew("compare", copy, fs20_log, "--rig", PAPER)
+    assert status == 0
+    assert "with the truth; the displacement readings" in out
+    assert "(1 of 2 recordings)" in out
+    told = json.loads(ballscrew("compare", copy, "--json", "--quiet", "--rig", PAPER)[1])
+    (model,) = told["models"]
+    assert model["reference"] == {"truth": 0, "readings": 1}
+    assert 0.0 < model["by_phase"]["early_stop"]["open_loop"]["elongation_um"] < 1.0  # from the direct reading
+    copy.with_suffix(".truth.csv").write_text("nonsense\n")
+    status, out, said = ballscrew("compare", copy, "--rig", PAPER)
+    assert status == 1
+    assert "truth.csv" in said
+    assert "compared with the displacement readings" in out
 
 
 def test_the_command_puts_models_side_by_side(fs20_log):

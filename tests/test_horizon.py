@@ -91,16 +91,39 @@ def test_late_readings_are_expected_earlier(small_model, lived, found):
     assert np.nanmean((other.open_loop - found.open_loop)[warming, 1:3]) > 0.01
 
 
+def test_the_elongation_is_foretold_as_the_filter_would(found, lived, trial, small_model, track):
+    """One tick ahead with the readings up to there; open loop as the filter's own open-loop run."""
+    rig, run = lived
+    np.testing.assert_allclose(found.elongation["open_loop"], track.open_loop_um[1:], rtol=0, atol=1e-9)
+    for k in (3, 40, 120):
+        last = run.time_s[k - 1]
+        blind = Filter(small_model, rig, lambda t, last=last: np.full(5, t > last)).run(run.rows(slice(0, k + 1)))
+        assert found.elongation["one_step"][k - 1] == pytest.approx(blind.elongation_um[-1], abs=1e-9)
+    start = 60 // TICK_S
+    blind = Filter(small_model, rig, lambda t: np.full(5, t > run.time_s[start + 1])).run(run)
+    assert found.elongation["ahead"][start + AHEAD] == pytest.approx(blind.elongation_um[start + 1 + AHEAD], abs=1e-9)
+
+
+def test_where_the_elongation_is_known_readings_do_not_count(found):
+    reference = found.elongation["open_loop"] + 3.0
+    assert replace(found, reference=reference).error("open_loop").elongation_um == pytest.approx(3.0)
+    half = np.where(np.arange(len(reference)) < 50, reference, np.nan)
+    errors = replace(found, reference=half).elongation_errors("open_loop")
+    assert errors[:50, 0] == pytest.approx(3.0)
+    assert np.isnan(errors[:50, 1]).all()
+    np.testing.assert_array_equal(errors[50:, 1], found.open_loop[50:, 4])
+
+
 def test_errors_are_roots_of_mean_squares_over_all_recordings(found, trial, small_model):
     once, twice = overall([found], "one_step"), overall([found, found], "one_step")
     heat, length = found.one_step[:, :4], found.one_step[:, 4]
     assert (twice.temperature_K, twice.elongation_um) == pytest.approx((once.temperature_K, once.elongation_um))
     assert once.temperature_K == pytest.approx(np.sqrt(np.nanmean(heat**2)))
     assert once.elongation_um == pytest.approx(np.sqrt(np.nanmean(length**2)))
-    longer = replace(found, one_step=np.vstack([found.one_step, np.full((1000, 5), 2.0)]))
-    both = overall([found, longer], "one_step")
-    squares = 2 * np.nansum(heat**2) + 4000 * 4.0
-    assert both.temperature_K == pytest.approx(np.sqrt(squares / (2 * np.isfinite(heat).sum() + 4000)))
+    worse = replace(found.where(np.arange(len(heat)) < 100), one_step=np.full((100, 5), 2.0))
+    both = overall([found, worse], "one_step")
+    squares = np.nansum(heat**2) + 400 * 4.0
+    assert both.temperature_K == pytest.approx(np.sqrt(squares / (np.isfinite(heat).sum() + 400)))
     told = errors([trial], small_model)
     assert set(told) == set(HORIZONS)
     assert told["one_step"] == once
