@@ -17,6 +17,7 @@ from estimator.horizon import Error
 from estimator.model import save_model
 
 HORIZONS = {"one_step": "one tick ahead", "ahead": "10 minutes ahead", "open_loop": "model alone (open loop)"}
+WORTH_SAYING = 1.005  # factors of the process noise
 KEPT = {
     "likelihood": "kept: the most likely parameters",
     "open loop": "kept: the parameters with which the model alone follows best; the most likely ones predict worse",
@@ -83,10 +84,8 @@ def _print(terminal: Terminal, found: Fit) -> None:
     terminal.say(KEPT[found.kept])
     for a, b, rho in found.alike:
         terminal.say(f"{a} and {b} cannot be told apart well: their errors correlate by {rho:+.3f}")
-    if found.raised > 1:
-        terminal.say(
-            f"process noise raised {found.raised:.2g} times: ten minutes without readings end further off than it said"
-        )
+    if found.raised >= WORTH_SAYING:
+        terminal.say(f"process noise x {found.raised:.2f}: ten minutes without readings ended further off than it said")
     if found.stopped:
         terminal.say(f"stopped by Ctrl-C after {found.steps} steps: the best so far was kept")
     elif not found.converged:

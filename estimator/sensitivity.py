@@ -29,16 +29,21 @@ def information(trial: Trial, model: Model, paths: Sequence[str], block_s: float
     """Gram matrices (blocks, p + 1, p + 1) of the columns and, last, the data, summed over blocks of time."""
     posed = trial.pose(model)
     B, D, start = columns(trial, posed, model, paths)
+    constants = ((0, 0), (0, len(start) - B.shape[1]), (0, 0))  # padded as they are used up: B is what takes memory
     blocks = ((trial.rest.time_s - trial.rest.time_s[0]) // block_s).astype(int)
-    return batch.gram(posed.system, lambda ticks: (B[ticks], D[ticks]), len(paths), start, np.maximum(blocks, 0))
+
+    def added(ticks: slice) -> tuple[Array, Array]:
+        return np.pad(B[ticks], constants), D[ticks]
+
+    return batch.gram(posed.system, added, len(paths), start, np.maximum(blocks, 0))
 
 
 def columns(trial: Trial, posed: Posed, model: Model, paths: Sequence[str]) -> tuple[Array, Array, Array]:
-    """Additions to the states (T, size, p) and to the readings (T, m, p), and to the first estimate (size, p)."""
+    """Additions to the states that move (T, n, p), to the readings (T, m, p), and to the first estimate (size, p)."""
     system = posed.system
     x = np.vstack([system.x0, *(chunk.x for chunk in batch.passes(system))])
     T, p = len(system.y), len(paths)
-    B, D = np.zeros((T, posed.state.size, p)), np.zeros((T, system.y.shape[1], p))
+    B, D = np.zeros((T, posed.state.n, p)), np.zeros((T, system.y.shape[1], p))
     start = np.zeros((posed.state.size, p))
     for i, path in enumerate(paths):
         moved = tangent(trial, posed, model, path)
@@ -50,8 +55,7 @@ def _column(trial: Trial, posed: Posed, moved: Tangent, x: Array) -> tuple[Array
     system, n = posed.system, posed.state.n
     nominal = nominal_column(trial, posed, moved)
     readings = moved.readings or _nothing(posed)
-    B = np.zeros_like(system.b)
-    B[:, :n] = nominal.b + _by_regime(nominal.F, system.regime, x[:-1, :n])
+    B = nominal.b + _by_regime(nominal.F, system.regime, x[:-1, :n])
     predicted = system.b + x[:-1]
     predicted[:, :n] += _by_regime(system.F, system.regime, x[:-1, :n]) - x[:-1, :n]
     D = nominal.beside + predicted[:, :n] @ readings.rows.T
