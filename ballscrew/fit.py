@@ -75,10 +75,17 @@ def _progress(stage: str, value: float) -> str:
 
 def _print(terminal: Terminal, found: Fit) -> None:
     rows = [
-        [f.path, f"{f.before:.4g}", f"{f.value:.4g}", f"{f.sd:.2g}" if np.isfinite(f.sd) else "", f.unit, _remark(f)]
+        [
+            f.path,
+            f"{f.before:.4g}",
+            f"{f.value:.4g}",
+            f"{f.sd:.2g}" if np.isfinite(f.sd) else "",
+            f.unit,
+            _remark(found, f),
+        ]
         for f in found.parameters
     ]
-    terminal.table("", ["parameter", "before", "fitted", "+- sd", "unit", ""], rows)
+    terminal.table("", ["parameter", "before", "fitted", "+- sd", "unit", ""], rows, prose=5)
     terminal.say()
     terminal.table("", ["error, rms", "before", "after", "", "before", "after", ""], _errors(found))
     terminal.say(KEPT[found.kept])
@@ -106,19 +113,23 @@ def _pair(a: Error, b: Error) -> list[str]:
     ]
 
 
-def _remark(f: Fitted) -> str:
+def _remark(found: Fit, f: Fitted) -> str:
+    if f.like:
+        return f"left as it was: in these runs like {f.like}"
     if not np.isfinite(f.sd):
-        return "without influence"
+        return "left as it was: without influence in these runs"
     if f.at_bound:
         return "at its bound"
-    return "" if f.determined else "this data does not determine it"
+    if f.determined:
+        return ""
+    return "these runs say less than the table" if found.model.param(f.path).sd else "these runs do not determine it"
 
 
 def _as_json(found: Fit) -> dict[str, object]:
     parameters = {
         f.path: {
             "before": f.before, "value": f.value, "sd": f.sd, "unit": f.unit, "at_bound": f.at_bound,
-            "determined": f.determined,
+            "determined": f.determined, "like": f.like or None,
         }
         for f in found.parameters
     }  # fmt: skip

@@ -11,7 +11,7 @@ noise says, it is raised (`tune`), and never lowered.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,7 +37,10 @@ Progress = Callable[[str, int, float], None]
 
 @dataclass(frozen=True)
 class Fitted:
-    """One fitted parameter: value and sd in `unit`; whether it ended at a bound, and whether the data determine it."""
+    """One fitted parameter: value and sd in `unit`; whether it ended at a bound, and whether the data determine it.
+
+    like  the parameter that these recordings cannot tell it from, so that it was left where it was
+    """
 
     path: str
     before: float
@@ -46,6 +49,7 @@ class Fitted:
     unit: str
     at_bound: bool
     determined: bool
+    like: str = ""
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,8 @@ def fit(
     mean = [path for path, level in zip(paths, noise, strict=True) if not level]
     followed = follow(model, rig, recordings, mean, lambda n, misfit: each("open loop", n, misfit)) if mean else None
     start = followed.model if followed else model
+    left = dict(followed.left) if followed else {}
+    paths = [path for path in paths if path not in left]
     trials = [Trial(start, rig, recording) for recording in recordings]
     climb = Climb(Posterior(start, trials, paths, share), lambda n, value: each("likelihood", n, value))
     if followed is not None and followed.stopped:
@@ -109,8 +115,8 @@ def fit(
         climb.run()
     found = [_likely(climb)]
     if followed is not None:
-        found.append(_followed(followed, mean, climb))
-    return _outcome(model, found, climb, trials, recordings, rig)
+        found.append(_followed(followed, climb))
+    return _outcome(model, found, left, climb, trials, recordings, rig)
 
 
 def _likely(climb: Climb) -> Candidate:
@@ -126,20 +132,20 @@ def _likely(climb: Climb) -> Candidate:
     return Candidate("likelihood", posterior.at(c), paths, cov * np.outer(steps, steps), alone * steps)
 
 
-def _followed(followed: Followed, mean: Sequence[str], climb: Climb) -> Candidate:
+def _followed(followed: Followed, climb: Climb) -> Candidate:
     """The open-loop parameters, with the noise levels that are most likely beside them."""
     posterior = climb.posterior
     alone = _alone(followed.curvature, followed.bread, followed.covariance)
     levels = [each.path for each in posterior.coordinates if each.noise]
     if not levels:
-        return Candidate("open loop", followed.model, tuple(mean), followed.covariance, alone)
+        return Candidate("open loop", followed.model, followed.paths, followed.covariance, alone)
     search = Climb(Posterior(followed.model, posterior.trials, levels, posterior.share), climb.each)
     if not climb.stopped:
         search.run()
         climb.stopped = search.stopped
     own = _likely(search)
     both = _beside(followed.covariance, own.covariance)
-    return Candidate("open loop", own.model, (*mean, *levels), both, np.append(alone, own.alone))
+    return Candidate("open loop", own.model, (*followed.paths, *levels), both, np.append(alone, own.alone))
 
 
 def _alone(curvature: Array, bread: Array, cov: Array) -> Array:
@@ -159,14 +165,16 @@ def _beside(a: Array, b: Array) -> Array:
 
 
 def _outcome(
-    model: Model, found: Sequence[Candidate], climb: Climb, trials: Sequence[Trial], recordings: Sequence[Recording],
-    rig: Rig,
+    model: Model, found: Sequence[Candidate], left: Mapping[str, str], climb: Climb, trials: Sequence[Trial],
+    recordings: Sequence[Recording], rig: Rig,
 ) -> Fit:  # fmt: skip
     judged = [errors(trials, candidate.model) for candidate in found]
     at = 1 if len(found) > 1 and _worse(judged[0], judged[1]) else 0
     kept = found[at]
     fitted = tuple(_fitted(model, kept, i) for i in range(len(kept.paths)))
     values = {f.path: Value(f.value, f.sd if np.isfinite(f.sd) else None) for f in fitted}
+    fitted += tuple(_left(model, path, like) for path, like in left.items())
+    fitted = tuple(sorted(fitted, key=lambda f: list(model.values).index(f.path)))
     about = {"rig": rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in recordings}}
     better, raised = _raised(model.with_values(values), trials, climb.posterior.share)
     better = replace(better, about={**model.about, **about})
@@ -199,6 +207,11 @@ def _fitted(before: Model, kept: Candidate, i: int) -> Fitted:
     sd = float(np.sqrt(max(kept.covariance[i, i], 0.0))) if np.isfinite(kept.alone[i]) or param.sd else float("nan")
     known = kept.alone[i] < (param.sd or 0.5 * width)
     return Fitted(path, before[path], value, sd, param.unit, bool(bound), bool(known))
+
+
+def _left(model: Model, path: str, like: str) -> Fitted:
+    param = model.param(path)
+    return Fitted(path, model[path], model[path], float("nan"), param.unit, False, False, like)
 
 
 def alike(kept: Candidate) -> tuple[tuple[str, str, float], ...]:

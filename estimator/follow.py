@@ -1,20 +1,23 @@
 """Parameters with which the model alone follows the measurements: least squares on the open-loop run.
 
-    minimise  sum over runs, ticks, channels of ((y - y_open_loop(p)) / s)^2 / N  +  sum ((p - p0) / sd_prior)^2
+    minimise  sum over runs, ticks, channels of w ((y - y_open_loop(p)) / s)^2 / N  +  sum ((p - p0) / sd_prior)^2
 
 The open-loop run never sees a measurement after the start, so that no process noise can hide a misfit. s is the misfit
 that a good model leaves, not the sensors' scatter: 0.05 K for a thermometer, 0.2 um for the displacement. Such a misfit
 stays alike for minutes: a block of ten, N steps, weighs as much as one independent reading. Five seconds a step serve.
+It spans many thermometers as well, so that a displacement reading, w, weighs as much as all of them together: else
+thousands of temperatures, a thousandth of a kelvin closer, outweigh an elongation twice as far off.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from estimator.apart import untold
 from estimator.coarse import coarse, serves
 from estimator.model import Model
 from estimator.record import Array, Recording
@@ -37,13 +40,19 @@ class Follower:
         for recording in recordings:
             short, slow = coarse(recording, rig, serves(rig))
             self._trials.append(Trial(model, slow, short))
-        scale = np.array([GOOD_K if rig.channels[name].is_thermometer else GOOD_UM for name in rig.names])
-        self._scale = scale * np.sqrt(BLOCK_S / self._trials[0].rig.tick_s)
+        heat = np.isin(rig.names, rig.thermometers)
+        weight = np.where(heat, 1.0, max(heat.sum(), 1)) * self._trials[0].rig.tick_s / BLOCK_S
+        self._scale = np.where(heat, GOOD_K, GOOD_UM) / np.sqrt(weight)
+        self._weight = sum(float((weight * _known(trial)).sum()) for trial in self._trials)
 
     def misfit(self, model: Model) -> Array:
-        """All (y - y_open_loop) / s / sqrt(N), in a row."""
+        """All (y - y_open_loop) / s sqrt(w / N), in a row."""
         posed = [trial.pose(model) for trial in self._trials]
         return self._flat([open_loop_misfit(trial, each) for trial, each in zip(self._trials, posed, strict=True)])
+
+    def mean_square(self, misfit: Array) -> float:
+        """Of `misfit`, over what a good model leaves."""
+        return float(misfit @ misfit / self._weight)
 
     def slopes(self, model: Model, paths: Sequence[str]) -> Array:
         """How each of them moves with each parameter, (misfits, p)."""
@@ -82,12 +91,16 @@ def open_loop_misfit(trial: Trial, posed: Posed) -> Array:
 
 @dataclass(frozen=True)
 class Followed:
-    """The model that follows best; of its parameters, (p, p): covariance, curvature^-1 and the data's own curvature.
+    """The model that follows best; of what was fitted, (p, p): covariance, curvature^-1 and the data's own curvature.
 
+    paths    parameters fitted;  left: those left where they were, because these recordings cannot tell them from the
+             one named with each
     stopped  by Ctrl-C: the best so far
     """
 
     model: Model
+    paths: tuple[str, ...]
+    left: Mapping[str, str]
     covariance: Array
     bread: Array
     curvature: Array
@@ -99,10 +112,11 @@ def follow(
 ) -> Followed:
     """The model with these parameters fitted open loop. `each` hears the runs done and the misfit (1: as good as s)."""
     follower = Follower(model, rig, recordings)
-    params = [model.param(path) for path in paths]
+    left = untold(np.vstack([follower.slopes(model, paths), np.diag(_priors(model, paths))]), paths)
+    paths = [path for path in paths if path not in left]
+    params, prior = [model.param(path) for path in paths], _priors(model, paths)
     start = np.array([model[path] for path in paths])
     unit = np.array([size(value, p.lo, p.hi) for value, p in zip(start, params, strict=True)])
-    prior = np.array([1 / p.sd if p.sd else 0.0 for p in params])
     middle = np.array([p.value for p in params])
     count, best, best_cost = 0, start / unit, np.inf
 
@@ -116,7 +130,7 @@ def follow(
         if all_of_it @ all_of_it < best_cost:
             best, best_cost = scaled.copy(), all_of_it @ all_of_it
         count += 1
-        each(count, float(np.sqrt(np.mean(rest**2) * BLOCK_S / (rig.tick_s * serves(rig)))))
+        each(count, float(np.sqrt(follower.mean_square(rest))))
         return all_of_it
 
     def jacobian(scaled: Array) -> Array:
@@ -132,8 +146,8 @@ def follow(
     bread = np.linalg.pinv(rows.T @ rows + np.diag(prior**2))
     rest = follower.misfit(at(best))
     sums = follower.sums(rows * rest[:, None])
-    cov = sandwich(bread, sums - sums.mean(axis=0), few=float(np.mean(rest**2) * BLOCK_S / (rig.tick_s * serves(rig))))
-    return Followed(at(best), cov, bread, rows.T @ rows, stopped)
+    cov = sandwich(bread, sums - sums.mean(axis=0), few=follower.mean_square(rest))
+    return Followed(at(best), tuple(paths), left, cov, bread, rows.T @ rows, stopped)
 
 
 def sandwich(bread: Array, blocks: Array, few: float) -> Array:
@@ -151,6 +165,11 @@ def sandwich(bread: Array, blocks: Array, few: float) -> Array:
 def size(value: float, lo: float, hi: float) -> float:
     """A length to measure a parameter by: its own size, or part of its range where it starts at zero."""
     return abs(value) if value else min(1.0, 0.1 * (hi - lo))
+
+
+def _priors(model: Model, paths: Sequence[str]) -> Array:
+    """1 / sd of each parameter's prior, (p,); 0 for none."""
+    return np.array([1 / sd if (sd := model.param(path).sd) else 0.0 for path in paths])
 
 
 def _known(trial: Trial) -> Array:
