@@ -125,12 +125,12 @@ def _autocorrelation(z: Array, lags: int) -> Array:
     count = known.sum(axis=0)
     mean = np.where(known, z, 0.0).sum(axis=0) / np.maximum(count, 1)
     x = np.where(known, z - mean, 0.0)
-    power = (x**2).sum(axis=0) / np.maximum(count, 1)
     found = np.full((z.shape[1], lags), np.nan)
     for lag in range(min(lags, len(z))):
         rest = len(z) - lag
         pairs = (known[lag:] & known[:rest]).sum(axis=0)
+        power = np.sqrt((known[:rest] * x[lag:] ** 2).sum(axis=0) * (known[lag:] * x[:rest] ** 2).sum(axis=0))
         enough = (pairs >= PAIRS) & (power > 0)
         product = (x[lag:] * x[:rest]).sum(axis=0)
-        found[enough, lag] = product[enough] / pairs[enough] / power[enough]
+        found[enough, lag] = product[enough] / power[enough]
     return found

@@ -11,7 +11,6 @@ import numpy as np
 
 from estimator.hypothesis import Hypothesis
 from estimator.mislabel import Mislabel
-from estimator.panel import Judged
 from estimator.screen import Screened
 
 MATERIAL = 0.89  # an effect leaves at most this share of the misfit, or it is not missing; ...
@@ -65,11 +64,14 @@ def alike(h: Hypothesis, best: Hypothesis) -> bool:
 
 
 def material(h: Hypothesis, as_given: Hypothesis, again: Hypothesis) -> bool:
-    """Whether an effect takes enough off the misfit of the model without it."""
+    """Whether an effect takes enough off the misfit of the model without it, as it is and fitted again.
+
+    In temperature or in elongation it must be less than either leaves by what can be seen.
+    """
     least = MATERIAL if len(h.judged.runs) > 1 else ALONE
     beside = min(least, MATERIAL_REFIT) if h.refit else 0.95
     less = h.misfit <= least * as_given.misfit and h.misfit <= beside * again.misfit
-    rival: Judged = (again if h.refit else as_given).judged
-    heat = rival.heat_K**2 - h.judged.heat_K**2
-    length = np.nan_to_num(rival.length_um**2 - h.judged.length_um**2)
+    rivals = (as_given.judged, again.judged)
+    heat = min(r.heat_K for r in rivals) ** 2 - h.judged.heat_K**2
+    length = np.nan_to_num(min(r.length_um for r in rivals) ** 2 - h.judged.length_um**2)
     return bool(less and (heat > MATERIAL_K**2 or length > MATERIAL_UM**2))

@@ -5,7 +5,8 @@ innovations stay alike for seconds, part of a reading's error lasts, and its noi
 
 Process noise is what only minutes show: it stands for heat that no effect describes, and the errors that it makes build
 up so slowly that a likelihood of one second ahead takes them for nothing. So all process noises together are scaled by
-the one factor that is most likely after ten minutes without readings (`blind`); their proportions stay.
+the one factor that is most likely after ten minutes without readings (`blind`); their proportions stay. Where the
+recordings tell little about it, it stays near 1.
 
 What stands for lasting errors of single sensors (spread of lags, unknown zeros and their drift) is no noise and is left
 alone.
@@ -32,6 +33,8 @@ from estimator.tangent import tangent
 from estimator.trial import Trial
 
 WIDEST = np.log(30.0)  # the factor on process noise is sought between 1/30 and 30
+STEP = 0.5  # of its logarithm, from which the search begins: there may be several peaks
+KNOWN = 1.0  # sd of that logarithm before anything was seen
 COLOURED = 0.15  # an autocorrelation beyond that of chance from which on innovations are not white
 CHANCE = 2.0  # times 1 / sqrt(readings): about the largest of many autocorrelations of white innovations
 CLOSE = 0.1  # to which the logarithm of a factor is sought
@@ -161,11 +164,13 @@ def scaled(
         nonlocal count
         count += 1
         moved = at(log_factor)
-        value = -sum(share(lambda trial: blind(trial, moved).loglike, trials))
-        each("blind minutes", count, -value)
-        return value
+        value = sum(share(lambda trial: blind(trial, moved).loglike, trials))
+        each("blind minutes", count, value)
+        return 0.5 * (log_factor / KNOWN) ** 2 - value
 
-    found = minimize_scalar(unlikely, bounds=(-WIDEST, WIDEST), method="bounded", options={"xatol": CLOSE})
+    grid = np.arange(-WIDEST, WIDEST, STEP)
+    best = grid[np.argmin([unlikely(float(x)) for x in grid])]
+    found = minimize_scalar(unlikely, bounds=(best - STEP, best + STEP), method="bounded", options={"xatol": CLOSE})
     return at(found.x), float(np.exp(found.x))
 
 

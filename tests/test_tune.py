@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -126,6 +128,26 @@ def test_a_channel_that_no_effect_reads_has_no_floor(model, driving, runs):
     floor = noise_floor(bare, Trial(bare, rig, runs[0]))
     assert floor.temperature_K == pytest.approx(np.hypot(0.022, bare["thermometers.zero_sd"]))
     assert np.isnan(floor.elongation_um)
+
+
+@pytest.mark.parametrize(
+    ("peaks", "found"),
+    [
+        ([(-2.4, 30.0, 0.3), (0.1, 33.0, 0.3)], 0.1),  # the higher of two
+        ([(-2.4, 36.0, 0.3), (0.1, 33.0, 0.3)], -2.3),
+        ([(-2.0, 0.5, 3.0)], -0.05),  # nearly flat: near where it was
+    ],
+)
+def test_the_highest_peak_counts_and_a_flat_likelihood_leaves_the_noise(peaks, found, model, driving, runs):
+    path = "conduction.noise"
+
+    def likely(trial: Trial, moved: Model) -> SimpleNamespace:
+        at = np.log(moved[path] / model[path])
+        return SimpleNamespace(error=[0.0], loglike=max(h * np.exp(-0.5 * ((at - m) / w) ** 2) for m, h, w in peaks))
+
+    with mock.patch("estimator.tune.blind", likely):
+        _, factor = scaled(model, [Trial(model, driving[1], runs[0])], [path])
+    assert np.log(factor) == pytest.approx(found, abs=0.15)
 
 
 # --- noise that stands in for physics
