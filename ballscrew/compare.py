@@ -59,7 +59,6 @@ def command(
     truths = [true_elongation(one, terminal, failed) for one in loaded]
     found = _compared(terminal, rig, models, [one.recording for one in loaded], truths)
     _print(terminal, tables := sections(found))
-    terminal.say(_reference(found[0], rig))
     terminal.json({"models": [_as_json(each) for each in found]})
     if rrd is not None:
         from ballscrew.comparison_views import save_views  # rerun takes half a second to import
@@ -90,10 +89,10 @@ def _print(terminal: Terminal, tables: Sequence[Section]) -> None:
             terminal.say(sentence)
 
 
-def _reference(found: Comparison, rig: Rig) -> str:
+def _reference(found: Comparison) -> str:
     """What the elongation was compared with."""
     read = "the displacement readings, and at rest the direct reading joined at the stop"
-    if "displacement" not in rig.channels:
+    if "displacement" not in found.by_channel:
         read = "nothing: there is no displacement channel"
     rest = found.recordings - found.truths
     parts = ["the truth"] if found.truths else []
@@ -110,7 +109,7 @@ def sections(found: Sequence[Comparison]) -> list[Section]:
     rows.append(["sensors alone", *_cells([each.floor for each in found])])
     if any(each.held_out for each in found):
         rows.append(["held out: model alone", *_cells([_held_out(each) for each in found])])
-    said = [f"{each.name}: {warning}" for each in found for warning in each.warnings]
+    said = [_reference(found[0]), *(f"{each.name}: {warning}" for each in found for warning in each.warnings)]
     parts = {PHASES[p]: [each.by_phase[p] for each in found] for p in PHASES}
     parts |= {f"at {v:g} m/min": [each.by_speed[v] for each in found] for v in found[0].by_speed}
     alone = [[title, *_cells([e["open_loop"] for e in errors])] for title, errors in parts.items()]

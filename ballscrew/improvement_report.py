@@ -93,7 +93,7 @@ def steps_section(out: Outcome) -> Section:
     said = [
         f"Added: {', '.join(filter(None, added(steps))) or 'nothing'}.",
         out.said,
-        f"Model alone (open loop), rms; {note(out.found)}.",
+        f"Model alone (open loop), rms; um: of the displacement readings, so while driving; {note(out.found)}.",
     ]
     return f"{out.after.name}: {out.before.name} improved", said, steps_table(steps)
 
@@ -133,7 +133,8 @@ def _shown(pictures: dict[str, Path], what: str, title: str) -> list[str]:
 def _given(out: Outcome) -> Section:
     rows = [["", ""], ["model", out.before.name], ["rig", out.rig.name]]
     rows += [["recordings used", _names(out.used)], ["recordings held out", _names(out.held_out) or "none"]]
-    return "What was given", (), [*rows, ["effects of one's own", ", ".join(out.own) or "none"]]
+    own = ", ".join(dict.fromkeys([*out.before.use, *out.own]))
+    return "What was given", (), [*rows, ["effects of one's own", own or "none"]]
 
 
 def _effects(out: Outcome) -> Section:

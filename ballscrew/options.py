@@ -41,10 +41,26 @@ def each_named(arguments: Sequence[str]) -> list[str]:
 
 
 def writable(ctx: click.Context, param: click.Parameter, value: Path | str | None) -> Path | str | None:
-    """An output file whose folder exists: asked before the work, not after it."""
-    if value is not None and value != STDOUT and not Path(value).parent.is_dir():
-        raise SetupError(f"{value}: there is no folder {Path(value).parent}")
+    """An output file that can be written: asked before the work, not after it."""
+    if value is None or value == STDOUT:
+        return value
+    path = Path(value)
+    if not path.parent.is_dir():
+        raise SetupError(f"{path}: there is no folder {path.parent}")
+    if path.is_file() or path.is_dir() or not path.exists():
+        _try_to_write(path)
     return value
+
+
+def _try_to_write(path: Path) -> None:
+    """Open the file without changing what is in it; a SetupError if that fails."""
+    is_new = not path.exists()
+    try:
+        path.open("ab").close()
+    except OSError as error:
+        raise SetupError(f"{path}: cannot be written: {(error.strerror or str(error)).lower()}") from None
+    if is_new:
+        path.unlink()
 
 
 def rig_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -80,4 +96,6 @@ save_option = click.option(
     "--save", "rrd", type=click.Path(path_type=Path), callback=writable, metavar="OUT.rrd",
     help="Write the views as a rerun file.",
 )  # fmt: skip
-logs_argument = click.argument("logs", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="LOG...")
+logs_argument = click.argument(
+    "logs", nargs=-1, required=True, type=click.Path(path_type=Path, readable=False), metavar="LOG..."
+)

@@ -42,7 +42,12 @@ def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequenc
         terminal.table("", COLUMNS, _rows(rest))
     if judged:
         terminal.say("\nband: highest minus lowest; cooldown: largest error in the 60 min after a stop")
-        terminal.say("in 2 sd: share of errors inside the filter's own two standard deviations, 95 % when it is honest")
+        terminal.say(
+            "in 2 sd: share of errors inside two standard deviations of the estimate (and of the readings, where they "
+            "are the reference), 95 % when these are honest"
+        )
+        _print_reference(terminal, reviews)
+        _print_doubt(terminal, reviews)
     _print_unused(terminal, reviews)
 
 
@@ -54,9 +59,33 @@ def _print_one(terminal: Terminal, review: Review) -> None:
         terminal.table("", COLUMNS, _rows([review]))
     else:
         terminal.say("elongation not judged: neither a displacement channel nor a truth file")
+    if not np.isfinite(review.one_step_K):
+        terminal.say("nothing was read after the first thermometer reading: nothing to compare a prediction with")
+        return
     heat = f"{review.one_step_K:.3f} K one tick ahead, {review.open_loop_K:.3f} K by the model alone"
     terminal.say(f"thermometers minus prediction, rms: {heat}")
     terminal.say(f"NIS {review.nis_mean:.2f} per channel, 1 when the filter's noise is right")
+
+
+def _print_reference(terminal: Terminal, reviews: Sequence[Review]) -> None:
+    """How well the readings know what they are taken as a reference for."""
+    known = [r.readings_sd[r.cooling & np.isfinite(r.reference)] for r in reviews if r.reference_name == "readings"]
+    sd = np.concatenate([np.empty(0), *known])
+    if len(sd):
+        terminal.say(
+            "readings: at rest the direct reading joined at the stop, by its own scatter known to "
+            f"+-{sd.min():.1f} .. {sd.max():.1f} um (1 sd): errors of that size may be its own"
+        )
+
+
+def _print_doubt(terminal: Terminal, reviews: Sequence[Review]) -> None:
+    """Said where the model makes the estimate worse than what needs no model."""
+    line, ours = overall(reviews, "polyline"), overall(reviews, "filter")
+    if ours.rms_um > line.rms_um:
+        terminal.say(
+            f"the filter ({ours.rms_um:.2f} um rms) is worse than the polyline ({line.rms_um:.2f}): the model lacks "
+            "something, or was fitted to another machine; `ballscrew diagnose` says where, `ballscrew fit` fits it"
+        )
 
 
 def _judged(review: Review) -> bool:

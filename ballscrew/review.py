@@ -52,20 +52,29 @@ def command(
     if not loaded:
         return InputError.exit_code
     terminal.say_if_compiling("passes")
+    judged: list[Loaded] = []
     reviews, seconds = [], []
     for one in loaded:
         began = time.perf_counter()
         mute = muted(one.recording, rig, names, no_displacement, spans)
         truth = true_elongation(one, terminal, failed)
-        with terminal.progress(one.recording.name, len(one.recording)) as update:
-            reviews.append(review(one.recording, rig, model, truth, mute, names, update))
+        try:
+            with terminal.progress(one.recording.name, len(one.recording)) as update:
+                reviews.append(review(one.recording, rig, model, truth, mute, names, update))
+        except InputError as error:
+            terminal.error(str(error))
+            failed.append(str(error))
+            continue
+        judged.append(one)
         seconds.append(time.perf_counter() - began)
+    if not reviews:
+        return InputError.exit_code
     known = set(model.about.get("fitted_on", {}).values())
     fitted = [r.recording.fingerprint in known for r in reviews]
     print_reviews(terminal, reviews, fitted)
     terminal.json(as_json(reviews, fitted, seconds))
     if rrd is not None:
-        _save(terminal, rrd, _runs(rig, loaded, reviews), markdown(reviews), view)
+        _save(terminal, rrd, _runs(rig, judged, reviews), markdown(reviews), view)
     return InputError.exit_code if failed else 0
 
 

@@ -9,10 +9,11 @@ from typing import Any
 import click
 
 from ballscrew.bus_options import bus_options
-from ballscrew.options import output_options
+from ballscrew.options import output_options, writable
 from ballscrew.terminal import Terminal, duration
 from drivers.bus import FAILURES, BusAddress
 from drivers.bus import bus_options as options_of
+from drivers.log_writer import check_format
 from drivers.virtual_rig import Run, play, simulate
 from estimator.errors import SetupError
 
@@ -33,11 +34,24 @@ class Seconds(click.ParamType):
             self.fail(f"'{text}' is no time; write 2h, 90min, 45s or seconds", param, ctx)
 
 
+def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> Path | None:
+    """A recording that can be written; its folder is made."""
+    if value is not None:
+        check_format(value)
+        try:
+            value.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise SetupError(f"{value.parent}: cannot be made: {(error.strerror or str(error)).lower()}") from None
+        writable(ctx, param, value)
+    return value
+
+
 @click.command("simulate")
 @click.argument("name", metavar="NAME")
 @click.option(
-    "-o", "out", type=click.Path(path_type=Path), metavar="FILE", help="Recording to write; format by its suffix."
-)
+    "-o", "out", type=click.Path(path_type=Path), metavar="FILE", callback=_checked,
+    help="Recording to write; its suffix says the format: .log, .blf, .asc, .trc or .mf4.",
+)  # fmt: skip
 @bus_options
 @click.option("--seed", default=1, show_default=True, help="The same seed is the same rig with the same noise.")
 @click.option("--plant", multiple=True, metavar="EFFECT[=STRENGTH]", help="Switch an effect on; strength 1 is nominal.")
@@ -45,9 +59,20 @@ class Seconds(click.ParamType):
 @click.option(
     "--max-drive", type=Seconds(), default="2h", show_default=True, help="Stop each drive after this at latest."
 )
-@click.option("--cycles", default=2, show_default=True, help="Drives, each with a stop of 60 min after it.")
-@click.option("--seconds", type=float, metavar="S", help="Cut the run after this time.")
-@click.option("--speed-up", default=1.0, show_default=True, help="On a bus: times faster than the rig.")
+@click.option(
+    "--cycles",
+    type=click.IntRange(min=1),
+    default=2,
+    show_default=True,
+    help="Drives, each with a stop of 60 min after it.",
+)
+@click.option(
+    "--seconds", type=click.FloatRange(min=0.0, min_open=True), metavar="S", help="Cut the run after this time."
+)
+@click.option(
+    "--speed-up", type=click.FloatRange(min=0.0, min_open=True), default=1.0, show_default=True,
+    help="On a bus: times faster than the rig.",
+)  # fmt: skip
 @output_options
 def command(
     name: str, out: Path | None, interface: str | None, channel: str | None, bitrate: int | None,
@@ -60,6 +85,8 @@ def command(
     truth is kept beside the recording, as FILE with the suffix .truth.csv.
     """
     terminal = Terminal(json_path, quiet)
+    if out is not None and interface is not None:
+        raise click.UsageError("either -o FILE for a recording, or --interface for a bus, not both")
     if out is None and interface is None:
         raise click.UsageError("say where to: -o FILE for a recording, or --interface for a bus")
     planted = dict(_strength(word) for word in plant)
@@ -93,7 +120,6 @@ def _strength(word: str) -> tuple[str, float]:
 
 
 def _write(terminal: Terminal, run: Run, path: Path) -> dict[str, Any]:
-    path.parent.mkdir(parents=True, exist_ok=True)
     try:
         run.write(path)
     except ValueError as error:

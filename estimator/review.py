@@ -9,12 +9,13 @@ import numpy as np
 
 from estimator import displacement, polyline, rivals
 from estimator.accuracy import Accuracy, accuracy
+from estimator.errors import InputError
 from estimator.filter import Mute
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.replay import replay
 from estimator.rig import Rig
-from estimator.step import Track
+from estimator.step import Mode, Track
 
 COOLDOWN_S = 3600.0
 
@@ -26,6 +27,7 @@ class Review:
     estimates     elongation by name: filter, open_loop, polyline, polyline_7, polyline_joined, last_reading
     errors        reference minus estimate, by the same names
     reference     truth where there is one, else the displacement readings as the paper joins them; NaN without either
+    readings_sd   (K,) um, what their own scatter makes of the joined readings
     sigma         the filter's own standard deviation of each error
     cooling       (K,) bool: within 60 min after a stop
     one_step_K    rms of thermometer minus prediction before its use; open_loop_K: minus what the model alone says
@@ -38,6 +40,7 @@ class Review:
     reference: Array
     reference_name: str
     readings: Array
+    readings_sd: Array
     sigma: Array
     cooling: Array
     polyline_channels: int
@@ -51,8 +54,9 @@ class Review:
     @property
     def nis_mean(self) -> float:
         """Mean NIS per fused channel: 1 for a filter whose noise is right."""
-        channels = self.track.nis_channels.sum()
-        return float(np.nansum(self.track.nis) / channels) if channels else float("nan")
+        known = np.isfinite(self.track.nis)
+        channels = self.track.nis_channels[known].sum()
+        return float(self.track.nis[known].sum() / channels) if channels else float("nan")
 
 
 def review(
@@ -64,31 +68,33 @@ def review(
     channels: Sequence[str] | None = None,
     each: Callable[[int], None] = lambda _: None,
 ) -> Review:
-    """Run everything over one recording.
+    """Run everything over one recording; one without a thermometer reading is an InputError.
 
     truth_um  (K,) true elongation at the ticks, where it is known
     mute      what the filter must not fuse
     channels  thermometers of the polyline; all by default
     """
     track = replay(model, rig, recording, mute, each)
+    if (track.mode == Mode.INIT).all():
+        raise InputError(f"{recording.name}: no thermometer was ever read; nothing to estimate from")
     used = list(channels or rig.thermometers)
     line = polyline.elongation(recording, rig, used)
     estimates = {"filter": track.elongation_um, "open_loop": track.open_loop_um, "polyline": line}
     if rig.subset_7:
         estimates["polyline_7"] = polyline.elongation(recording, rig, rig.subset_7)
-    readings = np.full(len(recording), np.nan)
+    readings, readings_sd = np.full(len(recording), np.nan), np.zeros(len(recording))
     if "displacement" in rig.channels:
         measured = displacement.joined(recording, rig, model)
-        readings = measured.um
+        readings, readings_sd = measured.um, measured.sd
         estimates["polyline_joined"] = rivals.joined_polyline(recording, rig, model, line)
         estimates["last_reading"] = rivals.last_reading(recording, rig, model, line)
     reference = readings if truth_um is None else truth_um
     errors = {name: reference - series for name, series in estimates.items()}
     sigma = track.sigma_um
     if truth_um is None and "displacement" in rig.channels:
-        errors["filter"], sigma = _before_use(track, rig, errors["filter"], measured.sd)
+        errors["filter"], sigma = _before_use(track, rig, errors["filter"], readings_sd)
     return Review(
-        recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, sigma,
+        recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, readings_sd, sigma,
         cooling(recording), len(polyline.along_screw(rig, used)), *_temperature_errors(track, rig),
     )  # fmt: skip
 

@@ -99,6 +99,17 @@ def test_the_same_seed_is_the_same_recording(tmp_path):
         (["simulate", "FS-20", "-o", "a.log", "--plant", "motor_heat=x"], "'x' is no number; write motor_heat=0.5"),
         (["simulate", "FS-20", "-o", "a.log", "--max-drive", "2d"], "'2d' is no time; write 2h, 90min, 45s or seconds"),
         (["simulate", "FS-20", "-o", "a.xyz", "--seconds", "2"], "error: a.xyz: "),
+        (
+            ["simulate", "FS-20", "-o", "a.txt"],
+            "error: a.txt: cannot write '.txt'; known: .asc, .blf, .log, .mf4, .trc",
+        ),
+        (["simulate", "FS-20", "-o", "a.log", "--seconds", "-3"], "-3.0 is not in the range x>0.0"),
+        (["simulate", "FS-20", "-o", "a.log", "--cycles", "0"], "0 is not in the range x>=1"),
+        (["simulate", "FS-20", "--interface", "virtual", "--speed-up", "0"], "0.0 is not in the range x>0.0"),
+        (
+            ["simulate", "FS-20", "-o", "a.log", "--interface", "virtual"],
+            "either -o FILE for a recording, or --interface",
+        ),
         (["reviw"], "No such command 'reviw'"),
         (["review"], "Missing argument 'LOG...'"),
         (["review", "a.log", "--colour"], "No such option '--colour'"),

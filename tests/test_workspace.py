@@ -44,6 +44,58 @@ def test_without_a_rig_file_above_the_built_in_rig_is_used_and_named(fs20_log):
     assert "using the built-in rig, the paper's ball screw" in out
 
 
+@pytest.mark.parametrize("option", ["--json", "--save"])
+def test_an_output_that_cannot_be_written_is_told_before_the_work(option, folder):
+    (blocked := folder / "out.json").mkdir()
+    with mock.patch("ballscrew.review.load", side_effect=AssertionError("work was begun")):
+        status, _, err = run("review", folder / "logs", option, blocked)
+    assert status == 2
+    assert f"error: {blocked}: cannot be written: is a directory" in err
+
+
+def test_asking_whether_an_output_can_be_written_changes_nothing(folder):
+    kept = folder / "kept.json"
+    kept.write_text("{}")
+    assert run("review", folder / "none.log", "--json", kept)[0] == 1
+    assert run("review", folder / "none.log", "--json", folder / "new.json")[0] == 1
+    assert kept.read_text() == "{}"
+    assert not (folder / "new.json").exists()
+
+
+@pytest.mark.parametrize("text", ["", "[conduction]\n", "[still_air]\n[conduction]\n"])
+def test_a_model_that_reads_no_thermometer_is_refused(text, folder):
+    (folder / "model.toml").write_text(text)
+    status, _, err = run("review", folder / "logs")
+    assert status == 2
+    assert "model.toml: no effect reads a thermometer; add [thermometers]" in err
+
+
+def test_a_recording_without_a_temperature_is_told_and_the_others_are_reviewed(tmp_path):
+    shutil.copytree(ROD, tmp_path / "rod")
+    rod = tmp_path / "rod"
+    good = next(path for path in rod.rglob("*.csv"))
+    head, *rows = good.read_text().splitlines()
+    names = head.split(",")
+    kept = [i for i, name in enumerate(names) if not name.startswith("TC")]
+    blank = [",".join(cell if i in kept else "" for i, cell in enumerate(row.split(","))) for row in rows]
+    (rod / "blind.csv").write_text("\n".join([head, *blank, ""]))
+    status, out, err = run("review", rod / "blind.csv", good)
+    assert status == 1
+    assert "error: blind.csv: no thermometer was ever read" in err
+    assert good.name in out
+    assert run("review", rod / "blind.csv")[0] == 1
+
+
+def test_a_filter_that_is_worse_than_a_polyline_says_so(folder):
+    model = load_model(folder / "model.toml")
+    save_model(model.with_values({"expansion_error.error": 0.04}), folder / "poor.toml")
+    status, out, _ = run("review", folder / "logs", "--model", folder / "poor.toml", "--no-displacement")
+    assert status == 0
+    assert "is worse than the polyline" in out
+    assert "`ballscrew diagnose` says where" in out
+    assert "worse than the polyline" not in run("review", folder / "logs")[1]
+
+
 def test_the_nearest_rig_folder_is_used(folder):
     rig = folder / "rig.toml"
     rig.write_text(rig.read_text().replace('subset_7 = ["T02", ', 'subset_7 = ["T01", '))
@@ -143,7 +195,7 @@ def test_fit_says_in_a_table_what_changed_and_as_json_all_it_knows(folder):
     assert status == 0
     for path in FREE:
         fitted = told["parameters"][path]
-        assert set(fitted) == {"before", "value", "sd", "unit", "at_bound", "determined"}
+        assert set(fitted) == {"before", "value", "sd", "unit", "at_bound", "determined", "like"}
         (line,) = [line for line in text.splitlines() if line.startswith(path)]
         assert line.split()[1:5] == [f"{fitted[key]:.{digits}g}" for key, digits in (("before", 4), ("value", 4))] + [
             f"{fitted['sd']:.2g}", "W",
