@@ -45,7 +45,8 @@ def command(
 
     First so that the model alone follows the measurements (least squares, open loop), then by maximum likelihood; what
     predicts better ten minutes ahead is kept. A truth file is never opened. Parameters marked fixed in the model file
-    stay. Ctrl-C ends the search; the best model so far is written.
+    stay, and so do those that these recordings cannot tell from others. Ctrl-C ends the search; the best model so far
+    is written, if there is one.
     """
     terminal = Terminal(json_path, quiet)
     rig = open_rig(logs, rig_path, terminal)

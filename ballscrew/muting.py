@@ -21,12 +21,18 @@ def chosen_thermometers(text: str | None, rig: Rig) -> list[str] | None:
 
 
 def _thermometer(word: str, rig: Rig) -> str:
-    if word.isdigit() and 1 <= int(word) <= len(rig.thermometers):
-        return rig.thermometers[int(word) - 1]
-    if word in rig.thermometers:
-        return word
+    name = _numbered(word, rig)
+    if name in rig.thermometers:
+        return name
     raise SetupError(f"--channels {word}: no such thermometer; {nearest(word, rig.thermometers)}, or 1 ... "
                      f"{len(rig.thermometers)}")  # fmt: skip
+
+
+def _numbered(word: str, rig: Rig) -> str:
+    """The name of a thermometer that is given by its number; any other word as it is."""
+    if word.isdigit() and 1 <= int(word) <= len(rig.thermometers):
+        return rig.thermometers[int(word) - 1]
+    return word
 
 
 def muted(
@@ -58,8 +64,8 @@ def _span(text: str, recording: Recording, rig: Rig) -> tuple[np.ndarray, float,
     since = _time(begin, text, recording)
     until = _time(end, text, recording) if dash else np.inf
     if until <= since:
-        raise SetupError(f"--mute {text}: ends at {until:g} s, before it begins at {since:g} s")
-    return _named(name, rig), since, until
+        raise SetupError(f"--mute {text}: it ends ({end}) before it begins ({begin})")
+    return _named(_numbered(name, rig), rig), since, until
 
 
 def _named(name: str, rig: Rig) -> np.ndarray:

@@ -65,7 +65,7 @@ def load(logs: Sequence[Path], rig: Rig, terminal: Terminal, join: bool = False)
     """
     paths = find_recordings(logs)
     if not paths:
-        raise InputError(f"{', '.join(map(str, logs))}: no recordings in there")
+        raise InputError(f"{', '.join(map(str, logs))}: the truth of a simulated recording, not a recording")
     recordings = [paths] if join else [[path] for path in paths]
     loaded, failed = [], []
     with terminal.progress("reading", len(recordings)) as update:

@@ -196,8 +196,8 @@ def test_no_displacement_and_mute_take_readings_away(fs20_log, plain):
         ("telemeter:stop2", "error: --mute telemeter:stop2: FS-20.log has 1 stops"),
         ("telemeter:soon", "error: --mute telemeter:soon: 'soon' is neither seconds nor stop1, stop2, ..."),
         ("T7:5", "no channel 'T7'; did you mean 'T07'?"),
-        ("T07:100-50", "error: --mute T07:100-50: ends at "),
-        ("T07:stop1-5", "before it begins at "),
+        ("T07:100-50", "error: --mute T07:100-50: it ends (50) before it begins (100)"),
+        ("T07:stop1-5", "T07:stop1-5: it ends (5) before it begins (stop1)"),
     ],
 )
 def test_what_a_mute_gets_wrong_is_named(fs20_log, span, text):

@@ -113,7 +113,7 @@ def test_a_folder_means_its_recordings_and_never_the_truth(folder):
     assert [r["name"] for r in json.loads(out)["recordings"]] == ["FS-20.log"]
     status, _, err = run("review", folder / "logs" / "FS-20.truth.csv")
     assert status == 1
-    assert "no recordings in there" in err
+    assert "FS-20.truth.csv: the truth of a simulated recording, not a recording" in err
 
 
 def test_wrong_rig_and_model_end_with_2(folder):
