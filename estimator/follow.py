@@ -5,8 +5,9 @@
 The open-loop run never sees a measurement after the start, so that no process noise can hide a misfit. s is the misfit
 that a good model leaves, not the sensors' scatter: 0.05 K for a thermometer, 0.2 um for the displacement. Such a misfit
 stays alike for minutes: a block of ten, N steps, weighs as much as one independent reading. Five seconds a step serve.
-It spans many thermometers as well, so that a displacement reading, w, weighs as much as all of them together: else
-thousands of temperatures, a thousandth of a kelvin closer, outweigh an elongation twice as far off.
+It spans many thermometers as well, so that all of them together weigh as much as one: w is 1 for the displacement, and
+for each thermometer 1 over their number. Else what they have in common would overrun every table value, and
+temperatures a thousandth of a kelvin closer outweigh an elongation twice as far off.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ class Follower:
             short, slow = coarse(recording, rig, serves(rig))
             self._trials.append(Trial(model, slow, short))
         heat = np.isin(rig.names, rig.thermometers)
-        weight = np.where(heat, 1.0, max(heat.sum(), 1)) * self._trials[0].rig.tick_s / BLOCK_S
+        weight = np.where(heat, 1.0 / max(heat.sum(), 1), 1.0) * self._trials[0].rig.tick_s / BLOCK_S
         self._scale = np.where(heat, GOOD_K, GOOD_UM) / np.sqrt(weight)
         self._weight = sum(float((weight * _known(trial)).sum()) for trial in self._trials)
 

@@ -11,8 +11,8 @@ from estimator.record import Array, Sample
 from estimator.regime import AT_REST
 from estimator.rig import Rig
 
-UNIFORM_K = 0.2  # a rig whose thermometers agree so well at rest has been waiting long enough to be steady ...
-WARM_K = 0.4  # ... and one whose thermometers differ by so much has not; between both it is partly so
+UNIFORM_K = 0.1  # a rig whose thermometers agree so well at rest has been waiting long enough to be steady ...
+WARM_K = 0.2  # ... and one whose thermometers differ by so much has not; between both it is partly so
 SENSOR_K = 1.5  # the most that other thermometers of a steady rig can differ from the screw's by their own error
 ODD_K = 10.0  # further from the median than any part of a screw gets: no temperature
 

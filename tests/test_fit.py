@@ -99,7 +99,7 @@ def test_a_parameter_stops_at_its_bound_and_says_so(rig, full, lived, drive, liv
 
 @pytest.mark.parametrize("rise", [1.0, 50.0])
 def test_a_prior_pulls_as_much_as_the_data_leave_open(rise, rig, full, driven, live):
-    """The data say 0.9 um/K, the table 0.3 +- 0.3; readings have 0.2 um, 120 steps of 5 s count as 15 thermometers.
+    """The data say 0.9 um/K, the table 0.3 +- 0.3; readings have 0.2 um, and 120 steps of 5 s count as one.
 
     At rest, so that nothing else can be off.
     """
@@ -109,7 +109,7 @@ def test_a_prior_pulls_as_much_as_the_data_leave_open(rise, rig, full, driven, l
     recording = live(full.with_values({"displacement.probe": 0.9}), rig, warm).recording
     found = follow(full, rig, [recording], ["displacement.probe"]).model["displacement.probe"]
     steps = probe.reshape(80, 5).mean(axis=1)[1:]  # the first is the start
-    data, prior = 15 * len(steps) * steps.var() / 0.2**2 / 120, 1 / 0.3**2
+    data, prior = len(steps) * steps.var() / 0.2**2 / 120, 1 / 0.3**2
     assert found == pytest.approx((data * 0.9 + prior * 0.3) / (data + prior), abs=0.0005)
 
 

@@ -115,10 +115,10 @@ def test_between_steady_and_warm_it_is_partly_zeroed(small, driven):
     """A hundredth of a kelvin must not decide: recordings read at another tick would begin elsewhere."""
     zeros = [
         read_start(first(small, driven, [22, 22 + apart, 22 + apart, 22, NAN], ambient=21.0), small).zero_K["ambient"]
-        for apart in (0.19, 0.21, 0.3, 0.39, 0.41)
+        for apart in (0.09, 0.11, 0.15, 0.19, 0.21)
     ]
-    shares = np.array(zeros) / (21.0 - 22.0 - np.array([0.19, 0.21, 0.3, 0.39, 0.41]) / 2)
-    np.testing.assert_allclose(shares, [1.0, 0.95, 0.5, 0.05, 0.0], atol=1e-9)
+    shares = np.array(zeros) / (21.0 - 22.0 - np.array([0.09, 0.11, 0.15, 0.19, 0.21]) / 2)
+    np.testing.assert_allclose(shares, [1.0, 0.9, 0.5, 0.1, 0.0], atol=1e-9)
 
 
 def test_without_a_thermometer_there_is_no_start(small, driven):
