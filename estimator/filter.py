@@ -20,6 +20,7 @@ import numpy as np
 
 from estimator.augment import Augmented
 from estimator.discretise import Transition
+from estimator.errors import SetupError
 from estimator.forcing import Forcing, Ticks
 from estimator.held import Held
 from estimator.model import Model
@@ -97,6 +98,10 @@ class Filter:
         self.forcing = Forcing(self.model, self.rig, start, keep=KEPT)
         offset = self._ticks(collect("", [sample])).offset[0]
         place, readings = self.forcing.place, self.forcing.readings
+        if not np.isfinite(readings.sd[np.isin(self.rig.names, self.rig.thermometers)]).any():
+            raise SetupError(
+                f"{self.model.name}: no effect reads a thermometer; add [thermometers], or one with a Read"
+            )
         self.view = View(self.rig, place, self.forcing.terms)
         self._state = Augmented(readings, self.rig.expansion_tolerance)
         inputs = {name: value - start.zero_K[name] for name, value in sample.inputs.items()}

@@ -14,7 +14,6 @@ import numpy as np
 
 from estimator import assemble
 from estimator.discretise import Modes, Transition
-from estimator.errors import SetupError
 from estimator.inputs import InputReader, Inputs, no_inputs
 from estimator.model import Model
 from estimator.record import Array, Recording
@@ -85,8 +84,6 @@ class Forcing:
         self.terms = checked_terms(model, self.nothing(), rig)
         self.place = assemble.layout(self.terms, rig, reduced)
         self.readings = assemble.readings(self.terms, rig, self.place)
-        if not np.isfinite(self.readings.sd[[rig.index(name) for name in rig.thermometers]]).any():
-            raise SetupError(f"{model.name}: no effect reads a thermometer; add [thermometers], or one with a Read")
 
     def with_model(self, model: Model) -> Forcing:
         """The same inputs and regimes under another model of the same structure."""
