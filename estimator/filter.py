@@ -99,9 +99,7 @@ class Filter:
         offset = self._ticks(collect("", [sample])).offset[0]
         place, readings = self.forcing.place, self.forcing.readings
         if not np.isfinite(readings.sd[np.isin(self.rig.names, self.rig.thermometers)]).any():
-            raise SetupError(
-                f"{self.model.name}: no effect reads a thermometer; add [thermometers], or one with a Read"
-            )
+            raise SetupError(f"{self.model.name}: no effect reads a thermometer; add [thermometers] or one with a Read")
         self.view = View(self.rig, place, self.forcing.terms)
         self._state = Augmented(readings, self.rig.expansion_tolerance)
         inputs = {name: value - start.zero_K[name] for name, value in sample.inputs.items()}
