@@ -59,9 +59,9 @@ def _hours() -> str:
             rows += _growth(job, _in_turn(job, Path(folder), ticks))
     title = f"Engine: growth with hours, {RUN} repeated, {len(system.x0)} states"
     return table(title, rows, [
-        f"CPU time a tick, best of {ROUNDS} rounds in turn, each the best of {REPEATS}; memory is what the process grew "
-        f"by at its peak, less the result itself. What fits into {batch.BUDGET / 1e6:.0f} MB on the way back is filtered "
-        "once, the rest twice."
+        f"CPU time a tick, best of {ROUNDS} rounds in turn, each the best of {REPEATS}; memory is what the process "
+        "grew by at its peak, less the result itself. "
+        f"What fits into {batch.BUDGET / 1e6:.0f} MB on the way back is filtered once, the rest twice."
     ])  # fmt: skip
 
 
