@@ -17,6 +17,7 @@ from estimator.horizon import Error
 from estimator.model import save_model
 
 HORIZONS = {"one_step": "one tick ahead", "ahead": "10 minutes ahead", "open_loop": "model alone (open loop)"}
+WORSE = 1.2  # times an error before
 WORTH_SAYING = 1.005  # factors of the process noise
 KEPT = {
     "likelihood": "kept: the most likely parameters",
@@ -90,6 +91,8 @@ def _print(terminal: Terminal, found: Fit) -> None:
     terminal.say()
     terminal.table("", ["error, rms", "before", "after", "", "before", "after", ""], _errors(found))
     terminal.say(KEPT[found.kept])
+    for sentence in worse(found):
+        terminal.say(sentence)
     for a, b, rho in found.alike:
         terminal.say(f"{a} and {b} cannot be told apart well: their errors correlate by {rho:+.3f}")
     if found.raised >= WORTH_SAYING:
@@ -98,6 +101,16 @@ def _print(terminal: Terminal, found: Fit) -> None:
         terminal.say(f"stopped by Ctrl-C after {found.steps} steps: the best so far was kept")
     elif not found.converged:
         terminal.say(f"not converged after {found.steps} steps: the best so far was kept; fit again from it")
+
+
+def worse(found: Fit) -> list[str]:
+    """Said where the fitted model predicts the elongation of these very recordings worse than the one it came from."""
+    return [
+        f"the elongation became worse, {HORIZONS[key]} {found.before[key].elongation_um:.2f} -> "
+        f"{found.after[key].elongation_um:.2f} um, for the temperatures' sake: compare both on other recordings first"
+        for key in ("ahead", "open_loop")
+        if found.after[key].elongation_um > WORSE * found.before[key].elongation_um
+    ]
 
 
 def _errors(found: Fit) -> list[list[str]]:

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ballscrew.fit import worse
 from estimator.coarse import coarse
 from estimator.effect import Effect, Param
 from estimator.errors import InputError, SetupError
 from estimator.fit import fit
 from estimator.follow import follow
-from estimator.horizon import errors
+from estimator.horizon import Error, errors
 from estimator.model import Value
 from estimator.terms import Heat
 from estimator.trial import Trial
@@ -69,6 +70,16 @@ def test_the_error_left_is_the_sensors_scatter(found, rig, lived, full):
     assert after.temperature_K == pytest.approx(true.temperature_K, rel=0.05)
     assert after.temperature_K == pytest.approx(0.022, rel=0.1)
     assert after.elongation_um == pytest.approx(0.15, rel=0.1)
+
+
+def test_a_fit_that_makes_the_elongation_worse_says_so(found):
+    assert not worse(found)
+    ahead, alone = Error(0.03, 0.14), Error(0.04, 0.15)
+    poor = replace(
+        found, before={"ahead": ahead, "open_loop": alone}, after={"ahead": Error(0.02, 0.26), "open_loop": alone}
+    )
+    (said,) = worse(poor)
+    assert said.startswith("the elongation became worse, 10 minutes ahead 0.14 -> 0.26 um")
 
 
 def test_a_model_that_misses_an_effect_is_trusted_less(rig, full, driven, live):
