@@ -89,16 +89,13 @@ def _print(terminal: Terminal, tables: Sequence[Section]) -> None:
             terminal.say(sentence)
 
 
-def _reference(found: Comparison) -> str:
-    """What the elongation was compared with."""
-    read = "the displacement readings, and at rest the direct reading joined at the stop"
-    if "displacement" not in found.by_channel:
-        read = "nothing: there is no displacement channel"
-    rest = found.recordings - found.truths
-    parts = ["the truth"] if found.truths else []
-    if rest:
+def _reference(found: Comparison) -> list[str]:
+    """What the elongation was compared with; nothing where it was with nothing."""
+    parts, rest = ["the truth"] if found.truths else [], found.recordings - found.truths
+    if rest and "displacement" in found.by_channel:
+        read = "the displacement readings, and at rest the direct reading joined at the stop"
         parts.append(f"{read} ({rest} of {found.recordings} recordings)" if found.truths else read)
-    return f"elongation compared with {'; '.join(parts)}"
+    return [f"elongation compared with {'; '.join(parts)}"] if parts else []
 
 
 def sections(found: Sequence[Comparison]) -> list[Section]:
@@ -109,7 +106,7 @@ def sections(found: Sequence[Comparison]) -> list[Section]:
     rows.append(["sensors alone", *_cells([each.floor for each in found])])
     if any(each.held_out for each in found):
         rows.append(["held out: model alone", *_cells([_held_out(each) for each in found])])
-    said = [_reference(found[0]), *(f"{each.name}: {warning}" for each in found for warning in each.warnings)]
+    said = [*_reference(found[0]), *(f"{each.name}: {warning}" for each in found for warning in each.warnings)]
     parts = {PHASES[p]: [each.by_phase[p] for each in found] for p in PHASES}
     parts |= {f"at {v:g} m/min": [each.by_speed[v] for each in found] for v in found[0].by_speed}
     alone = [[title, *_cells([e["open_loop"] for e in errors])] for title, errors in parts.items()]

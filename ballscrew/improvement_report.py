@@ -93,9 +93,13 @@ def steps_section(out: Outcome) -> Section:
     said = [
         f"Added: {', '.join(filter(None, added(steps))) or 'nothing'}.",
         out.said,
-        f"Model alone (open loop), rms; um: of the displacement readings, so while driving; {note(out.found)}.",
+        f"Model alone (open loop), rms; {_of_what(out.rig)}{note(out.found)}.",
     ]
     return f"{out.after.name}: {out.before.name} improved", said, steps_table(steps)
+
+
+def _of_what(rig: Rig) -> str:
+    return "um: of the displacement readings, so while driving; " if "displacement" in rig.channels else ""
 
 
 def as_json(found: Improvement) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.climb import Climb, positive
-from estimator.errors import SetupError
+from estimator.errors import InputError, SetupError
 from estimator.follow import Followed, follow, sandwich
 from estimator.horizon import Error, errors
 from estimator.model import Model, Value
@@ -106,6 +106,10 @@ def fit(
     followed = follow(model, rig, recordings, mean, lambda n, misfit: each("open loop", n, misfit)) if mean else None
     start = followed.model if followed else model
     left = dict(followed.left) if followed else {}
+    if len(left) == len(paths):
+        raise InputError(
+            f"these recordings say nothing of {', '.join(left)}: nothing to fit; free others, or drive more"
+        )
     paths = [path for path in paths if path not in left]
     trials = [Trial(start, rig, recording) for recording in recordings]
     climb = Climb(Posterior(start, trials, paths, share), lambda n, value: each("likelihood", n, value))
@@ -114,7 +118,7 @@ def fit(
     else:
         climb.run()
     found = [_likely(climb)]
-    if followed is not None:
+    if followed is not None and followed.paths:
         found.append(_followed(followed, climb))
     return _outcome(model, found, left, climb, trials, recordings, rig)
 

@@ -115,6 +115,8 @@ def follow(
     follower = Follower(model, rig, recordings)
     left = untold(np.vstack([follower.slopes(model, paths), np.diag(_priors(model, paths))]), paths)
     paths = [path for path in paths if path not in left]
+    if not paths:
+        return Followed(model, (), left, *np.zeros((3, 0, 0)))
     params, prior = [model.param(path) for path in paths], _priors(model, paths)
     start = np.array([model[path] for path in paths])
     unit = np.array([size(value, p.lo, p.hi) for value, p in zip(start, params, strict=True)])

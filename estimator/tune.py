@@ -170,7 +170,8 @@ def scaled(
 
     grid = np.arange(-WIDEST, WIDEST, STEP)
     best = grid[np.argmin([unlikely(float(x)) for x in grid])]
-    found = minimize_scalar(unlikely, bounds=(best - STEP, best + STEP), method="bounded", options={"xatol": CLOSE})
+    near = max(best - STEP, -WIDEST), min(best + STEP, WIDEST)
+    found = minimize_scalar(unlikely, bounds=near, method="bounded", options={"xatol": CLOSE})
     return at(found.x), float(np.exp(found.x))
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from estimator.apart import untold
+from estimator.errors import InputError
 from estimator.fit import fit
 
 DICE = np.random.default_rng(3)
@@ -56,3 +57,17 @@ def test_at_one_speed_a_fit_leaves_the_exponent_where_it_was(rig, full, driven, 
     power, _, n = fit(loose, rig, [slow, fast]).parameters
     assert (power.value, n.value) == pytest.approx((66.0, 1.2), rel=0.02)
     assert not n.like
+
+
+def test_recordings_that_say_nothing_of_a_parameter_are_refused(rig, full, driven, live):
+    """At rest no friction shows; a noise level beside it is fitted all the same."""
+    still = live(full, rig, driven(rig, 120, (120, 120)), seed=7).recording
+
+    def loose(*free: str):
+        return full.with_values({path: replace(value, fixed=path not in free) for path, value in full.values.items()})
+
+    with pytest.raises(InputError, match="say nothing of nut_friction.power, nut_friction.n: nothing to fit"):
+        fit(loose("nut_friction.power", "nut_friction.n"), rig, [still])
+    power, sd = fit(loose("nut_friction.power", "thermometers.sd"), rig, [still]).parameters
+    assert power.value == full["nut_friction.power"]
+    assert np.isfinite(sd.sd)
