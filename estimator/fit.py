@@ -96,7 +96,10 @@ def fit(
     each: Progress = lambda stage, n, value: None,
     share: Share = map,
 ) -> Fit:
-    """Fit all free parameters to all recordings. `each` hears the stage, the steps done and how well it fits."""
+    """Fit all free parameters to all recordings. `each` hears the stage, the steps done and how well it fits.
+
+    Recordings that say nothing of any of them are an InputError.
+    """
     paths = model.free()
     if not paths:
         raise SetupError(f"{model.name}: every parameter is fixed; nothing to fit")
@@ -107,9 +110,7 @@ def fit(
     start = followed.model if followed else model
     left = dict(followed.left) if followed else {}
     if len(left) == len(paths):
-        raise InputError(
-            f"these recordings say nothing of {', '.join(left)}: nothing to fit; free others, or drive more"
-        )
+        raise InputError(f"these recordings say nothing of {', '.join(left)}: free others, or record a longer drive")
     paths = [path for path in paths if path not in left]
     trials = [Trial(start, rig, recording) for recording in recordings]
     climb = Climb(Posterior(start, trials, paths, share), lambda n, value: each("likelihood", n, value))
