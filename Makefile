@@ -63,9 +63,9 @@ study-hidden: $(READY)
 
 pictures: $(READY) $(LOGS) pictures-improve
 	$(BIN)/ballscrew review recordings/FS-20.blf --quiet --save demo.rrd
-	$(BIN)/python -m viz.pictures demo.rrd docs/pictures --window 1280x800 --only Overview --only Residuals
+	$(BIN)/python -m viz.viewer.pictures demo.rrd docs/pictures --window 1280x800 --only Overview --only Residuals
 	$(BIN)/ballscrew review $(LOGS) --quiet --save twelve.rrd
-	$(BIN)/python -m viz.pictures twelve.rrd docs/pictures --window 1280x800 --only Accuracy
+	$(BIN)/python -m viz.viewer.pictures twelve.rrd docs/pictures --window 1280x800 --only Accuracy
 	$(BIN)/python docs/live_pictures.py
 
 # HIDDEN=FOLDER names other recordings of a machine with an effect that MODEL has not
@@ -73,7 +73,7 @@ pictures-improve: $(READY)
 	$(BIN)/ballscrew improve $(HIDDEN) --held-out $(HIDDEN)/held-out --model $(MODEL) --quiet -o improved.toml
 	mkdir -p docs/pictures/improve
 	cp improved-*.png docs/pictures/improve
-	$(BIN)/python -m viz.pictures improved.rrd docs/pictures/improve --window 1280x800 --only Summary --only $(SHOWN)
+	$(BIN)/python -m viz.viewer.pictures improved.rrd docs/pictures/improve --window 1280x800 --only Summary --only $(SHOWN)
 
 recordings: $(LOGS)
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.errors import SetupError, nearest
-from estimator.filter import Mute
+from estimator.inputs.phase import stops
 from estimator.record import Recording
-from estimator.review import stops
 from estimator.rig import Rig
+from estimator.state.gate import Mute
 
 
 def chosen_thermometers(text: str | None, rig: Rig) -> list[str] | None:

@@ -39,7 +39,7 @@ class Terminal:
 
     def say_if_compiling(self, *functions: str) -> None:
         """Why the first run after an installation takes longer; the functions of the engine that it needs."""
-        from estimator import batch  # the compiler takes a while to import
+        from estimator.batch import batch  # the compiler takes a while to import
 
         if batch.is_cold(*(getattr(batch, name) for name in functions)) and not self.quiet:
             self.err.print("compiling the filter for this machine, once: some 15 s", markup=False)

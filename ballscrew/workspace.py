@@ -9,14 +9,15 @@ from importlib.resources import files
 from pathlib import Path
 
 from ballscrew.terminal import Terminal
-from drivers.joined import Progress
+from drivers.logs.joined import Progress
+from drivers.logs.truth import Truth, read_truth
 from drivers.recordings import find_recordings, read_joined, read_recording
-from drivers.truth import Truth, read_truth
 from estimator.errors import InputError, SetupError
-from estimator.model import Model, load_model
+from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.rig_file import load_rig
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 
 BUILT_IN = Path(str(files("recordings")))
 

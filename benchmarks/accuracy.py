@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from ballscrew.muting import muted
+from drivers.logs.truth import read_truth
 from drivers.recordings import find_recordings, read_recording
-from drivers.truth import read_truth
-from estimator.model import load_model
-from estimator.review import Review, overall, review
-from estimator.rig_file import load_rig
+from estimator.accuracy.review import Review, overall, review
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 
 FOLDER = Path(__file__).parent.parent / "recordings"
 COOLDOWN = "telemeter silent for 60 min from the first stop"
@@ -42,7 +42,7 @@ def one(path: Path, situation: str) -> Review:
 
 def _end(recording) -> float:  # type: ignore[no-untyped-def]
     """60 min after the first stop, s from the first sample."""
-    from estimator.review import stops
+    from estimator.inputs.phase import stops
 
     return stops(recording)[0] + 3600.0 - float(recording.time_s[0])
 

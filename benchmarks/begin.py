@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks.accuracy import FOLDER
 from benchmarks.measure import Row, say, table
 from drivers.recordings import read_recording
-from estimator.rig_file import load_rig
+from estimator.rig_folder.rig_folder import load_rig
 
 RUN = "FS-20"
 WARM = 5
@@ -24,8 +24,8 @@ began, spent = time.perf_counter(), time.process_time()
 import pickle
 from pathlib import Path
 from estimator.model import load_model
-from estimator.rig_file import load_rig
-from estimator.trial import Trial
+from estimator.rig_folder.rig_folder import load_rig
+from estimator.batch.trial import Trial
 folder = Path(sys.argv[1])
 recording = pickle.loads(Path(sys.argv[2]).read_bytes())
 model = load_model(folder / "model.toml")

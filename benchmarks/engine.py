@@ -12,7 +12,7 @@ from benchmarks.measure import Job, Row, Times, alone, interleaved, ratio, say, 
 from benchmarks.ours import own_jobs, own_rows
 from benchmarks.peers import Dynamax, Statsmodels, check_peers, filterpy_loglike
 from benchmarks.problem import Problem, make
-from estimator.batch import loglike, smoothed
+from estimator.batch.batch import loglike, smoothed
 from estimator.record import Array
 
 ROUNDS = 9

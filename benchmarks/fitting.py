@@ -13,13 +13,14 @@ from benchmarks.accuracy import FOLDER
 from benchmarks.measure import Row, say, table
 from benchmarks.shipped import Judged
 from drivers.recordings import read_recording
-from estimator.fit import Fit, fit
-from estimator.model import Model, Value, load_model
-from estimator.posterior import Posterior
+from estimator.batch.trial import Trial
+from estimator.fit.fit import Fit, fit
+from estimator.fit.posterior import Posterior
+from estimator.model import Model, Value
 from estimator.record import Recording
 from estimator.rig import Rig
-from estimator.rig_file import load_rig
-from estimator.trial import Trial
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 
 RUNS = ("FS-20", "FS-5", "CS-10", "ES-2.5")
 TEN = (
@@ -115,8 +116,8 @@ def _naively(naive: Naive, cpu: float, found: Fit) -> list[Row]:
 
 def _says() -> list[str]:
     return [
-        "Ours is all of `estimator.fit.fit`: open loop, likelihood, the choice between both, the check of the process "
-        "noise. Begun from the catalogue's defaults, every other parameter fixed as shipped.",
+        "Ours is all of `estimator.fit.fit.fit`: open loop, likelihood, the choice between both, the check of the "
+        "process noise. Begun from the catalogue's defaults, every other parameter fixed as shipped.",
         "The naive fit is not run but made up: the CPU time of one log-likelihood of the four runs by "
         "`estimator.filter.Filter`, from its innovations, measured in full, times the number of log-likelihoods that "
         f"scipy's L-BFGS-B with finite differences (step {EPS:g} of a parameter, p + 1 log-likelihoods a gradient) "

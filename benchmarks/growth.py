@@ -20,9 +20,9 @@ from benchmarks.accuracy import FOLDER
 from benchmarks.measure import Row, alone, interleaved, say, table
 from benchmarks.problem import make
 from benchmarks.shipped import RUN, trial_of
-from estimator import batch
-from estimator.model import load_model
-from estimator.system import System
+from estimator.batch import batch
+from estimator.batch.system import System
+from estimator.rig_folder.model_toml import load_model
 
 HOURS = (1, 8, 24)
 STATES = (12, 22, 36, 48, 60)

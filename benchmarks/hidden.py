@@ -27,21 +27,23 @@ from benchmarks.handed_over import record
 from benchmarks.measure import alone, say
 from drivers.recordings import read_recording
 from drivers.virtual_rig import simulate
-from drivers.virtual_rig.heaters import local_place
-from estimator.candidates import kind_of
+from drivers.virtual_rig.machine.heaters import local_place
+from estimator.accuracy.floor import Error
+from estimator.accuracy.horizon import open_loop_only, overall
+from estimator.batch.trial import trials_of
 from estimator.effects import CATALOGUE
-from estimator.follow import follow
-from estimator.horizon import Error, open_loop_only, overall
-from estimator.hypothesis import Hypothesis
-from estimator.improve import improve
-from estimator.model import Model, load_model
-from estimator.moments import trials_of
+from estimator.fit.open_loop_fit import follow
+from estimator.inputs.follower import followers
+from estimator.missing_effect.candidates import kind_of
+from estimator.missing_effect.hypothesis import Hypothesis
+from estimator.missing_effect.improve import improve
+from estimator.missing_effect.suggest import suggest
+from estimator.missing_effect.suggestion import Suggestion
+from estimator.model import Model
 from estimator.record import Recording
 from estimator.rig import Rig
-from estimator.rig_file import load_rig
-from estimator.suggest import suggest
-from estimator.suggestion import Suggestion
-from estimator.unknown import followers
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 
 FOLDER = Path(__file__).parents[1] / "recordings"
 NEAR_MM = 60.0

@@ -29,15 +29,15 @@ from benchmarks.loopback import (
 )  # fmt: skip
 from benchmarks.measure import Row, alone, say, table
 from drivers.budget import Budget
-from drivers.candump import read_candump
 from drivers.frames import Tally
+from drivers.logs.candump import read_candump
+from drivers.logs.truth import read_truth
 from drivers.recordings import read_joined, read_recording
-from drivers.truth import read_truth
 from drivers.virtual_rig import simulate
-from estimator.model import load_model
-from estimator.replay import replay
-from estimator.review import review
-from estimator.rig_file import load_rig
+from estimator.accuracy.review import review
+from estimator.batch.replay import replay
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 
 STATUS, ESTIMATE = 0x214, 0x610
 RATE_S, FULL_S, FULL_RATE = 150.0, 300.0, 8000

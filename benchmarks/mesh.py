@@ -9,13 +9,13 @@ import numpy as np
 
 from benchmarks.accuracy import FOLDER
 from drivers.recordings import read_recording
-from estimator.forcing import Forcing
-from estimator.model import load_model
-from estimator.nominal import open_loop
+from estimator.batch.nominal import open_loop
+from estimator.inputs.start import read_start
+from estimator.network.forcing import Forcing
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.rig_file import load_rig
-from estimator.start import read_start
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 
 RUNS = ("FS-20", "CS-20", "ES-20", "FS-2.5")
 FINE = 500

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.measure import Job, Row, Times, ratio
-from estimator import batch
-from estimator.system import System
+from estimator.batch import batch
+from estimator.batch.system import System
 
 FEW, MANY = 8, 32  # columns
 

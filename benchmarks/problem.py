@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import expm
 
+from estimator.batch.system import System
 from estimator.record import Array
-from estimator.system import System
 
 SPEEDS = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0])
 THERMOMETERS = 15

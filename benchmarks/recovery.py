@@ -18,13 +18,14 @@ import numpy as np
 from benchmarks.accuracy import FOLDER
 from benchmarks.fitting import only
 from benchmarks.measure import Row, alone, say, table
-from estimator.fit import fit
-from estimator.model import Model, load_model
+from estimator.batch.system import System
+from estimator.batch.trial import Trial
+from estimator.fit.fit import fit
+from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.rig_file import load_rig
-from estimator.system import System
-from estimator.trial import Trial
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 
 SEEDS = 100
 PATHS = ("nut_friction.power", "anchor_friction.power", "free_friction.power", "nut_body.g", "thermometers.tau")

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from benchmarks.measure import Row, alone, say, table
-from estimator.model import load_model, save_model
+from estimator.rig_folder.model_toml import load_model, save_model
 
 RECORDINGS = Path(__file__).parents[1] / "recordings"
 SIX = ("FS-20", "FS-10", "FS-5", "CS-10", "CS-5", "ES-5")

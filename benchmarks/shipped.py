@@ -9,13 +9,14 @@ from benchmarks.measure import Row, Times, interleaved, ratio, table
 from benchmarks.ours import own_jobs, own_rows
 from benchmarks.peers import gaussian
 from drivers.recordings import read_recording
-from estimator import batch
-from estimator.filter import GATE, Comparison, Filter
-from estimator.model import load_model
+from estimator.batch import batch
+from estimator.batch.trial import Trial
+from estimator.filter import Comparison, Filter
 from estimator.record import Array, Recording
-from estimator.rig_file import load_rig
-from estimator.score import score
-from estimator.trial import Trial
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
+from estimator.sensitivity.score import score
+from estimator.state.gate import GATE
 
 RUN = "FS-5"
 ROUNDS = 7

@@ -14,11 +14,11 @@ import cantools
 import numpy as np
 
 from benchmarks.accuracy import FOLDER
-from drivers.dbc import find_dbc
+from drivers.decode.dbc import find_dbc
 from drivers.recordings import read_recording
 from estimator.filter import Filter
-from estimator.model import load_model
-from estimator.rig_file import load_rig
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 
 ROUNDS = 5
 RUN = FOLDER / "FS-20.blf"

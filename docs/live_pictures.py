@@ -11,12 +11,12 @@ from pathlib import Path
 
 from drivers.recordings import read_recording
 from estimator.filter import Filter
-from estimator.model import load_model
 from estimator.record import Sample
-from estimator.rig_file import load_rig
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 from estimator.step import Step
-from viz import live_pictures
-from viz.live import LiveViews
+from viz.live.live import LiveViews
+from viz.viewer import live_pictures
 
 PICTURES = Path(__file__).parent / "pictures" / "live"
 RECORDINGS = Path(__file__).parents[1] / "recordings"

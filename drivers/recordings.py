@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from drivers.budget import Budget
-from drivers.clock import RigClock
-from drivers.decode import Decoder
+from drivers.decode.clock import RigClock
+from drivers.decode.decode import Decoder
+from drivers.decode.ticks import Ticks, split
 from drivers.frames import Frames, Tally
-from drivers.joined import Progress, join
-from drivers.lab_ticks import read_lab
-from drivers.logs import SUFFIXES, is_lab_csv, read_log
-from drivers.ticks import Ticks, split
-from drivers.truth import is_truth
+from drivers.logs.joined import Progress, join
+from drivers.logs.labcsv import read_lab
+from drivers.logs.logs import SUFFIXES, is_lab_csv, read_log
+from drivers.logs.truth import is_truth
 from estimator.errors import InputError
 from estimator.record import Recording
 from estimator.rig import Rig

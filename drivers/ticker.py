@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from drivers.budget import Budget
-from drivers.clock import RigClock
-from drivers.decode import Decoder
+from drivers.decode.clock import RigClock
+from drivers.decode.decode import Decoder
+from drivers.decode.ticks import Ticks
 from drivers.frames import FRAME, LATEST_S, PACKED, Frames, Tally, plausible
-from drivers.ticks import Ticks
 from estimator.record import Sample
 from estimator.rig import Rig
 

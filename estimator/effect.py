@@ -10,7 +10,7 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from estimator.errors import SetupError
-from estimator.inputs import Inputs
+from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import Term
 

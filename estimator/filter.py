@@ -18,26 +18,23 @@ from typing import Any
 
 import numpy as np
 
-from estimator.augment import Augmented
-from estimator.discretise import Transition
 from estimator.errors import SetupError
-from estimator.forcing import Forcing, Ticks
-from estimator.held import Held
+from estimator.inputs.inputs import Held
+from estimator.inputs.start import Start, read_start
 from estimator.model import Model
-from estimator.openloop import OpenLoop
-from estimator.prior import prior
+from estimator.network.discretise import Transition
+from estimator.network.forcing import Forcing, Ticks
 from estimator.record import Array, Recording, Sample, collect
 from estimator.rig import Rig
-from estimator.start import Start, read_start
+from estimator.state.gate import FIRST_SD_K, GATE, Mute
+from estimator.state.open_loop import OpenLoop
+from estimator.state.prior import prior
+from estimator.state.report import modes, variances
+from estimator.state.state import Augmented
+from estimator.state.view import View
 from estimator.step import Mode, Step, Track
-from estimator.system import Gate
-from estimator.view import View
 
-GATE = Gate(sd=10.0, stubborn=5)  # reject the impossible, report the surprising; what stays, the model has to explain
 KEPT = 256  # regimes whose matrices are kept, 20 MB or so
-FIRST_SD_K = 0.3  # the first reading may be a spike too, and has nothing to be checked against
-
-Mute = Callable[[float], Array]
 
 
 @dataclass(frozen=True)
@@ -150,7 +147,7 @@ class Filter:
         rows = self._state.rows(self._grown_um())
         predicted = rows @ self.x + offset
         innovation = sample.channels - predicted
-        sd = np.sqrt(_variances(rows, self.P) + R)
+        sd = np.sqrt(variances(rows, self.P) + R)
         wild = np.abs(innovation) > GATE.sd * sd
         self.rejected = np.where(wild, self.rejected + 1, 0)
         why = np.full(len(sd), "", dtype=object)
@@ -183,7 +180,7 @@ class Filter:
             sigma_um=float(um * np.sqrt(max(float(c @ P @ c), 0.0))),
             open_loop_um=um * self._grown_um(),
             profile_C=profile @ x[:n],
-            profile_sd_K=np.sqrt(_variances(profile, P[:n, :n])),
+            profile_sd_K=np.sqrt(variances(profile, P[:n, :n])),
             bodies_C=x[n - len(self.view.bodies) : n].copy(),
             error_at_table_um=table,
             error_at_table_sd_um=table_sd,
@@ -219,15 +216,3 @@ class Filter:
             sample.time_s, Mode.INIT, nan, nan, nan, empty, empty, empty, nan, nan, self.rig.names, sample.channels,
             gap, gap, gap, np.zeros(m, dtype=bool), ("waiting for a thermometer",) * m, gap, nan, 0,
         )  # fmt: skip
-
-
-def modes(fused: Array, rig: Rig) -> Array:
-    """What estimates rest on whose fused channels are (..., m): a Mode each."""
-    thermometers = np.isin(rig.names, rig.thermometers)
-    warm, other = fused[..., thermometers].any(axis=-1), fused[..., ~thermometers].any(axis=-1)
-    return np.where(other, Mode.UPDATE, np.where(warm, Mode.PREDICT, Mode.COASTING))
-
-
-def _variances(rows: Array, P: Array) -> Array:
-    """Diagonal of rows P rows', never below 0."""
-    return np.maximum(((rows @ P) * rows).sum(axis=1), 0.0)

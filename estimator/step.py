@@ -87,21 +87,6 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Trust:
-    """Why the estimate is not to be relied on; empty where it is. The rest are the flags of the frame Estimate."""
-
-    why: tuple[str, ...] = ("no estimate yet",)
-    displacement_stale: bool = True
-    telemeter_stale: bool = True
-    diverged: bool = False
-
-    @property
-    def valid(self) -> bool:
-        """Whether it may be used."""
-        return not self.why
-
-
-@dataclass(frozen=True)
 class Track:
     """The steps of a whole recording: the fields of Step with a leading axis K.
 

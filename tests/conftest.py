@@ -21,15 +21,16 @@ from estimator.effects.length import Displacement
 from estimator.effects.nut import NutBody, NutFriction
 from estimator.effects.readings import Thermometers
 from estimator.effects.screw import Conduction
-from estimator.forcing import Forcing
-from estimator.inputs import Inputs
-from estimator.model import Model, Value, load_model, model_of
-from estimator.openloop import OpenLoop
-from estimator.prior import BODY_SD_K
+from estimator.inputs.inputs import Inputs
+from estimator.inputs.start import Start
+from estimator.model import Model, Value, model_of
+from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording
 from estimator.rig import Channel, Nut, Rig, Screw, Signal
-from estimator.rig_file import load_rig
-from estimator.start import Start
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
+from estimator.state.open_loop import OpenLoop
+from estimator.state.prior import BODY_SD_K
 from estimator.terms import Term
 
 PAPER = Path(__file__).parents[1] / "recordings"

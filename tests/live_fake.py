@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from drivers.checks import crc16_ccitt_false, frame_checksum
+from drivers.decode.checks import crc16_ccitt_false, frame_checksum
 from drivers.received import Received
 from drivers.virtual_rig import simulate
 

@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 OURS = {"ballscrew", "drivers", "viz", "estimator", "recordings"}
-TYPES = {"record", "rig", "step", "errors"}  # what an estimator is told and what it says
+TYPES = {"record", "rig", "step", "errors", "alarms"}  # what an estimator is told and what it says
 FILES = sorted(path for top in OURS for path in (ROOT / top).rglob("*.py"))
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from conftest import at_defaults
 
 from estimator.filter import Filter
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.rig_file import load_rig
-from viz.run import Run
+from estimator.rig_folder.rig_folder import load_rig
+from tests.conftest import at_defaults
+from viz.recorded.run import Run
 
 CELLS = 49
 REST_S, DRIVE_S = 20, 222

@@ -4,7 +4,7 @@ It stands for the real machine, so it shares nothing with the code that is judge
 """
 
 from drivers.virtual_rig.experiments import EXPERIMENTS
-from drivers.virtual_rig.player import play
+from drivers.virtual_rig.frames.player import play
 from drivers.virtual_rig.run import Run
 from drivers.virtual_rig.simulation import simulate
 

@@ -3,7 +3,7 @@
 import difflib
 import math
 
-from drivers.virtual_rig.motion import Stroke
+from drivers.virtual_rig.machine.motion import Stroke
 
 PATTERNS = {"FS": (0.0, 400.0), "CS": (130.0, 243.0), "ES": (202.0, 315.0)}
 """Table positions between which the table moves, mm"""

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drivers.virtual_rig.dice import dice
-from drivers.virtual_rig.geometry import ANCHOR_BEARING_MM, OMEGA_20, SPAN_MM
-from drivers.virtual_rig.heat import Rig, step_middles
-from drivers.virtual_rig.jig import jig
-from drivers.virtual_rig.motion import Drive, TableMotion, Travel
-from drivers.virtual_rig.probes import OVER_RANGE, Gauge, Probes, Reading
-from drivers.virtual_rig.screw import CELL_MM, EXPANSION, growth_weights
-from drivers.virtual_rig.truth import Profile, Truth
+from drivers.virtual_rig.machine.geometry import ANCHOR_BEARING_MM, OMEGA_20, SPAN_MM
+from drivers.virtual_rig.machine.heat import Rig, step_middles
+from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
+from drivers.virtual_rig.machine.screw import CELL_MM, EXPANSION, growth_weights
+from drivers.virtual_rig.sensors.jig import jig
+from drivers.virtual_rig.sensors.probes import OVER_RANGE, Gauge, Probes, Reading
+from drivers.virtual_rig.sensors.truth import Profile, Truth
 
 REST_S = 20.0
 TARGET_UM = 49.5

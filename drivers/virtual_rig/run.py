@@ -8,12 +8,13 @@ from typing import NamedTuple
 import can
 import numpy as np
 
-from drivers.virtual_rig import frames, motor, recording
 from drivers.virtual_rig.dice import dice
-from drivers.virtual_rig.environment import Environment
-from drivers.virtual_rig.motion import Drive, TableMotion, Travel
-from drivers.virtual_rig.probes import Reading
-from drivers.virtual_rig.truth import Profile, Truth
+from drivers.virtual_rig.frames import frames, recording
+from drivers.virtual_rig.machine import motor
+from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
+from drivers.virtual_rig.sensors.environment import Environment
+from drivers.virtual_rig.sensors.probes import Reading
+from drivers.virtual_rig.sensors.truth import Profile, Truth
 
 
 class Holds(NamedTuple):

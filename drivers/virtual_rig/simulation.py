@@ -2,19 +2,19 @@
 
 from collections.abc import Collection, Mapping
 
-from drivers.virtual_rig import environment, telemeter
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.experiments import stroke
-from drivers.virtual_rig.heat import Rig
-from drivers.virtual_rig.heaters import Heaters, heaters
-from drivers.virtual_rig.motion import Travel
-from drivers.virtual_rig.planted import BASE, Strengths, strengths
-from drivers.virtual_rig.probes import freeze_delay_s, probes
+from drivers.virtual_rig.machine.heat import Rig
+from drivers.virtual_rig.machine.heaters import Heaters, heaters
+from drivers.virtual_rig.machine.motion import Travel
+from drivers.virtual_rig.machine.planted import BASE, Strengths, strengths
+from drivers.virtual_rig.machine.weather import weather
 from drivers.virtual_rig.protocol import Plan, Progress, Session, session
 from drivers.virtual_rig.run import Holds, Measured, Run
-from drivers.virtual_rig.telemeter import Telemeter
-from drivers.virtual_rig.truth import Truth
-from drivers.virtual_rig.weather import weather
+from drivers.virtual_rig.sensors import environment, telemeter
+from drivers.virtual_rig.sensors.probes import freeze_delay_s, probes
+from drivers.virtual_rig.sensors.telemeter import Telemeter
+from drivers.virtual_rig.sensors.truth import Truth
 
 EXPANSION_ERROR = 0.04
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from estimator.effect import Effect, Param, needed
 from estimator.effects.bearings import under_bearing
 from estimator.effects.nut import per_cell
-from estimator.inputs import Inputs
+from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, START, Heat, Link, Term
 

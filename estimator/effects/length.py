@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 
 from estimator.effect import Effect, Param
-from estimator.inputs import Inputs
+from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import ELONGATION, SCREW, START, Expand, Read, Spot, Term
 

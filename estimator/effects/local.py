@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from estimator.effect import Effect, Param
-from estimator.inputs import Inputs
+from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, Heat, Term
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from estimator.effect import Effect, Param
-from estimator.inputs import Inputs
+from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, START, Lag, Read, Spot, Term
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from estimator.effect import Effect, Param
-from estimator.inputs import Inputs
+from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, Chain, Store, Term
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 from estimator.effect import Effect, Param
 from estimator.errors import SetupError
-from estimator.inputs import Inputs
+from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import Shift, Term
 

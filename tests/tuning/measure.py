@@ -1,8 +1,9 @@
 """What is measured of a model on recordings: a number for each recording, channel and figure.
 
-channels     nis, whiteness, in_2sd, blind_nis, blind_in_2sd of each channel and of `all` (estimator/quality.py)
-horizons     one_step, ahead, open_loop: rms of `thermometers`, K, and `displacement`, um (estimator/horizon.py), of a
-             run that the model was not fitted to
+channels     nis, whiteness, in_2sd, blind_nis, blind_in_2sd of each channel and of `all`
+             (estimator/accuracy/quality.py)
+horizons     one_step, ahead, open_loop: rms of `thermometers`, K, and `displacement`, um, of a run that the model was
+             not fitted to (estimator/accuracy/horizon.py)
 truth        band_um, cooldown_max_um, truth_in_2sd of the filter's `elongation`, where a truth file is
 """
 
@@ -13,17 +14,18 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from drivers.logs.truth import read_truth
 from drivers.recordings import find_recordings, read_recording
-from drivers.truth import read_truth
-from estimator.accuracy import accuracy
-from estimator.horizon import errors
-from estimator.model import Model, load_model
-from estimator.quality import overall, quality
+from estimator.accuracy.accuracy import accuracy
+from estimator.accuracy.horizon import errors
+from estimator.accuracy.quality import overall, quality
+from estimator.batch.replay import replay
+from estimator.batch.trial import Trial
+from estimator.inputs.phase import cooling
+from estimator.model import Model
 from estimator.record import Recording
-from estimator.replay import replay
-from estimator.review import cooling
-from estimator.rig_file import load_rig
-from estimator.trial import Trial
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 
 Key = tuple[str, str, str]  # recording, channel, figure
 Figures = dict[Key, float]

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from estimator.errors import SetupError
-from estimator.model import load_model, save_model
+from estimator.rig_folder.model_toml import load_model, save_model
 
 from .kept import Kept, kept_path, read, write
 from .measure import PAPER, Folder, fingerprint

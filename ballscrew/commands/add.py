@@ -1,0 +1,51 @@
+"""ballscrew add: add an effect to a model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ballscrew.options import output_options, writable
+from ballscrew.own_effect.named import named_effect
+from ballscrew.terminal import Terminal
+from ballscrew.workspace import open_rig
+from estimator.battery.exercise import instants
+from estimator.errors import SetupError
+from estimator.network.check import checked_terms
+from estimator.rig_folder.model_toml import load_model, save_model
+
+
+@click.command("add", help=__doc__)
+@click.argument("effect", metavar="EFFECT")
+@click.argument("model_path", type=click.Path(path_type=Path), metavar="MODEL")
+@click.option(
+    "-o", "out", type=click.Path(path_type=Path), required=True, callback=writable, metavar="MODEL",
+    help="Write the model here; the same file to change it in place.",
+)  # fmt: skip
+@click.option(
+    "--rig", "rig_path", type=click.Path(path_type=Path),
+    help="Rig folder that it must fit; else the nearest one at or above MODEL, else the built-in rig.",
+)  # fmt: skip
+@output_options
+def command(
+    effect: str, model_path: Path, out: Path, rig_path: Path | None, json_path: str | None, quiet: bool, debug: bool
+) -> None:
+    """Add EFFECT to MODEL, at its default values.
+
+    EFFECT is an effect of the catalogue, or your own: FILE.py:Class. That file is Python, and runs.
+    """
+    terminal = Terminal(json_path, quiet)
+    one, model = named_effect(effect), load_model(model_path)
+    name = one.effect.name
+    if name in model.effects:
+        raise SetupError(f"{model_path} has the effect '{name}' already; change its values in the file, or fit them")
+    added = one.used_by(model + one.effect)
+    checked_terms(added, instants(rig := open_rig([model_path], rig_path, terminal)), rig)
+    if missing := [other for other in one.effect.scales if other not in model.effects]:
+        terminal.warn(f"{name} acts on {', '.join(missing)} too, which {model_path} has not: without it, it does less")
+    save_model(added, out)
+    terminal.say(f"{out}: {name} added to {len(model.effects)} effects, at its defaults")
+    terminal.say(f"next: ballscrew fit LOG... --model {out} -o MODEL")
+    parameters = {key: added[f"{name}.{key}"] for key in one.effect.params}
+    terminal.json({"model": str(out), "effect": name, "parameters": parameters, "missing": missing})

@@ -1,0 +1,146 @@
+"""ballscrew live: monitor a rig on a CAN bus."""
+
+from __future__ import annotations
+
+import math
+import signal
+import time
+from contextlib import ExitStack
+from ipaddress import ip_address
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from ballscrew.monitor.json_lines import json_lines
+from ballscrew.monitor.monitor import Monitor
+from ballscrew.monitor.session import Session
+from ballscrew.monitor.voice import stop_asked, voice
+from ballscrew.muting import chosen_thermometers
+from ballscrew.options import bus_options, output_options, rig_options, save_option
+from ballscrew.terminal import INTERRUPTED, Terminal
+from ballscrew.workspace import open_model, open_rig
+from drivers.bus.bus import BusAddress
+from drivers.bus.bus import bus_options as options_of
+from drivers.bus.publisher import Publisher
+from drivers.bus.receiver import Receiver
+from drivers.bus.rig_time import FastTime, RigTime
+from drivers.decode.decode import Decoder
+from drivers.frames import PACKED, Tally
+from drivers.received import Received
+from drivers.recorder.recorder import Recorder
+from estimator.rig import Rig
+from estimator.state.gate import Mute
+
+LATE_S = 0.5  # wall time that frames of a bus faster than the rig may be late
+
+
+@click.command("live")
+@bus_options
+@rig_options
+@click.option("--record", type=click.Path(path_type=Path), metavar="DIR", help="Record every frame into this folder.")
+@click.option(
+    "--view", type=click.Choice(["native", "web", "none"]), default="none", show_default=True,
+    help="Show profile, elongation and residuals as they come: in the viewer's window, or on a page for a browser.",
+)  # fmt: skip
+@click.option("--bind", default="127.0.0.1", show_default=True, help="Address that views are served on.")
+@save_option
+@click.option("--publish", is_flag=True, help="Transmit Estimate and Compensation each second. Else nothing is sent.")
+@click.option("--channels", "chosen", metavar="2,4,..", help="Use only these thermometers; default: all.")
+@click.option("--no-displacement", is_flag=True, help="Do not use the displacement readings.")
+@click.option("--speed-up", default=1.0, show_default=True, help="The bus runs so many times faster than the rig.")
+@click.option("--seconds", type=float, metavar="S", help="End after this time of the rig; default: never.")
+@output_options
+def command(
+    interface: str | None, channel: str | None, bitrate: int | None, bus_kwargs: tuple[str, ...],
+    rig_path: Path | None, model_path: Path | None, record: Path | None, view: str, bind: str, rrd: Path | None,
+    publish: bool, chosen: str | None, no_displacement: bool, speed_up: float, seconds: float | None,
+    json_path: str | None, quiet: bool, debug: bool,
+) -> int:  # fmt: skip
+    """Listen to a rig on a CAN bus: profile, elongation and residuals as they come, alarms when rig and model part.
+
+    Nothing is transmitted unless --publish is given. Ends with Ctrl-C or SIGTERM, every file closed. --json writes a
+    line a tick.
+    """
+    terminal = Terminal(json_path, quiet)
+    if interface is None:
+        raise click.UsageError("say which bus: --interface and --channel, as python-can names them")
+    if speed_up <= 0:
+        raise click.UsageError("--speed-up must be above 0")
+    rig = open_rig([], rig_path, terminal)
+    model = open_model(rig, model_path, terminal)
+    address = BusAddress(interface, channel, bitrate, options_of(bus_kwargs))
+    mute = _mute(rig, chosen_thermometers(chosen, rig), no_displacement)
+    decoder = Decoder(rig, Tally())
+    clock = _clock(rig, decoder, speed_up)
+    with stop_asked() as stopped, ExitStack() as open_parts, voice(terminal) as person:
+        about = {"bus": str(address), "rig": rig.name, "model": model.name, "speed_up": speed_up}
+        recorder = open_parts.enter_context(Recorder(record, about, own=decoder.own)) if record else None
+        receiver = Receiver(address.listen, clock, recorder.write if recorder else _nowhere, address.name)
+        publisher = Publisher(rig, address.open) if publish else None
+        views, views_at = _views(terminal, rig, model.name, view, bind, rrd, open_parts)
+        late_s = LATE_S * max(speed_up - 1.0, 0.0)
+        lines = open_parts.enter_context(json_lines(json_path))
+        monitor = Monitor(model, rig, mute, late_s)
+        session = Session(
+            monitor, receiver, clock, str(address), person.say, lines, recorder, publisher, views, views_at
+        )
+        open_parts.callback(receiver.stop)
+        if publisher is not None:
+            open_parts.callback(publisher.close)
+        end = time.monotonic() + (math.inf if seconds is None else seconds) / speed_up
+        session.run(lambda: not stopped() and time.monotonic() < end, person.show)
+        session.finish()
+        person.end(session.status())
+    return INTERRUPTED if stopped() == signal.SIGINT else 0
+
+
+def _clock(rig: Rig, decoder: Decoder, speed_up: float) -> RigTime:
+    """The rig's own pace, or a faster one by the numbers of the scans."""
+    if speed_up == 1.0:
+        return RigTime(decoder.own)
+
+    def closing(frame: Received) -> int | None:
+        packed = PACKED.pack(frame.time_s, frame.id, frame.extended, len(frame.data), frame.data, 0)
+        return decoder.closing(frame.id, frame.extended, packed)
+
+    return FastTime(speed_up, rig.tick_s, closing, decoder.own)
+
+
+def _nowhere(frame: object) -> None:
+    """Nothing is recorded."""
+
+
+def _mute(rig: Rig, chosen: list[str] | None, no_displacement: bool) -> Mute:
+    """What is never fused, as the filter asks for it."""
+    mask = np.array([
+        name not in (chosen or rig.thermometers) if name in rig.thermometers else no_displacement for name in rig.names
+    ])  # fmt: skip
+    return lambda time_s: mask
+
+
+def _views(
+    terminal: Terminal, rig: Rig, title: str, view: str, bind: str, save: Path | None, parts: ExitStack
+) -> tuple[Any, str]:
+    """The views, and where they are to be seen; None where nobody asked."""
+    if view == "none" and save is None:
+        return None, ""
+    from viz.live.live import LiveViews  # rerun takes half a second to import
+    from viz.viewer.viewer import follow
+    from viz.viewer.web import WebPage
+
+    views = LiveViews(rig, title, port=None if view == "none" else 0, bind=bind, save=save)
+    parts.callback(views.close)
+    if view != "none" and not ip_address(bind).is_loopback:
+        terminal.warn(f"--bind {bind}: whoever reaches this address sees the views, without a password")
+    if view == "web":
+        page = WebPage(views.url, bind=bind)
+        parts.callback(page.close)
+        terminal.say(f"views: {page.address}")
+        return views, page.address
+    if view == "native":
+        if follow(views.url) is None:
+            terminal.warn(f"no screen here: open {views.url} in a viewer, or use --view web")
+        return views, views.url
+    return views, str(save)

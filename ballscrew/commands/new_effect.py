@@ -1,0 +1,109 @@
+"""ballscrew new-effect: write an effect of your own into a file, ready to be changed."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from ballscrew.options import output_options, writable
+from ballscrew.own_effect.class_file import with_class
+from ballscrew.own_effect.followers import FOLLOWERS, MOTION
+from ballscrew.own_effect.own_effect import ALL, VOCABULARY, Wanted, effect_text
+from ballscrew.terminal import Terminal
+from ballscrew.workspace import open_rig
+from estimator.effects import CATALOGUE
+from estimator.errors import SetupError, nearest
+from estimator.inputs.follower import bodies
+from estimator.rig import Rig
+
+HEAD = '"""Effects of this rig that the catalogue does not have."""\n'
+
+
+@click.command("new-effect", help=__doc__)
+@click.argument("name")
+@click.option(
+    "--at", metavar="350mm|BODY", help="Heat around this place, or into this body; default: all along the screw."
+)
+@click.option(
+    "--follows", default="always", metavar="WORD",
+    help=f"{', '.join(FOLLOWERS)}, or an input of the rig, of which it follows the rise; default: always.",
+)  # fmt: skip
+@click.option("--reading", metavar="CHANNEL|all", help="Shift this channel's readings, or all thermometers', not heat.")
+@click.option(
+    "-o", "out", type=click.Path(path_type=Path), default=Path("effects.py"), callback=writable, metavar="FILE.py",
+    help="Write it into this file, after what is there; default: effects.py.",
+)  # fmt: skip
+@click.option(
+    "--rig", "rig_path", type=click.Path(path_type=Path),
+    help="Rig folder; else the nearest one at or above the file, else the built-in rig.",
+)  # fmt: skip
+@output_options
+def command(
+    name: str, at: str | None, follows: str, reading: str | None, out: Path, rig_path: Path | None,
+    json_path: str | None, quiet: bool, debug: bool,
+) -> None:  # fmt: skip
+    """Write the effect NAME: a class with its equation, its parameters and its terms, which passes all checks as it is.
+
+    Then change it: its numbers are guesses.
+    """
+    terminal = Terminal(json_path, quiet)
+    rig = open_rig([out], rig_path, terminal)
+    cls, place, node = _class_name(name), *_place(at, reading, rig)
+    wanted = Wanted(cls, place, _follows(follows, rig), _channel(reading, rig), node)
+    text = out.read_text() if out.is_file() else HEAD
+    out.write_text(with_class(text, effect_text(wanted, rig), VOCABULARY, out))
+    use = f"{out}:{wanted.cls}"
+    terminal.say(f"{out}: {wanted.cls} written; its numbers are guesses: put in yours, and say where they come from")
+    terminal.say(f"next: ballscrew effects {use} --check")
+    terminal.say(f"      ballscrew add {use} model.toml -o better.toml")
+    terminal.json({"file": str(out), "class": wanted.cls, "use": use})
+
+
+def _class_name(name: str) -> str:
+    """NAME in CamelCase: coolant_jet, coolant-jet and "coolant jet" are CoolantJet."""
+    cls = "".join(word[:1].upper() + word[1:] for word in re.split(r"[\W_]+", name))
+    if not (cls.isidentifier() and cls.isascii()) or cls in (*VOCABULARY, "True", "False", "None"):
+        raise SetupError(f"'{name}' cannot be an effect's name; take words of letters, such as coolant_jet")
+    if cls in {effect.__name__ for effect in CATALOGUE.values()}:
+        raise SetupError(f"the catalogue has an effect '{name}' already; choose another name")
+    return cls
+
+
+def _place(at: str | None, reading: str | None, rig: Rig) -> tuple[float | None, str | None]:
+    """A place in mm, or a body; neither: all along the screw."""
+    known = ", ".join(bodies(rig))
+    if at is None:
+        if rig.screw is None and reading is None:
+            raise SetupError(f"{rig.name} has no screw; say with --at which body is heated: {known}")
+        return None, None
+    if reading is not None:
+        raise SetupError("--at is where heat goes, --reading shifts a reading: leave one of them out")
+    if at in bodies(rig):
+        return None, at
+    if rig.screw is None:
+        raise SetupError(f"--at {at}: {rig.name} has no screw, and no thermometer in such a body; known: {known}")
+    number = re.fullmatch(r"([-+]?\d+(?:\.\d*)?) ?(?:mm)?", at.strip())
+    if not number:
+        raise SetupError(f"--at {at}: write a place in mm, such as 350mm")
+    place, screw = float(number[1]), rig.the_screw()
+    if not screw.from_mm <= place <= screw.to_mm:
+        raise SetupError(f"--at {at}: outside the screw, {screw.from_mm:g} ... {screw.to_mm:g} mm")
+    return place, None
+
+
+def _follows(word: str, rig: Rig) -> str:
+    known = (*FOLLOWERS, *rig.inputs)
+    if word in MOTION and "speed" not in rig.inputs:
+        raise SetupError(f"--follows {word}: {rig.name} has no input 'speed', so that nothing ever moves")
+    if word not in known:
+        raise SetupError(f"--follows {word}: neither known nor an input of {rig.name}; {nearest(word, known)}")
+    return word
+
+
+def _channel(reading: str | None, rig: Rig) -> str | None:
+    known = (ALL, *rig.channels)
+    if reading is not None and reading not in known:
+        raise SetupError(f"--reading {reading}: {rig.name} has no such channel; {nearest(reading, known)}")
+    return reading

@@ -1,0 +1,138 @@
+"""ballscrew simulate: make a recording of the rig that is not there, or play it on a bus."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ballscrew.options import bus_options, output_options, writable
+from ballscrew.terminal import Terminal, duration
+from drivers.bus.bus import FAILURES, BusAddress
+from drivers.bus.bus import bus_options as options_of
+from drivers.logs.log_writer import check_format
+from drivers.virtual_rig import Run, play, simulate
+from estimator.errors import SetupError
+
+HOURS = {"h": 3600.0, "min": 60.0, "s": 1.0}
+
+
+class Seconds(click.ParamType):
+    """A time such as 2h, 90min, 45s or plain seconds."""
+
+    name = "time"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        text = str(value).strip()
+        unit = next((u for u in HOURS if text.endswith(u)), "")
+        try:
+            return float(text.removesuffix(unit)) * HOURS.get(unit, 1.0)
+        except ValueError:
+            self.fail(f"'{text}' is no time; write 2h, 90min, 45s or seconds", param, ctx)
+
+
+def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> Path | None:
+    """A recording that can be written; its folder is made."""
+    if value is not None:
+        check_format(value)
+        try:
+            value.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise SetupError(f"{value.parent}: cannot be made: {(error.strerror or str(error)).lower()}") from None
+        writable(ctx, param, value)
+    return value
+
+
+@click.command("simulate")
+@click.argument("name", metavar="NAME")
+@click.option(
+    "-o", "out", type=click.Path(path_type=Path), metavar="FILE", callback=_checked,
+    help="Recording to write; its suffix says the format: .log, .blf, .asc, .trc or .mf4.",
+)  # fmt: skip
+@bus_options
+@click.option("--seed", default=1, show_default=True, help="The same seed is the same rig with the same noise.")
+@click.option("--plant", multiple=True, metavar="EFFECT[=STRENGTH]", help="Switch an effect on; strength 1 is nominal.")
+@click.option("--without", multiple=True, metavar="EFFECT", help="Switch an effect off.")
+@click.option(
+    "--max-drive", type=Seconds(), default="2h", show_default=True, help="Stop each drive after this at latest."
+)
+@click.option(
+    "--cycles",
+    type=click.IntRange(min=1),
+    default=2,
+    show_default=True,
+    help="Drives, each with a stop of 60 min after it.",
+)
+@click.option(
+    "--seconds", type=click.FloatRange(min=0.0, min_open=True), metavar="S", help="Cut the run after this time."
+)
+@click.option(
+    "--speed-up", type=click.FloatRange(min=0.0, min_open=True), default=1.0, show_default=True,
+    help="On a bus: times faster than the rig.",
+)  # fmt: skip
+@output_options
+def command(
+    name: str, out: Path | None, interface: str | None, channel: str | None, bitrate: int | None,
+    bus_kwargs: tuple[str, ...], seed: int, plant: tuple[str, ...], without: tuple[str, ...], max_drive: float,
+    cycles: int, seconds: float | None, speed_up: float, json_path: str | None, quiet: bool, debug: bool,
+) -> None:  # fmt: skip
+    """Simulate experiment NAME: a pattern FS, CS or ES and a speed in m/min, like FS-20 or CS-2.5.
+
+    The table is driven until the screw has grown by about 50 um, stands still for 60 min, and is driven again. The
+    truth is kept beside the recording, as FILE with the suffix .truth.csv.
+    """
+    terminal = Terminal(json_path, quiet)
+    if out is not None and interface is not None:
+        raise click.UsageError("either -o FILE for a recording, or --interface for a bus, not both")
+    if out is None and interface is None:
+        raise click.UsageError("say where to: -o FILE for a recording, or --interface for a bus")
+    planted = dict(_strength(word) for word in plant)
+    run = _simulate(terminal, name, seed, planted, without, max_drive, cycles, seconds)
+    if out is not None:
+        terminal.json(_write(terminal, run, out))
+    if interface is not None:
+        _play(terminal, run, BusAddress(interface, channel, bitrate, options_of(bus_kwargs)), speed_up)
+
+
+def _simulate(
+    terminal: Terminal, name: str, seed: int, plant: dict[str, float], without: Sequence[str], max_drive: float,
+    cycles: int, seconds: float | None,
+) -> Run:  # fmt: skip
+    with terminal.progress(name, None) as update:
+        try:
+            return simulate(
+                name, seed=seed, plant=plant, without=without, max_drive_s=max_drive, cycles=cycles, seconds=seconds,
+                progress=lambda t, um: update(t, f"{duration(t)}, {um:.1f} um"),
+            )  # fmt: skip
+        except ValueError as error:
+            raise SetupError(str(error)) from error
+
+
+def _strength(word: str) -> tuple[str, float]:
+    effect, _, strength = word.partition("=")
+    try:
+        return effect, float(strength or 1.0)
+    except ValueError:
+        raise SetupError(f"--plant {word}: '{strength}' is no number; write {effect}=0.5") from None
+
+
+def _write(terminal: Terminal, run: Run, path: Path) -> dict[str, Any]:
+    try:
+        run.write(path)
+    except ValueError as error:
+        raise SetupError(f"{path}: {error}") from error
+    length, growth = float(run.truth.time_s[-1]), float(run.truth.elongation_um.max())
+    terminal.say(f"{path}: {duration(length)}, {path.stat().st_size / 1e6:.1f} MB, grew by at most {growth:.1f} um")
+    return {"path": str(path), "seconds": length, "max_elongation_um": growth, "planted": run.planted}
+
+
+def _play(terminal: Terminal, run: Run, address: BusAddress, speed_up: float) -> None:
+    try:
+        bus = address.open()
+    except FAILURES as error:
+        raise SetupError(f"{address}: {error}") from error
+    terminal.say(f"playing {run.name} on {address}, {speed_up:g} x the rig's time; Ctrl-C stops")
+    with bus:
+        play(run, bus, speed_up)

@@ -1,0 +1,148 @@
+"""From frames to estimates, alarms and trust, a tick at a time: the part of `live` that knows no bus and no screen."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivers.budget import Budget
+from drivers.bus.missing import Missing
+from drivers.frames import Tally
+from drivers.received import Received
+from drivers.ticker import Ticker
+from estimator.alarms.alarms import Alarm, Alarms
+from estimator.alarms.trust import Trust, Watch
+from estimator.filter import Filter
+from estimator.model import Model
+from estimator.record import Sample
+from estimator.rig import Rig
+from estimator.state.gate import Mute
+from estimator.step import Mode, Step
+
+LATE_TICKS = 2.5  # a bus that brings no frame for so long is silent
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One tick: what was measured, what is estimated, whether to rely on it, and the alarms that begin and end with it.
+
+    provisional  the bus is silent: the model alone goes on, and this tick is taken back when frames come again
+    """
+
+    sample: Sample
+    step: Step
+    trust: Trust
+    begun: tuple[Alarm, ...]
+    over: tuple[Alarm, ...]
+    provisional: bool = False
+
+    @property
+    def mode(self) -> Mode:
+        """What the estimate rests on; INVALID where it is not to be relied on."""
+        return self.step.mode if self.trust.valid or self.step.mode == Mode.INIT else Mode.INVALID
+
+
+class Monitor:
+    """The estimate of one rig, from frames as they come: the same as `review` makes of a log of these frames.
+
+    late_s  how late a frame may come, on the rig's clock, before that means anything
+    tally   what was not used, by reason; its notes are to be taken by who tells them
+    active  alarms that are on
+    """
+
+    def __init__(self, model: Model, rig: Rig, mute: Mute | None = None, late_s: float = 0.0) -> None:
+        self.model, self.rig, self.mute, self.late_s = model, rig, mute, late_s
+        muted = mute(0.0) if mute else np.zeros(len(rig.names), dtype=bool)
+        self._used = int((np.isin(rig.names, rig.thermometers) & ~muted).sum())
+        self.tally, self.active = Tally(), dict[tuple[str, str, float], Alarm]()
+        self.begin()
+
+    def begin(self) -> None:
+        """Anew: with the first frame, and after a silence that ends a recording."""
+        self.ticker, self.filter = Ticker(self.rig, self.tally), Filter(self.model, self.rig, self.mute)
+        self.tests, self.watch = Alarms(self.rig), Watch(self.rig, self._used)
+        decoder = self.ticker.decoder
+        self.missing = Missing(decoder.used, self.rig.tick_s)
+        from_drive = [s for group in decoder.sources.values() for s in group if s.name == "speed"]
+        self._drive = {(s.message.id, s.message.extended) for s in from_drive}
+        self._ahead: tuple[Ticker, Filter] | None = None
+        self._undecided: list[Received] = []
+        self._stamp = 0.0
+
+    def feed(self, frame: Received) -> list[Moment]:
+        """Take one frame."""
+        if frame.kind != "data":
+            self.tally.skip(f"{frame.kind} frame")
+            return []
+        if (frame.id, frame.extended) not in self.ticker.decoder.own:
+            self._ahead, self._stamp = None, frame.time_s
+        samples = self.ticker.feed(frame.time_s, frame.id, frame.extended, frame.data)
+        clock, key = self.ticker.clock, (frame.id, frame.extended)
+        self.missing.heard(*key, clock.now)
+        if key in self._drive:
+            self.watch.drive(clock.now)
+        moments = [self._moment(sample) for sample in samples]
+        self._undecided = [*self._undecided, frame] if clock.waiting or clock.ended else []
+        if clock.ended:
+            moments += self._again()
+        return moments
+
+    def _again(self) -> list[Moment]:
+        """The recording has ended with a long silence: begin another with the frames after it."""
+        after = self._undecided
+        last = [self._moment(sample) for sample in self.ticker.flush()]
+        self.tally.skipped.pop("after the end of the recording", None)
+        self.tally.note("the estimate begins anew")
+        self.begin()
+        return [*last, *(moment for frame in after for moment in self.feed(frame))]
+
+    def finish(self) -> list[Moment]:
+        """No more frames come."""
+        return [self._moment(sample) for sample in self.ticker.flush()]
+
+    def idle(self, silent_s: float) -> list[Moment]:
+        """No frame has come for so long, on the rig's clock: the model goes on alone."""
+        if not self.ticker.frames or not LATE_TICKS * self.rig.tick_s < silent_s - self.late_s < Budget().gap_s:
+            return []
+        if self._ahead is None:
+            shared = {id(each): each for each in (self.rig, self.model, self.ticker.decoder.dbc)}
+            self._ahead = copy.deepcopy((self.ticker, self.filter), shared)
+            self._ahead[0].tally = self._ahead[0].clock.tally = Tally()
+        ticker, alone = self._ahead
+        found = []
+        for sample in ticker.advance(self._stamp + silent_s):
+            step = alone.step(sample)
+            silent = Alarm("bus", "", self.ticker.clock.now, "nothing of the rig on the bus")
+            alarms = {silent.key: silent, **self.tests.active}
+            found.append(Moment(sample, step, self.trust(silent_s), *self._changed(alarms), True))
+        return found
+
+    def trust(self, silent_s: float) -> Trust:
+        """Whether the estimate is to be relied on when no frame has come for so long, on the rig's clock."""
+        return self.watch.trust(self.ticker.clock.now + max(0.0, silent_s - self.late_s))
+
+    def _moment(self, sample: Sample) -> Moment:
+        step = self.filter.step(sample)
+        self.tests.step(step)
+        self.watch.tick(sample, step, self.tests.diverged)
+        absent = {alarm.key: alarm for alarm in self._absent(step.time_s)}
+        changed = self._changed(absent | self.tests.active)
+        return Moment(sample, step, self.watch.trust(step.time_s), *changed)
+
+    def _absent(self, now_s: float) -> Iterator[Alarm]:
+        missing = list(self.missing.since(now_s))
+        if missing and len(missing) == self.missing.count:
+            yield Alarm("bus", "", max(since_s for _, since_s in missing), "nothing of the rig on the bus")
+            return
+        for name, since_s in missing:
+            yield Alarm("missing", name, since_s, f"{name} is missing")
+
+    def _changed(self, now: dict[tuple[str, str, float], Alarm]) -> tuple[tuple[Alarm, ...], tuple[Alarm, ...]]:
+        """The alarms that begin and that end, where these are on now."""
+        begun = tuple(alarm for key, alarm in now.items() if key not in self.active)
+        over = tuple(alarm for key, alarm in self.active.items() if key not in now)
+        self.active = now
+        return begun, over

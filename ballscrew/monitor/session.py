@@ -1,0 +1,193 @@
+"""The loop of `live`: frames in; estimates, alarms, views, status and, where asked for, frames out."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from ballscrew.monitor.monitor import Moment, Monitor
+from ballscrew.monitor.status import Status, defects, not_used
+from drivers.bus.publisher import Publisher
+from drivers.bus.receiver import Notice, Receiver
+from drivers.bus.rig_time import RigTime
+from drivers.received import Received
+from drivers.recorder.recorder import Recorder
+from estimator.alarms.trust import Trust
+from estimator.step import Mode
+
+if TYPE_CHECKING:
+    from viz.live.live import LiveViews  # rerun takes half a second to import
+
+WAIT_S = 0.05  # half of what the bus may wait for an invalid frame
+RATE_S = 5.0  # frames per second are counted over
+BEHIND_S = 0.5  # that a frame may wait for the estimate
+LOOK_S = 0.1  # between two looks at how things are: with each frame they would cost more than the estimate
+SHOWN_S = 1.0  # between two states of the monitor in the views
+
+
+@dataclass
+class Session:
+    """Everything that a monitor is made of; what is None was not asked for.
+
+    say   hears sentences for the person: text, level
+    tick  hears of every tick; None: nobody asks
+    """
+
+    monitor: Monitor
+    receiver: Receiver
+    clock: RigTime
+    bus: str
+    say: Callable[[str, str], None]
+    tick: Callable[[Status], None] | None = None
+    recorder: Recorder | None = None
+    publisher: Publisher | None = None
+    views: LiveViews | None = None
+    views_at: str = ""
+    latest: Moment | None = None
+    _rate: deque[tuple[float, int]] = field(default_factory=deque)
+    _looked: float = 0.0
+    _shown: float = 0.0
+    _fresh: bool = False
+    _was_valid: bool | None = None
+    _troubles: dict[str, str] = field(default_factory=dict)
+
+    def run(self, goes_on: Callable[[], bool], each: Callable[[Status], None]) -> None:
+        """Until `goes_on` says no; `each` hears the status ten times a second."""
+        self.receiver.start()
+        if self.publisher is not None:
+            self.publisher.start()
+        while goes_on():
+            for item in self.receiver.take(WAIT_S):
+                self._take(item)
+            if self.receiver.failure is not None:
+                raise self.receiver.failure
+            self._idle()
+            self._publish()
+            if time.monotonic() - self._looked > LOOK_S:
+                self._looked = time.monotonic()
+                self._tell()
+                each(self.status())
+
+    def finish(self) -> None:
+        """The end: stop receiving, take what has come, and close the open tick as `review` does at the end of a log."""
+        self.receiver.stop()
+        while items := self.receiver.take(0.0):
+            for item in items:
+                self._take(item)
+        for moment in self.monitor.finish():
+            self._moment(moment)
+        self._publish()
+        self._tell()
+
+    def _take(self, item: Received | Notice) -> None:
+        if isinstance(item, Notice):
+            self._say(item.text, item.level)
+            return
+        if self.publisher is not None:
+            self.publisher.heard(item)
+        for moment in self._estimated(lambda: self.monitor.feed(item)):
+            self._moment(moment)
+
+    def _estimated(self, moments: Callable[[], list[Moment]]) -> list[Moment]:
+        """Moments; none if the estimate fails: a defect of ours must not end weeks of recording."""
+        try:
+            return moments()
+        except Exception as error:
+            self.monitor.begin()
+            self._trouble("estimate", f"the estimate failed and begins anew: {type(error).__name__}: {error}")
+            return []
+
+    def _idle(self) -> None:
+        """No frame: the model goes on alone, and who relies on the estimate hears that it is not to be trusted."""
+        silent_s = self.clock.silence()
+        for moment in self._estimated(lambda: self.monitor.idle(silent_s)):
+            self._moment(moment)
+        if self.latest is not None and self.latest.trust.valid:
+            self._judge(self.monitor.trust(silent_s))
+
+    def _moment(self, moment: Moment) -> None:
+        self.latest, self._fresh = moment, True
+        self._judge(moment.trust)
+        for alarm in moment.begun:
+            self._say(f"alarm: {alarm.text}, since {alarm.since_s:.0f} s", "WARN")
+        for alarm in moment.over:
+            self._say(f"over: {alarm.text}", "INFO")
+        if self.views is not None and not moment.provisional:
+            self.views.show(moment.sample, moment.step)
+            self._show_status()
+        if self.tick is not None:
+            self.tick(self.status())
+
+    def _judge(self, trust: Trust) -> None:
+        """Whether the latest estimate is to be relied on; tell of a change."""
+        assert self.latest is not None
+        if self.receiver.waited_s > BEHIND_S:
+            trust = replace(trust, why=(*trust.why, "the monitor is behind"))
+        if trust.valid != self.latest.trust.valid or trust.why != self.latest.trust.why:
+            self.latest, self._fresh = replace(self.latest, trust=trust), True
+        if self._was_valid is not None and trust.valid != self._was_valid and self.latest.step.mode != Mode.INIT:
+            why = "" if trust.valid else f" no longer: {', '.join(trust.why)}"
+            self._say(f"estimate valid{why or ' again'}", "INFO" if trust.valid else "WARN")
+        self._was_valid = trust.valid if self.latest.step.mode != Mode.INIT else None
+
+    def _publish(self) -> None:
+        """What is newest, once a turn: a control has no use for what was."""
+        if self.publisher is not None and self.latest is not None and self._fresh:
+            self.publisher.send(self.latest.step, self.latest.trust, self.latest.step.position_mm)
+        self._fresh = False
+
+    def _show_status(self) -> None:
+        assert self.views is not None
+        if time.monotonic() - self._shown > SHOWN_S:
+            self._shown = time.monotonic()
+            self.views.status(self.status().markdown())
+
+    def _tell(self) -> None:
+        """New sentences of the clock, the recorder, the publisher and the views."""
+        notes, self.monitor.tally.notes = self.monitor.tally.notes, []
+        if self.recorder is not None:
+            while self.recorder.notes:
+                notes.append(self.recorder.notes.pop(0))
+        for note in notes:
+            self._say(note, "WARN")
+        for part in ("clock", "recorder", "publisher", "views", "tick"):
+            self._trouble(part, getattr(getattr(self, part), "trouble", ""))
+
+    def _trouble(self, part: str, trouble: str) -> None:
+        """Say what is wrong with a part, once."""
+        if trouble and trouble != self._troubles.get(part):
+            self._say(trouble, "WARN")
+        self._troubles[part] = trouble
+
+    def _say(self, text: str, level: str) -> None:
+        self.say(text, level)
+        if self.views is not None:
+            self.views.say(self.latest.step.time_s if self.latest else 0.0, text, level)
+
+    def status(self) -> Status:
+        """How things are."""
+        skipped = defects(self.monitor.tally.counts())
+        lost = self.recorder.lost if self.recorder else 0
+        publisher = self.publisher
+        sent = f"{publisher.sent} frames sent" if publisher else ""
+        errors = f", {self.receiver.errors} error frames" if self.receiver.errors else ""
+        return Status(
+            rig=self.monitor.rig, moment=self.latest, alarms=tuple(self.monitor.active.values()),
+            bus=f"{self.bus} {self.receiver.state}{errors}", frames=self.receiver.frames,
+            frames_per_s=self._frames_per_s(),
+            dropped=self.receiver.dropped + lost + not_used(skipped), skipped=skipped,
+            recording=(self.recorder.trouble or str(self.recorder.path)) if self.recorder else "none (--record DIR)",
+            publishing=(publisher.trouble or sent) if publisher else "", views=self.views_at,
+        )  # fmt: skip
+
+    def _frames_per_s(self) -> float:
+        now, frames = time.monotonic(), self.receiver.frames
+        if not self._rate or now - self._rate[-1][0] > WAIT_S:
+            self._rate.append((now, frames))
+        while self._rate and now - self._rate[0][0] > RATE_S:
+            self._rate.popleft()
+        first, before = self._rate[0] if self._rate else (now, frames)
+        return (frames - before) / (now - first) if now > first else 0.0

@@ -1,0 +1,106 @@
+"""What the monitor says of itself: a panel for a person, one line for a log, one JSON line a tick for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from rich.panel import Panel
+from rich.table import Table
+from rich.text import Text
+
+from ballscrew.monitor.monitor import Moment
+from ballscrew.terminal import duration
+from estimator.alarms.alarms import Alarm
+from estimator.rig import Rig
+
+NO_DEFECT = ("unknown id", "not in the rig file", "held since before the log", "sent by us")
+
+
+@dataclass(frozen=True)
+class Status:
+    """The state of the monitor at one moment; `moment` is None before the first tick."""
+
+    rig: Rig
+    moment: Moment | None
+    alarms: tuple[Alarm, ...]
+    bus: str
+    frames: int
+    frames_per_s: float
+    dropped: int
+    skipped: Mapping[str, int]
+    recording: str
+    publishing: str
+    views: str
+
+    def panel(self) -> Panel:
+        """For a terminal that can redraw."""
+        grid = Table.grid(padding=(0, 2))
+        for name, text in self._rows():
+            grid.add_row(Text(name, style="dim"), Text(text))
+        return Panel(
+            grid, title=Text(self.rig.name), title_align="left", border_style="red" if self.alarms else "green"
+        )
+
+    def line(self) -> str:
+        """For a terminal that cannot."""
+        return "; ".join(f"{name} {text}" for name, text in self._rows() if name not in ("views", "alarm"))
+
+    def markdown(self) -> str:
+        """For the views."""
+        return "\n".join(["| | |", "|---|---|", *(f"| {name} | {text} |" for name, text in self._rows())])
+
+    def _rows(self) -> list[tuple[str, str]]:
+        rows = [*_estimate(self.moment, self.rig)] if self.moment else [("elongation", "waiting for the first tick")]
+        rows.append(("bus", f"{self.bus}, {self.frames} frames, {self.frames_per_s:.0f}/s, {self.dropped} dropped"))
+        if defects := ", ".join(f"{count} x {reason}" for reason, count in self.skipped.items()):
+            rows.append(("noticed", defects))
+        rows.append(("recording", self.recording))
+        rows += [("publishing", self.publishing)] if self.publishing else []
+        rows += [("views", self.views)] if self.views else []
+        return rows + [("alarm", f"{alarm.text}, since {duration(alarm.since_s)}") for alarm in self.alarms]
+
+    def json(self) -> dict[str, Any]:
+        """For programs; `t` is in s since the first frame."""
+        assert self.moment is not None
+        step = self.moment.step
+        return {
+            "t": step.time_s, "elongation_um": step.elongation_um, "sigma_um": step.sigma_um,
+            "error_at_table_um": step.error_at_table_um, "mode": self.moment.mode.name.lower(),
+            "channels": fused_thermometers(self.moment, self.rig), "nis": step.nis, "frames": self.frames,
+            "dropped": self.dropped,
+            "alarms": [
+                {"kind": a.kind, "channel": a.channel, "since_s": a.since_s, "text": a.text} for a in self.alarms
+            ],
+            "provisional": self.moment.provisional, "why_invalid": list(self.moment.trust.why),
+        }  # fmt: skip
+
+
+def defects(skipped: Mapping[str, int]) -> dict[str, int]:
+    """What was not used though it should have been."""
+    return {reason: count for reason, count in skipped.items() if not reason.startswith(NO_DEFECT)}
+
+
+def not_used(skipped: Mapping[str, int]) -> int:
+    """How many frames and readings were lost; of some defects the rest can be used all the same."""
+    return sum(count for reason, count in skipped.items() if not reason.endswith("(used)"))
+
+
+def fused_thermometers(moment: Moment, rig: Rig) -> int:
+    """Thermometers that the estimate of this tick rests on."""
+    return int(moment.step.fused[np.isin(rig.names, rig.thermometers)].sum())
+
+
+def _estimate(moment: Moment, rig: Rig) -> list[tuple[str, str]]:
+    step, mode = moment.step, moment.mode.name.lower()
+    rows = [("time", f"{duration(step.time_s)} since the first frame")]
+    if np.isfinite(step.elongation_um):
+        table = f", {step.error_at_table_um:+.2f} um at the table" if np.isfinite(step.error_at_table_um) else ""
+        rows.append(("elongation", f"{step.elongation_um:+.2f} ± {2 * step.sigma_um:.2f} um (2 sd){table}"))
+    why = f": {', '.join(moment.trust.why)}" if moment.trust.why else ""
+    rows.append(("mode", f"{mode}{why}{' (no frames: the model alone)' if moment.provisional else ''}"))
+    per_channel = f"{step.nis / step.nis_channels:.2f}" if np.isfinite(step.nis) else "-"
+    alive = f"{fused_thermometers(moment, rig)} of {len(rig.thermometers)} thermometers"
+    return [*rows, ("channels", f"{alive}, NIS {per_channel} a channel")]

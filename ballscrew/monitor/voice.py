@@ -1,0 +1,80 @@
+"""What the person at the terminal sees of the monitor, and how they stop it."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
+
+from rich.live import Live
+
+from ballscrew.monitor.status import Status
+from ballscrew.terminal import Terminal
+
+LINE_S = 60.0  # between status lines where the terminal cannot redraw
+REDRAW_S = 0.25
+STOPS = [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
+
+
+class Voice:
+    """A panel where the terminal can redraw, else a line a minute and what happens. Nobody may be there to read it."""
+
+    def __init__(self, terminal: Terminal, panel: Live | None) -> None:
+        self.terminal, self.panel = terminal, panel
+        self._next = 0.0
+
+    def say(self, text: str, level: str) -> None:
+        """One sentence with the time of day."""
+        if level == "WARN" or not self.terminal.quiet:
+            console = self.panel.console if self.panel else self.terminal.err
+            with suppress(OSError):
+                console.print(f"{time.strftime('%H:%M:%S')} {text}", markup=False)
+
+    def show(self, status: Status) -> None:
+        """The state, as often as it can be read."""
+        if time.monotonic() >= self._next and (status.moment is not None or self.panel is not None):
+            self._next = time.monotonic() + (REDRAW_S if self.panel else LINE_S)
+            self._print(status, "")
+
+    def end(self, status: Status) -> None:
+        """How it was at the end."""
+        self._print(status, "ended: ")
+
+    def _print(self, status: Status, before: str) -> None:
+        with suppress(OSError):
+            if self.panel is not None:
+                self.panel.update(status.panel(), refresh=True)
+            else:
+                self.terminal.say(f"{before}{status.line()}")
+
+
+@contextmanager
+def voice(terminal: Terminal) -> Iterator[Voice]:
+    """The voice for this terminal."""
+    if terminal.quiet or not terminal.out.is_terminal:
+        yield Voice(terminal, None)
+        return
+    with Live(console=terminal.out, auto_refresh=False, transient=False) as panel:
+        yield Voice(terminal, panel)
+
+
+@contextmanager
+def stop_asked() -> Iterator[Callable[[], int]]:
+    """A function that says which signal asked us to stop, 0 while none did; a second one stops at once."""
+    asked: list[int] = []
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        if asked:
+            raise KeyboardInterrupt
+        asked.append(number)
+
+    # nohup has SIGHUP ignored, and means it
+    heard = [number for number in STOPS if signal.getsignal(number) != signal.SIG_IGN]
+    before = {number: signal.signal(number, ask) for number in heard}
+    try:
+        yield lambda: asked[0] if asked else 0
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

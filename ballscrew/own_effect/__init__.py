@@ -1,0 +1,1 @@
+"""Effects of a user's own: named, written, checked."""

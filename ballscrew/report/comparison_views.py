@@ -1,0 +1,137 @@
+"""What the views of one or two models show: the filter and the model alone on each recording, and the heat missing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ballscrew.report.page import Section, page
+from ballscrew.terminal import Terminal
+from ballscrew.threads import threads
+from ballscrew.workspace import Loaded
+from estimator.accuracy.displacement import joined
+from estimator.accuracy.floor import Error
+from estimator.batch.replay import replay
+from estimator.missing_heat.misfit import misfit
+from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
+from estimator.model import Model
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.step import Track
+from estimator.work import Share
+from viz.comparison.bars import Bars, Series
+from viz.comparison.compared import Compared, HeatMap, Side
+from viz.comparison.comparison import save
+from viz.comparison.maps import HEAT, OPEN_LOOP
+from viz.drawing import paths
+from viz.drawing.scale import minutes
+from viz.viewer.printed import print_bars, print_maps
+
+
+def save_views(
+    terminal: Terminal, path: Path, rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded],
+    sections: Sequence[Section], figures: Sequence[Bars] = (),
+) -> None:  # fmt: skip
+    """Write the views of one model, or of two, before and after; `figures` stand beside the text."""
+    with terminal.progress(f"writing {path}", None), threads() as share:
+        runs = compared(rig, models, loaded, share)
+        write_views(path, runs, models, sections, figures)
+    terminal.say_views(path)
+
+
+def write_views(
+    path: Path, runs: Sequence[Compared], models: Sequence[Model], sections: Sequence[Section], figures: Sequence[Bars]
+) -> None:
+    """Write what is known of one model, or of two."""
+    names, tabs = [model.name for model in models], {"Errors": figures, "Channels": by_channel(runs)}
+    save(path, runs, names, {tab: some for tab, some in tabs.items() if some}, page(sections))
+
+
+def write_pictures(
+    stem: Path, runs: Sequence[Compared], models: Sequence[Model], figures: Sequence[Bars]
+) -> dict[str, Path]:
+    """Write bars and maps as STEM-WHAT.png; paths by what they show."""
+    names = [model.name for model in models]
+    pictures = {what: stem.with_name(f"{stem.name}-{what}.png") for what in ("steps", "residuals", "missing-heat")}
+    print_bars(pictures["steps"], figures)
+    print_maps(pictures["residuals"], runs, names, OPEN_LOOP)
+    if not len(runs[0].sides[0].heat.places_mm):
+        del pictures["missing-heat"]
+        return pictures
+    print_maps(pictures["missing-heat"], runs, names, HEAT)
+    return pictures
+
+
+def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], share: Share = map) -> list[Compared]:
+    """Run each model over all recordings."""
+    recordings = [one.recording for one in loaded]
+    sides = [_sides(model, rig, recordings, share) for model in models]
+    return [
+        Compared(one.path.stem, rig, r.time_s, r.channels, _readings(r, rig, models[-1]), own)
+        for one, r, own in zip(loaded, recordings, zip(*sides, strict=True), strict=True)
+    ]
+
+
+def error_bars(errors: Sequence[tuple[str, Error, Error | None]]) -> list[Bars]:
+    """Open-loop errors by title: on recordings left out, and on those held out where there are some."""
+    rows = [title for title, _, _ in errors]
+    figures = []
+    for what, unit, key in (("temperatures", "K", "temperature_K"), ("elongation", "µm", "elongation_um")):
+        series = [Series("cross-validated", np.array([getattr(e, key) for _, e, _ in errors]), paths.CROSS_VALIDATED)]
+        if any(held for _, _, held in errors):
+            held = np.array([getattr(held, key) if held else np.nan for _, _, held in errors])
+            series.append(Series("held out", held, paths.HELD_OUT))
+        figures.append(Bars(f"Model alone, rms of {what} [{unit}]", rows, series))
+    return [each for each in figures if each.known]
+
+
+def by_channel(runs: Sequence[Compared]) -> list[Bars]:
+    """rms of what each model alone misses, channel by channel over all recordings."""
+    first = runs[0]
+    return [
+        Bars(f"Model alone, rms by {what} [{unit}]", [first.rig.names[i] for i in columns], _rms(runs, columns))
+        for what, unit, columns in (("thermometer", "K", first.thermometers), ("displacement", "µm", first.lengths))
+        if len(columns)
+    ]
+
+
+def _rms(runs: Sequence[Compared], columns: Array) -> list[Series]:
+    found = []
+    for i, (side, colour) in enumerate(zip(paths.SIDES, (paths.BEFORE, paths.AFTER), strict=True)):
+        if i < len(runs[0].sides):
+            squares = np.concatenate([run.sides[i].misfit[:, columns] for run in runs]) ** 2
+            known = np.isfinite(squares).sum(axis=0)
+            mean = np.nansum(squares, axis=0) / np.maximum(known, 1)
+            name = side if len(runs[0].sides) > 1 else "model alone"
+            found.append(Series(name, np.where(known > 0, np.sqrt(mean), np.nan), colour))
+    return found
+
+
+def _sides(model: Model, rig: Rig, recordings: Sequence[Recording], share: Share) -> list[Side]:
+    tracks = share(lambda recording: _kept(replay(model, rig, recording)), recordings)
+    heats = missing_heat(list(share(lambda recording: misfit(model, rig, recording), recordings)), share)
+    return [Side(**track, **_missed(heat)) for track, heat in zip(tracks, heats, strict=True)]
+
+
+def _kept(track: Track) -> dict[str, Array]:
+    """What is drawn of a track: its profiles would be most of the memory."""
+    keys = ("open_loop", "predicted", "innovation", "elongation_um", "sigma_um", "open_loop_um")
+    return {key: getattr(track, key) for key in keys}
+
+
+def _missed(found: MissingHeat) -> dict[str, object]:
+    time_s, zones = found.misfit.trial.rest.time_s, found.zones
+    begins, mean = minutes(time_s, found.mean[found.blocks.of_tick])
+    places = np.array([(z.from_mm + z.to_mm) / 2 for z in zones if z.node is None])
+    bodies = [zone.node for zone in zones if zone.node is not None]
+    on_screw = np.array([zone.node is None for zone in zones])
+    heat = HeatMap(begins, places, mean[:, on_screw], bodies, mean[:, ~on_screw])
+    return {"misfit_time_s": time_s, "misfit": found.misfit.open_loop, "heat": heat}
+
+
+def _readings(recording: Recording, rig: Rig, model: Model) -> Array:
+    if "displacement" not in rig.channels:
+        return np.full(len(recording), np.nan)
+    return joined(recording, rig, model).um

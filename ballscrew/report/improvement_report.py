@@ -1,0 +1,175 @@
+"""What an improvement came to, as tables, as a Markdown report with pictures, and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ballscrew.commands.compare import sections
+from ballscrew.report.page import Section, page
+from ballscrew.report.verdict import Finding, sentence
+from ballscrew.workspace import Loaded
+from estimator.accuracy.compare import compare
+from estimator.accuracy.floor import Error
+from estimator.missing_effect.improve import Improvement, Step
+from estimator.model import Model
+from estimator.rig import Rig
+from estimator.work import Share
+
+ALSO_CHOSEN = "cross-validated: each recording left out once, but all of them were also used for choosing"
+ONE = "not cross-validated: one recording, none left out, also used for choosing"
+ONE_HELD_OUT = "not cross-validated: one recording, none left out; held out: never used to choose or fit"
+HELD_OUT = "cross-validated: each recording left out once; held out: never used to choose or fit"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """An improvement and what it was made of; `verdict` is the last one.
+
+    before, after   the model as given and the best, under the names of their files
+    own  how effects of the user's own were named
+    """
+
+    found: Improvement
+    verdict: Finding
+    before: Model
+    after: Model
+    rig: Rig
+    used: Sequence[Loaded]
+    held_out: Sequence[Loaded]
+    own: Sequence[str]
+
+    @property
+    def models(self) -> list[Model]:
+        """Before and after; one, where nothing made it better."""
+        return [self.before, self.after] if len(self.found.steps) > 1 else [self.before]
+
+    @property
+    def said(self) -> str:
+        """The last verdict in words."""
+        last = self.found.steps[-1]
+        words = sentence(self.verdict, self.rig)
+        return f"Before all was fitted again: {words}" if len(self.found.steps) > 1 and not last.added else words
+
+
+def added(steps: Sequence[Step]) -> list[str]:
+    """The effect that each step has more than the one before; "" where it has none."""
+    had = [steps[0].model, *(step.model for step in steps)]
+    return [step.added if step.added not in model.effects else "" for step, model in zip(steps, had, strict=False)]
+
+
+def titles(steps: Sequence[Step]) -> list[str]:
+    """What each step is called."""
+    again = [f"{step.added or 'all'} fitted again" for step in steps]
+    return ["as given", *(f"+ {new}" if new else old for new, old in zip(added(steps)[1:], again[1:], strict=True))]
+
+
+def steps_table(steps: Sequence[Step]) -> list[list[str]]:
+    """The error falling step by step, head first."""
+    held = any(step.held_out for step in steps)
+    head = ["added", "cross-validated, K", "um", *(["held out, K", "um"] if held else []), "tied with"]
+    rows = []
+    for title, step in zip(titles(steps), steps, strict=True):
+        errors = [step.cross_validated, *([step.held_out] if step.held_out else [])]
+        rows.append([title, *(cell for error in errors for cell in _cells(error)), ", ".join(step.tie)])
+    return [head, *rows]
+
+
+def note(found: Improvement) -> str:
+    """What the errors of the table were taken on."""
+    held_out = any(step.held_out for step in found.steps)
+    if found.last is not None and found.last.one_recording:
+        return ONE_HELD_OUT if held_out else ONE
+    return HELD_OUT if held_out else ALSO_CHOSEN
+
+
+def steps_section(out: Outcome) -> Section:
+    """The first page of report and views."""
+    steps = out.found.steps
+    said = [
+        f"Added: {', '.join(filter(None, added(steps))) or 'nothing'}.",
+        out.said,
+        f"Model alone (open loop), rms; {_of_what(out.rig)}{note(out.found)}.",
+    ]
+    return f"{out.after.name}: {out.before.name} improved", said, steps_table(steps)
+
+
+def _of_what(rig: Rig) -> str:
+    return "um: of the displacement readings, so while driving; " if "displacement" in rig.channels else ""
+
+
+def as_json(found: Improvement) -> dict[str, Any]:
+    """The steps for programs; a step that adds nothing has no `added`."""
+    steps = [
+        {
+            "added": new or None,
+            "cross_validated": vars(step.cross_validated),
+            "held_out": vars(step.held_out) if step.held_out else None,
+        }
+        for new, step in zip(added(found.steps), found.steps, strict=True)
+    ]
+    return {"steps": steps, "verdict": found.last.verdict if found.last else "stopped"}
+
+
+def report(out: Outcome, pictures: dict[str, Path], share: Share) -> str:
+    """The report as Markdown; pictures by what they show, beside it."""
+    text = [page([steps_section(out)]), *_shown(pictures, "steps", "Error of the model alone, step by step")]
+    text += [page([_given(out), _effects(out), _parameters(out.before, out.after)], 2)]
+    text += ["## Where it fails", "", *_shown(pictures, "residuals", "Measured minus the model alone")]
+    text += _shown(pictures, "missing-heat", "Heat that the model alone lacks")
+    for what, some in (("used", out.used), ("held out", out.held_out)):
+        if some:
+            recordings = [one.recording for one in some]
+            found = [replace(compare(model, out.rig, recordings, share), held_out=None) for model in out.models]
+            tables = [(f"Recordings {what}: {title}", *more) for title, *more in sections(found)]
+            text.append(page(tables, 3))
+    return "\n".join(text)
+
+
+def _shown(pictures: dict[str, Path], what: str, title: str) -> list[str]:
+    return [f"![{title}]({pictures[what].name})", ""] if what in pictures else []
+
+
+def _given(out: Outcome) -> Section:
+    rows = [["", ""], ["model", out.before.name], ["rig", out.rig.name]]
+    rows += [["recordings used", _names(out.used)], ["recordings held out", _names(out.held_out) or "none"]]
+    own = ", ".join(dict.fromkeys([*out.before.use, *out.own]))
+    return "What was given", (), [*rows, ["effects of one's own", own or "none"]]
+
+
+def _effects(out: Outcome) -> Section:
+    """What each effect that was added says, and its rivals."""
+    rows = [
+        [new, out.after.effects[new].sentence(), ", ".join(step.tie)]
+        for new, step in zip(added(out.found.steps), out.found.steps, strict=True)
+        if new
+    ]
+    if not rows:
+        return "Effects added", ["none"], []
+    return "Effects added", (), [["effect", "what it is", "as good, by these recordings"], *rows]
+
+
+def _names(some: Sequence[Loaded]) -> str:
+    return ", ".join(one.path.name for one in some)
+
+
+def _parameters(before: Model, after: Model) -> Section:
+    """Parameters that are new or that moved."""
+    rows = []
+    for path, value in after.values.items():
+        old = before.values.get(path)
+        if old is None or old.value != value.value:
+            sd = "fixed" if value.fixed else f"{value.sd:.2g}" if value.sd is not None else ""
+            cells = [f"{old.value:.4g}" if old else "new", f"{value.value:.4g}", sd, after.param(path).unit]
+            rows.append([path, *cells])
+    if not rows:
+        return "Parameters", ["none was added or changed"], []
+    return "Parameters added or changed", (), [["parameter", "before", "after", "± sd", "unit"], *rows]
+
+
+def _cells(error: Error) -> list[str]:
+    return [f"{error.temperature_K:.3f}", f"{error.elongation_um:.2f}" if np.isfinite(error.elongation_um) else ""]

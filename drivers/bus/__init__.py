@@ -1,0 +1,1 @@
+"""A bus: who listens, who shares it, who sends."""

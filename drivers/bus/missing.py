@@ -1,0 +1,35 @@
+"""Messages of a bus that should have come: each has its cycle time in the DBC, and three of them are a time-out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from drivers.decode.dbc import Layout
+
+CYCLES = 3.0
+
+
+class Missing:
+    """When each cyclic message was last heard, s on the rig's clock."""
+
+    def __init__(self, messages: list[Layout], tick_s: float) -> None:
+        self._names = {(m.id, m.extended): f"{m.name} (0x{m.id:X})" for m in messages if m.cycle_s}
+        self._patience = {(m.id, m.extended): max(CYCLES * m.cycle_s, 2.5 * tick_s) for m in messages if m.cycle_s}
+        self._last: dict[tuple[int, bool], float] = {}
+
+    @property
+    def count(self) -> int:
+        """How many messages are waited for."""
+        return len(self._names)
+
+    def heard(self, can_id: int, extended: bool, now_s: float) -> None:
+        """A frame has come."""
+        if (can_id, extended) in self._names:
+            self._last[can_id, extended] = now_s
+
+    def since(self, now_s: float) -> Iterator[tuple[str, float]]:
+        """Messages that are missing, and when each was last heard; one that never came counts from the first frame."""
+        for key, name in self._names.items():
+            last = self._last.get(key, 0.0)
+            if now_s - last > self._patience[key]:
+                yield name, last

@@ -1,0 +1,204 @@
+"""The DBC as numpy needs it: where each signal's bits are, and what its numbers mean."""
+
+from __future__ import annotations
+
+import operator
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.errors import SetupError, nearest
+
+Words = tuple[NDArray[np.uint64], NDArray[np.uint64]]  # data bytes little-endian, big-endian
+
+# Texts of a value table that say that a number is no measurement.
+_NO_VALUE = re.compile(
+    r"not.?avail|n/a|^s?na$|fault|error|invalid|not.?valid|no.?(data|value|signal)|undefined|reserved", re.IGNORECASE
+)
+OURSELVES = "Ballscrew"  # the node of a DBC that sends the estimate
+_CONDITION = re.compile(r"\s*(\w+)\.(\w+)\s*(=|==|!=|<=|>=|<|>)\s*(.+?)\s*")
+_COMPARE: dict[str, Callable[[Any, Any], Any]] = {"=": operator.eq, "==": operator.eq, "!=": operator.ne}
+_COMPARE |= {"<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge}
+
+
+@dataclass(frozen=True)
+class Bits:
+    """One signal: its place in the frame, its scaling and the texts of its value table."""
+
+    name: str
+    shift: int
+    length: int
+    big_endian: bool = False
+    signed: bool = False
+    real: bool = False
+    scale: float = 1.0
+    offset: float = 0.0
+    highest: float | None = None
+    texts: Mapping[int, str] = field(default_factory=dict)
+    selector: Bits | None = None
+    selected: tuple[int, ...] = ()
+
+    def raw(self, words: Words) -> NDArray[Any]:
+        """The numbers on the wire, (n,): int64, uint64 or float."""
+        word = words[self.big_endian]
+        if self.signed and not self.real:
+            left = (word << np.uint64(64 - self.shift - self.length)).view(np.int64)
+            return left >> np.int64(64 - self.length)
+        plain = (word >> np.uint64(self.shift)) & np.uint64((1 << self.length) - 1)
+        if self.real:
+            bits, kind = {16: ("<u2", "<f2"), 32: ("<u4", "<f4"), 64: ("<u8", "<f8")}[self.length]
+            with np.errstate(invalid="ignore"):  # a signalling NaN is a NaN
+                return plain.astype(bits).view(kind).astype(float)
+        return plain
+
+    def physical(self, raw: NDArray[Any]) -> NDArray[np.float64]:
+        """Numbers in the DBC's unit, (n,)."""
+        return raw.astype(float) * self.scale + self.offset
+
+    def present(self, words: Words) -> NDArray[np.bool_] | None:
+        """Where a multiplexed signal is in the frame; None: always."""
+        return None if self.selector is None else np.isin(self.selector.raw(words).astype(np.int64), self.selected)
+
+    @property
+    def modulus(self) -> int:
+        """After how many numbers a counter starts again: one more than the DBC's maximum."""
+        return int(self.highest) + 1 if self.highest else 1 << self.length
+
+    @cached_property
+    def no_value(self) -> dict[int, str]:
+        """Raw numbers that say "not available", "fault" and the like, with the table's text."""
+        return {raw: text for raw, text in self.texts.items() if _NO_VALUE.search(text)}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """One message: signals in the order of their bits.
+
+    cycle_s  how often it comes, 0 where it is not cyclic
+    own      whether we send it, and not the rig
+    """
+
+    name: str
+    id: int
+    extended: bool
+    length: int
+    signals: Mapping[str, Bits]
+    cycle_s: float = 0.0
+    own: bool = False
+
+
+@dataclass(frozen=True)
+class Condition:
+    """ "Message.Signal = value": what a flag must say for a reading to count."""
+
+    message: str
+    bits: Bits
+    compare: str
+    value: float
+
+    def holds(self, raw: NDArray[Any]) -> NDArray[np.bool_]:
+        """Where the raw numbers meet it, (n,)."""
+        return np.asarray(_COMPARE[self.compare](raw.astype(float), self.value))
+
+
+class Dbc:
+    """All messages of one DBC file; what it lacks is a SetupError that names the rig file's key."""
+
+    def __init__(self, path: Path, messages: Mapping[str, Layout]) -> None:
+        self.path = path
+        self.messages = messages
+        self.by_id = {(message.id, message.extended): message for message in messages.values()}
+
+    def message(self, name: str, place: str) -> Layout:
+        """A message by name; `place` is the rig file's key that asks for it."""
+        if name not in self.messages:
+            raise SetupError(f"{place}: {self.path.name} has no message '{name}'; {nearest(name, self.messages)}")
+        message = self.messages[name]
+        if message.length > 8:
+            raise SetupError(f"{place}: message '{name}' has {message.length} bytes; CAN FD frames are not read")
+        return message
+
+    def signal(self, dotted: str, place: str) -> tuple[Layout, Bits]:
+        """A signal by "Message.Signal"."""
+        known = [f"{m.name}.{s}" for m in self.messages.values() for s in m.signals]
+        if dotted not in known:
+            raise SetupError(f"{place}: {self.path.name} has no signal '{dotted}'; {nearest(dotted, known)}")
+        name, signal = dotted.split(".")
+        message = self.message(name, place)
+        return message, message.signals[signal]
+
+    def condition(self, text: str, place: str) -> Condition:
+        """A condition such as "Message.Signal = 0" or "Message.Signal = Ok"."""
+        match = _CONDITION.fullmatch(text)
+        if not match:
+            raise SetupError(f"{place}: '{text}' is no condition; expected for example 'Message.Signal = 0'")
+        message, bits = self.signal(f"{match[1]}.{match[2]}", place)
+        known = {label: raw for raw, label in bits.texts.items()}
+        try:
+            value = float(known.get(match[4], match[4]))
+        except ValueError:
+            raise SetupError(f"{place}: '{match[4]}' is no value of {bits.name}; {nearest(match[4], known)}") from None
+        return Condition(message.name, bits, match[3], value)
+
+
+def find_dbc(name: str, folder: Path) -> Path:
+    """The DBC in the rig folder, else beside this file."""
+    places = [folder, Path(__file__).parents[1]]
+    for place in places:
+        if (place / name).is_file():
+            return place / name
+    raise SetupError(f"{folder / 'rig.toml'}: log.dbc: no file '{name}' in {' or '.join(map(str, places))}")
+
+
+def load_dbc(path: Path) -> Dbc:
+    """Read a DBC; one that cannot be read is a SetupError."""
+    return _load(path, path.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=16)
+def _load(path: Path, changed: int) -> Dbc:
+    import cantools  # late: takes longer than reading a short log
+
+    try:
+        database: Any = cantools.database.load_file(path, strict=True)
+    except (cantools.Error, OSError, ValueError) as error:
+        raise SetupError(f"{path}: cannot be read as a DBC: {' '.join(str(error).split())}") from None
+    return Dbc(path, {message.name: _layout(message) for message in database.messages})
+
+
+def _layout(message: Any) -> Layout:
+    plain = {signal.name: _bits(signal) for signal in message.signals}
+    signals = {s.name: _multiplexed(s, plain) if s.multiplexer_ids else plain[s.name] for s in message.signals}
+    return Layout(
+        message.name, message.frame_id, bool(message.is_extended_frame), message.length, signals,
+        (message.cycle_time or 0) / 1e3, OURSELVES in message.senders,
+    )  # fmt: skip
+
+
+def _bits(signal: Any) -> Bits:
+    big = signal.byte_order == "big_endian"
+    # A big-endian start is its highest bit, numbered 7..0 in each byte.
+    from_top = 8 * (signal.start // 8) + 7 - signal.start % 8
+    return Bits(
+        name=signal.name,
+        shift=64 - from_top - signal.length if big else signal.start,
+        length=signal.length,
+        big_endian=big,
+        signed=bool(signal.is_signed),
+        real=bool(signal.is_float),
+        scale=float(signal.scale),
+        offset=float(signal.offset),
+        highest=None if signal.maximum is None else float(signal.maximum),
+        texts={int(raw): str(text) for raw, text in (signal.choices or {}).items()},
+    )
+
+
+def _multiplexed(signal: Any, plain: Mapping[str, Bits]) -> Bits:
+    selector = plain[signal.multiplexer_signal]
+    return replace(plain[signal.name], selector=selector, selected=tuple(signal.multiplexer_ids))

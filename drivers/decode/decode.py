@@ -1,0 +1,159 @@
+"""Frames into ticks, as the rig file and its DBC say: one decoder for whole logs and for a tick of a live bus."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.decode.checks import frame_checksum, lost
+from drivers.decode.condense import Condenser, Readings
+from drivers.decode.dbc import Bits, Layout, find_dbc, load_dbc
+from drivers.decode.scan import Scan
+from drivers.decode.sources import Source, sources
+from drivers.frames import FRAME, Frames, Tally
+from estimator.errors import SetupError
+from estimator.record import Recording
+from estimator.rig import Rig
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_QUIET_TICKS = 2  # a message sent each tick has come by then
+
+
+class Decoder:
+    """What a rig makes of CAN frames. Carries counters, held values and the drive's last place from call to call."""
+
+    def __init__(self, rig: Rig, tally: Tally) -> None:
+        if rig.log.dbc is None:
+            raise SetupError(f"{rig.folder / 'rig.toml'}: log.dbc is missing: CAN frames need a DBC file")
+        self.rig = rig
+        self.tally = tally
+        self.dbc = load_dbc(find_dbc(rig.log.dbc, rig.folder))
+        self.scan = Scan(rig, self.dbc)
+        self.sources: dict[str, list[Source]] = {}
+        for source in sources(rig, self.dbc).values():
+            self.sources.setdefault(source.message.name, []).append(source)
+        place = f"{rig.folder / 'rig.toml'}: log"
+        self.checksums = {self.dbc.signal(name, f"{place}.checksums")[0].name for name in rig.log.checksums}
+        counters = [self.dbc.signal(name, f"{place}.counters") for name in rig.log.counters]
+        self.counters: dict[str, Bits] = {message.name: bits for message, bits in counters}
+        self.condenser = Condenser(rig, tally)
+        self._counted: dict[str, int] = {}
+        used = {*self.sources, *(m.name for m in self.scan.messages), *self.checksums, *self.counters}
+        self.used = [m for m in self.dbc.messages.values() if m.name in used or m == self.scan.closing]
+
+    @cached_property
+    def own(self) -> frozenset[tuple[int, bool]]:
+        """Id and kind of the messages that we send: what of them comes back says nothing of the rig."""
+        return frozenset(key for key, message in self.dbc.by_id.items() if message.own)
+
+    def foreign(self, frames: Frames) -> Index:
+        """Indices of the frames that are not our own."""
+        ours = np.zeros(len(frames), bool)
+        for can_id, extended in self.own:
+            ours |= (frames.id == can_id) & (frames.extended == extended)
+        self.tally.skip("sent by us", np.count_nonzero(ours))
+        return np.flatnonzero(~ours)
+
+    def closings(self, frames: Frames) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+        """Which frames close a scan, (n,), and their scan number, (n,), -1 where there is none."""
+        number = np.full(len(frames), -1, np.int64)
+        closing = self.scan.closing
+        if closing is None:
+            return np.zeros(len(frames), bool), number
+        which = _is(frames, closing) & (frames.dlc == closing.length)
+        if self.scan.number:
+            number[which] = self.scan.number.raw(frames.take(which).words()).astype(np.int64)
+        return which, number
+
+    def closing(self, can_id: int, extended: bool, packed: bytes) -> int | None:
+        """The same for one frame, packed: its scan number, -1 where there is none; None if it closes nothing."""
+        closing = self.scan.closing
+        if closing is None or can_id != closing.id or extended != closing.extended:
+            return None
+        closes, number = self.closings(Frames.of(np.frombuffer(packed, FRAME), "frame"))
+        return int(number[0]) if closes[0] else None
+
+    def rows(self, frames: Frames, first: int, now: Array, row: Index, date: Array) -> Recording:
+        """Condense frames into ticks.
+
+        frames  (n,) in order; the first has number `first` in the log     now   (n,) s on the rig's clock
+        row     (n,) tick of each, 0 ... K - 1, rising                     date  (K,) s, when each tick closed
+        """
+        self._account(frames)
+        rows = len(date)
+        readings: dict[str, Readings] = {}
+        last: dict[str, Index] = {}
+        for message in self.used:
+            index = self._frames_of(message, frames)
+            part = frames.take(index)
+            words = part.words()
+            last[message.name] = np.full(rows, -1, np.intp)
+            last[message.name][row[index]] = index
+            for source in self.sources.get(message.name, ()):
+                use, value = source.read(words, now[index], _QUIET_TICKS * self.rig.tick_s, self.tally)
+                at = index[use]
+                readings[source.name] = Readings(first + at, row[at], now[at], value[use])
+        self._check_scans(readings, frames, last, rows)
+        return self.condenser.rows(readings, date)
+
+    def _check_scans(self, readings: dict[str, Readings], frames: Frames, last: dict[str, Index], rows: int) -> None:
+        bad = self.scan.bad(frames, last, rows, self.tally)
+        for group in self.sources.values():
+            for source in group:
+                reading = readings[source.name]
+                for bits in source.parts:
+                    wrong = bad.get(f"{source.message.name}.{bits.name}")
+                    if wrong is not None and wrong.any():
+                        reading = reading.where(~wrong[reading.row])
+                readings[source.name] = reading
+
+    def _frames_of(self, message: Layout, frames: Frames) -> Index:
+        """Indices of the sound frames of one message."""
+        index = np.flatnonzero(_is(frames, message))
+        short = frames.dlc[index] != message.length
+        self.tally.skip(f"wrong length {message.name}", np.count_nonzero(short))
+        index = index[~short]
+        if message.name in self.checksums and len(index):
+            data = frames.data[index, : message.length]
+            wrong = frame_checksum(message.id, data) != data[:, 0]
+            self.tally.skip(f"checksum wrong {message.name}", np.count_nonzero(wrong))
+            index = index[~wrong]
+        if message.name in self.counters and len(index):
+            bits = self.counters[message.name]
+            numbers = bits.raw(frames.take(index).words()).astype(np.int64)
+            missing = lost(numbers, self._counted.get(message.name), bits.modulus)
+            self.tally.skip(f"lost {message.name} (by its counter)", missing)
+            self._counted[message.name] = int(numbers[-1])
+        return np.asarray(index)
+
+    def strangers(self, frames: Frames) -> str:
+        """If no frame has an id that the rig file uses: which were found and expected; else empty."""
+        keys = np.unique(frames.id.astype(np.int64) << 1 | frames.extended).tolist()
+        found = {(key >> 1, bool(key & 1)) for key in keys}
+        if found & {(message.id, message.extended) for message in self.used}:
+            return ""
+        ids = [f"0x{number:X}" for number, _ in sorted(found)]
+        wanted = [f"0x{message.id:X} ({message.name})" for message in self.used]
+        return f"ids {_few(ids)}; expected {_few(wanted)} as in {self.dbc.path.name}"
+
+    def _account(self, frames: Frames) -> None:
+        """Count frames that the rig file does not use."""
+        numbers, counts = np.unique(frames.id.astype(np.int64) << 1 | frames.extended, return_counts=True)
+        for number, count in zip(numbers.tolist(), counts.tolist(), strict=True):
+            message = self.dbc.by_id.get((number >> 1, bool(number & 1)))
+            if message is None:
+                self.tally.skip(f"unknown id 0x{number >> 1:0{8 if number & 1 else 3}X}", count)
+            elif message not in self.used:
+                self.tally.skip(f"not in the rig file {message.name}", count)
+
+
+def _few(words: list[str]) -> str:
+    return ", ".join(words[:4]) + (f" and {len(words) - 4} more" if len(words) > 4 else "")
+
+
+def _is(frames: Frames, message: Layout) -> NDArray[np.bool_]:
+    return np.asarray((frames.id == message.id) & (frames.extended == message.extended))

@@ -1,0 +1,157 @@
+"""The drive condensed to ticks: mean speed, and where the nut was.
+
+A stretch between two frames counts in the tick of the later one, so that a tick needs no frame from its future. On a
+stretch the speed runs evenly from one value to the next, through zero where it turns, and the nut evenly from place to
+place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.frames import Tally
+from estimator.rig import Rig, Screw
+
+Array = NDArray[np.float64]
+_STANDS = 1e-3  # cells: a shorter way is a stand
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_HELD_TICKS = 2
+
+
+class Drive:
+    """Carries the last place and speed from call to call."""
+
+    def __init__(self, rig: Rig, tally: Tally, held_ticks: int = _HELD_TICKS) -> None:
+        self.rig = rig
+        self.tally = tally
+        self.held_ticks = held_ticks
+        self.turns = "speed" in rig.inputs
+        self._last = (-np.inf, np.nan, np.nan)  # s, mm, rad/s
+        self._row = -(1 << 40)
+
+    def rows(self, now: Array, place: Array, speed: Array, row: Index, rows: int) -> tuple[Array, Array, Array]:
+        """Mean |speed| (rows,) rad/s, cover of the cells (rows, cells), unevenness (rows,), from frames in order.
+
+        now    (n,) s       place  (n,) mm, NaN where unknown
+        speed  (n,) rad/s   row    (n,) tick of each frame, rising
+        """
+        if not self.turns:
+            return np.zeros(rows), np.zeros((rows, self.rig.screw.cells if self.rig.screw else 0)), np.ones(rows)
+        now, place, speed = (np.concatenate(([was], a)) for was, a in zip(self._last, (now, place, speed), strict=True))
+        row = np.concatenate(([self._row], row))
+        latest = np.searchsorted(row, np.arange(rows), side="right") - 1
+        silent = np.arange(rows) - row[latest] > self.held_ticks
+        self.tally.skip("tick without drive", np.count_nonzero(silent))
+        passed = np.diff(now)
+        joined = np.flatnonzero(passed <= (self.held_ticks + 0.5) * self.rig.tick_s)
+        turned = _mean_speed(speed[joined], speed[joined + 1]) * passed[joined]
+        angle = np.bincount(row[joined + 1], turned, rows)
+        time = np.bincount(row[joined + 1], passed[joined], rows)
+        omega = np.divide(angle, time, out=np.abs(speed[latest]), where=time > 0)
+        squared = np.bincount(row[joined + 1], _mean_square(speed[joined], speed[joined + 1]) * passed[joined], rows)
+        uneven = np.divide(squared * time, angle**2, out=np.ones(rows), where=angle > 0)
+        omega[silent] = np.nan
+        weight = np.where(angle[row[joined + 1]] > 0, turned, passed[joined])
+        cover = self._cover(place, joined, weight, row, rows)
+        still = np.flatnonzero(np.bincount(row[joined + 1], weight, rows) == 0)
+        cover[still] = self._box(place[latest[still]])
+        cover[silent] = np.nan
+        self._last, self._row = (float(now[-1]), float(place[-1]), float(speed[-1])), int(row[-1]) - rows
+        return omega, cover, uneven
+
+    def _cover(self, place: Array, joined: Index, weight: Array, row: Index, rows: int) -> Array:
+        screw, nut = self.rig.screw, self.rig.nut
+        if screw is None or nut is None or "position" not in self.rig.inputs:
+            return np.zeros((rows, screw.cells if screw else 0))
+        centre = nut.centre(place)
+        known = np.isfinite(centre[joined]) & np.isfinite(centre[joined + 1])
+        joined, weight = joined[known], weight[known]
+        way = centre[joined], centre[joined + 1]
+        cover = covered(screw, nut.length_mm, way, weight, row[joined + 1], rows)
+        cover[np.bincount(row[joined + 1], minlength=rows) == 0] = np.nan
+        return cover
+
+    def _box(self, place: Array) -> Array:
+        screw, nut = self.rig.screw, self.rig.nut
+        if screw is None or nut is None or "position" not in self.rig.inputs:
+            return np.zeros((len(place), screw.cells if screw else 0))
+        centre = nut.centre(place)
+        return screw.overlap(centre - nut.length_mm / 2, centre + nut.length_mm / 2)
+
+
+def _mean_speed(begin: Array, end: Array) -> Array:
+    """Mean of |speed| while it runs evenly from begin to end: (n,)."""
+    size = np.abs(begin) + np.abs(end)
+    turns = begin * end < 0
+    return np.asarray(np.divide(begin**2 + end**2, 2 * size, out=size / 2, where=turns))
+
+
+def _mean_square(begin: Array, end: Array) -> Array:
+    """Mean of speed^2 while it runs evenly from begin to end: (n,)."""
+    return np.asarray((begin**2 + begin * end + end**2) / 3)
+
+
+def covered(
+    screw: Screw, length_mm: float, way: tuple[Array, Array], weight: Array, row: NDArray[np.intp], rows: int
+) -> Array:
+    """Cover of each cell, (rows, cells), 0 ... 1: the weighted mean over the ways of a row; 0 in a row without weight.
+
+    way     (N,), (N,)  nut centre at begin and end of each way, mm
+    weight  (N,)        time or angle of each way
+    row     (N,)        tick of each way
+    """
+    cell = screw.length * 1e3
+    low = (np.minimum(*way) - screw.from_mm) / cell
+    high = (np.maximum(*way) - screw.from_mm) / cell
+    half = length_mm / 2 / cell
+    total = np.bincount(row, weight, rows)
+    share = np.divide(weight, total[row], out=np.zeros_like(weight), where=total[row] > 0)
+    sums = _Sums(rows, screw.cells)
+    runs = high - low > _STANDS
+    for side, sign in ((-half, 1.0), (half, -1.0)):
+        slope = sign * share[runs] / (high - low)[runs]
+        sums.kink(low[runs] + side, slope, row[runs])
+        sums.kink(high[runs] + side, -slope, row[runs])
+        sums.jump((low + high)[~runs] / 2 + side, sign * share[~runs], row[~runs])
+    return sums.cells()
+
+
+class _Sums:
+    """Sums of kinks (slope changes) and jumps of a profile, per row and cell; cells are 1 wide."""
+
+    def __init__(self, rows: int, cells: int) -> None:
+        self.shape = (rows, cells + 2)  # one bin before the screw, one behind
+        self.slope = np.zeros(self.shape)
+        self.moment = np.zeros(self.shape)
+        self.step = np.zeros(self.shape)
+        self.inside = np.zeros(self.shape)
+
+    def kink(self, at: Array, slope: Array, row: NDArray[np.intp]) -> None:
+        """The profile's slope changes by `slope` at `at`."""
+        where, rest = self._bins(at, row)
+        self._add(self.slope, where, slope)
+        self._add(self.moment, where, slope * at)
+        self._add(self.inside, where, slope * rest**2 / 2)
+
+    def jump(self, at: Array, height: Array, row: NDArray[np.intp]) -> None:
+        """The profile changes by `height` at `at`."""
+        where, rest = self._bins(at, row)
+        self._add(self.step, where, height)
+        self._add(self.inside, where, height * rest)
+
+    def cells(self) -> Array:
+        """Mean of the profile in each cell, (rows, cells)."""
+        before = [np.cumsum(sums, axis=1)[:, :-2] for sums in (self.slope, self.moment, self.step)]
+        centre = np.arange(self.shape[1] - 2) + 0.5
+        return np.clip(before[0] * centre - before[1] + before[2] + self.inside[:, 1:-1], 0.0, 1.0)
+
+    def _bins(self, at: Array, row: NDArray[np.intp]) -> tuple[NDArray[np.intp], Array]:
+        place = np.clip(np.floor(at), -1, self.shape[1] - 2).astype(np.intp) + 1
+        return row * self.shape[1] + place, place - at
+
+    def _add(self, sums: Array, where: NDArray[np.intp], what: Array) -> None:
+        sums += np.bincount(where, what, sums.size).reshape(self.shape)

@@ -1,0 +1,105 @@
+"""From the frames of a message to the readings of a channel or input, with all that is unusable left out by reason."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.decode.dbc import Bits, Condition, Dbc, Layout, Words
+from drivers.frames import Tally
+from estimator.errors import SetupError
+from estimator.rig import Rig, Signal
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass
+class Source:
+    """Where a channel or input comes from: its signals are added up, then scaled as the rig file says."""
+
+    name: str
+    rule: Signal
+    message: Layout
+    parts: tuple[Bits, ...]
+    fresh: Bits | None = None
+    valid: Condition | None = None
+    held: int | None = None  # last value of `fresh`
+
+    def read(
+        self, words: Words, now: NDArray[np.float64], quiet_s: float, tally: Tally
+    ) -> tuple[Mask, NDArray[np.float64]]:
+        """Readings of the frames of its message: where there is one, (n,) bool, and all values, (n,).
+
+        now      (n,) s since the log's first frame
+        quiet_s  a `fresh` number first seen later than this came with its reading; sooner, it may be long held
+        """
+        raws = [bits.raw(words) for bits in self.parts]
+        total = sum((bits.physical(raw) for bits, raw in zip(self.parts, raws, strict=True)), np.zeros(len(now)))
+        value = self.rule.scale * total + self.rule.offset
+        use = np.ones(len(now), bool)
+        for bits in self.parts:
+            if (there := bits.present(words)) is not None:
+                use &= there
+        if self.fresh:
+            use &= self._fresh(self.fresh.raw(words).astype(np.int64), now, quiet_s, tally)
+        for bits, raw in zip(self.parts, raws, strict=True):
+            for number, text in bits.no_value.items():
+                use = self._drop(use, raw == number, f"{text} {self.name}", tally)
+        if self.valid:
+            use = self._flagged(use, self.valid, words, tally)
+        use = self._drop(use, ~np.isfinite(value), f"no number {self.name}", tally)
+        with np.errstate(invalid="ignore"):
+            use = self._drop(use, (value < self.rule.lo) | (value > self.rule.hi), f"out of range {self.name}", tally)
+        return use, value
+
+    def _fresh(self, number: NDArray[np.int64], now: NDArray[np.float64], quiet_s: float, tally: Tally) -> Mask:
+        if not len(number):
+            return np.zeros(0, bool)
+        first = self.held is None
+        before = np.roll(number, 1)
+        before[0] = number[0] if self.held is None else self.held
+        new: Mask = number != before
+        if first:
+            new[0] = now[0] > quiet_s
+            tally.skip(f"held since before the log {self.name}", int(not new[0]))
+        self.held = int(number[-1])
+        return new
+
+    def _flagged(self, use: Mask, valid: Condition, words: Words, tally: Tally) -> Mask:
+        raw = valid.bits.raw(words)
+        for number in np.unique(raw[use & ~valid.holds(raw)]):
+            text = valid.bits.texts.get(int(number), f"unknown {valid.bits.name}")
+            use = self._drop(use, raw == number, f"flagged {text} {self.name}", tally)
+        return use
+
+    @staticmethod
+    def _drop(use: Mask, bad: Mask, reason: str, tally: Tally) -> Mask:
+        tally.skip(reason, np.count_nonzero(use & bad))
+        return use & ~bad
+
+
+def sources(rig: Rig, dbc: Dbc) -> dict[str, Source]:
+    """A source for each channel and input of the rig that has a signal; one that the DBC lacks is a SetupError."""
+    found = {}
+    for table, rules in (("channels", rig.channels), ("inputs", rig.inputs)):
+        for name, rule in rules.items():
+            place = f"{rig.folder / 'rig.toml'}: {table}.{name}"
+            if rule.signals:
+                found[name] = _source(name, rule, dbc, place)
+            elif rule.column is None:
+                raise SetupError(f"{place}: 'signal' is missing: which signal of {dbc.path.name} is it?")
+    return found
+
+
+def _source(name: str, rule: Signal, dbc: Dbc, place: str) -> Source:
+    pairs = [dbc.signal(dotted, f"{place}.signal") for dotted in rule.signals]
+    message = pairs[0][0]
+    fresh = dbc.signal(rule.fresh, f"{place}.fresh") if rule.fresh else None
+    valid = dbc.condition(rule.valid, f"{place}.valid") if rule.valid else None
+    asked = [*pairs, fresh] if fresh else pairs
+    for other in [m.name for m, _ in asked] + ([valid.message] if valid else []):
+        if other != message.name:
+            raise SetupError(f"{place}: {other} and {message.name} are two messages; a reading comes from one")
+    return Source(name, rule, message, tuple(bits for _, bits in pairs), fresh[1] if fresh else None, valid)

@@ -1,0 +1,1 @@
+"""Files of frames and tables: readers, writers, and truth beside them."""

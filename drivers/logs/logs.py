@@ -1,0 +1,57 @@
+"""Logs of CAN frames by suffix; the reader is imported when a file asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+from drivers.budget import Budget
+from drivers.frames import Frames, Tally, plausible
+from estimator.errors import InputError, nearest
+
+# What a file of each suffix must be, and what reads it.
+_READERS = {
+    ".log": ("drivers.logs.candump:read_candump", 'candump text like "(1699999999.123456) can0 210#0011223344556677"'),
+    ".asc": ("drivers.logs.outside:read_outside", "a Vector ASC log"),
+    ".blf": ("drivers.logs.outside:read_outside", "a Vector BLF log"),
+    ".trc": ("drivers.logs.outside:read_outside", "a PEAK TRC log"),
+    ".mf4": ("drivers.logs.outside:read_outside", "an ASAM MDF 4 file with CAN bus logging"),
+    ".csv": ("drivers.logs.outside:read_outside", "a lab CSV, or python-can's CSV of frames"),
+}
+SUFFIXES = frozenset(_READERS)
+_FRAMES_HEADER = b"timestamp,arbitration_id"
+
+
+def regular(path: Path) -> Path:
+    """The path itself; what is no readable regular file with a known suffix is an InputError."""
+    if path.suffix.lower() not in _READERS:
+        raise InputError(f"{path}: no known kind of log '{path.suffix}'; {nearest(path.suffix.lower(), _READERS)}")
+    try:
+        if not path.is_file():
+            raise InputError(f"{path}: {'not a regular file' if path.exists() else 'no such file'}")
+        with path.open("rb") as file:
+            file.read(1)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    return path
+
+
+def is_lab_csv(path: Path) -> bool:
+    """Whether the file is a lab CSV: its header is not that of python-can's CSV of frames."""
+    if regular(path).suffix.lower() != ".csv":
+        return False
+    with path.open("rb") as file:
+        return not file.read(256).lstrip(b"\xef\xbb\xbf").startswith(_FRAMES_HEADER)
+
+
+def read_log(path: Path, tally: Tally, budget: Budget, progress: Callable[[float], None] | None = None) -> Frames:
+    """All usable frames of a log; none at all is an InputError that says what was found and expected."""
+    reader, expected = _READERS[regular(path).suffix.lower()]
+    module, function = reader.split(":")
+    frames, found = getattr(import_module(module), function)(path, tally, budget, progress)
+    frames = plausible(frames, tally)
+    if not len(frames):
+        why = "; ".join([*(f"{count} x {reason}" for reason, count in tally.skipped.items()), *tally.notes])
+        raise InputError(f"{path}: 0 usable frames ({found}{'; ' if why else ''}{why}); expected {expected}")
+    return frames

@@ -1,0 +1,1 @@
+"""Every frame of a bus, on the disk."""

@@ -1,0 +1,1 @@
+"""What goes over the bus and into files."""

@@ -1,0 +1,1 @@
+"""What heats, moves and grows."""

@@ -1,0 +1,86 @@
+"""The rig's heat: screw, nut, bearings and air put together and carried from tick to tick."""
+
+import numpy as np
+
+from drivers.virtual_rig.machine import air, bearings, nut, screw
+from drivers.virtual_rig.machine.flows import Around, Parts, Temperatures, advance
+from drivers.virtual_rig.machine.geometry import CHANNEL_MM, OMEGA_20, nut_centre_mm
+from drivers.virtual_rig.machine.heaters import Heaters
+from drivers.virtual_rig.machine.motion import TableMotion
+from drivers.virtual_rig.machine.planted import Strengths
+from drivers.virtual_rig.machine.weather import Weather
+
+MOVING_STEPS = 20
+RESTING_STEPS = 10
+"""Steps of a 1 s tick: 50 ms while the nut moves, 100 ms while it stands."""
+
+
+def parts(strength: Strengths, start_degc: float) -> Parts:
+    """All laws at the strengths of their effects."""
+    return Parts(
+        screw.steel(strength["conduction"]),
+        nut.nut(strength, start_degc),
+        bearings.anchor_bearing(strength, start_degc),
+        bearings.free_bearing(strength, start_degc),
+        air.surface(strength),
+        OMEGA_20,
+    )
+
+
+class Rig:
+    """The thermal rig at one instant; `tick` carries it over one second."""
+
+    def __init__(self, strength: Strengths, weather: Weather, heaters: Heaters) -> None:
+        self.weather = weather
+        self.heaters = heaters
+        self.parts = parts(strength, weather.start)
+        layer = np.full(screw.CELLS, weather.start)
+        self.now = Temperatures(layer.copy(), layer.copy(), np.array([*[weather.start] * 3, 1.0]))
+        self.torque = np.zeros(2)
+        self.since_stop_s = -1.0
+
+    def tick(self, t: float, motion: TableMotion) -> None:
+        """From t to t + 1 s, with the table's motion at the middle of each step."""
+        unseen = self.weather.unseen(t)
+        around = Around(
+            along=self.weather.air_along(t),
+            air=self.weather.ambient(t) + unseen,
+            base=self.weather.base(t) + unseen,
+            sources=self.heaters.heat(motion.omega, motion.moving, self.since_stop_s),
+        )
+        self._watch(motion)
+        centres = nut.in_cells(nut_centre_mm(motion.position_mm))
+        self.torque = advance(self.parts, self.now, motion.omega, centres, around)
+
+    def _watch(self, motion: TableMotion) -> None:
+        """Count the seconds since the table last moved."""
+        if motion.moving.any():
+            self.since_stop_s = 0.0
+        elif self.since_stop_s >= 0.0:
+            self.since_stop_s += 1.0
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean of the layers at every cell, degC: (CELLS,)"""
+        return screw.mean_temperature(self.now.bore, self.now.outer)
+
+    @property
+    def at_channels(self) -> np.ndarray:
+        """Bore wall at the channels, degC: (15,)"""
+        return np.interp(CHANNEL_MM, screw.CELL_MM, self.now.bore)
+
+    @property
+    def anchor_seat(self) -> float:
+        """The screw under the anchor bearing, degC"""
+        return float(self.parts.anchor.seat @ self.now.outer)
+
+    @property
+    def free_seat(self) -> float:
+        """The screw under the free bearing, degC"""
+        return float(self.parts.free.seat @ self.now.outer)
+
+
+def step_middles(t: float, moving: bool) -> np.ndarray:
+    """Middles of the steps of the tick from t to t + 1 s, s"""
+    steps = MOVING_STEPS if moving else RESTING_STEPS
+    return t + (np.arange(steps) + 0.5) / steps

@@ -1,0 +1,1 @@
+"""What measures it, with its errors."""

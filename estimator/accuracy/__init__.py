@@ -1,0 +1,1 @@
+"""How far an estimate or a prediction is from what was measured."""

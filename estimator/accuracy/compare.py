@@ -1,0 +1,119 @@
+"""How far models are from measurements, beside each other: by horizon, channel, phase and speed.
+
+One-step errors flatter: process noise lets a filter follow what its model does not explain. So open-loop and
+ten-minutes-ahead errors stand beside them, and the noise floor of the sensors beside those.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from estimator.accuracy import displacement
+from estimator.accuracy.floor import FAR, Error, noise_floor
+from estimator.accuracy.horizon import HORIZONS, Horizons, horizons, overall
+from estimator.batch.trial import Trial
+from estimator.inputs.phase import PHASES, phase_of, speed_of
+from estimator.model import Model
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.work import Share
+
+ByHorizon = Mapping[str, Error]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Errors of one model on some recordings; `held_out`: those of the recordings that it was not fitted to, or None.
+
+    by_channel  error of each channel by horizon, in the channel's unit
+    by_speed    by mean speed in m/min, of the drive that a tick belongs to or follows
+    floor       what the sensors alone would leave
+    truths      of how many recordings the true elongation was known, of `recordings`
+    """
+
+    name: str
+    whole: ByHorizon
+    held_out: ByHorizon | None
+    by_channel: Mapping[str, Mapping[str, float]]
+    by_phase: Mapping[str, ByHorizon]
+    by_speed: Mapping[float, ByHorizon]
+    floor: Error
+    warnings: tuple[str, ...]
+    truths: int
+    recordings: int
+
+
+def compare(
+    model: Model, rig: Rig, recordings: Sequence[Recording], share: Share = map,
+    truths: Sequence[Array | None] | None = None,
+) -> Comparison:  # fmt: skip
+    """Judge one model on recordings.
+
+    truths  true elongation at the ticks, (K,) um, of those for which it is known. Else the elongation is compared
+            with the readings while driving, and at rest with the direct reading, joined at the stop
+    """
+    truths = truths or [None] * len(recordings)
+    trials = [Trial(model, rig, recording) for recording in recordings]
+    found: list[Horizons] = list(share(lambda trial: horizons(trial, model), trials))
+    references = [_reference(trial, model, truth) for trial, truth in zip(trials, truths, strict=True)]
+    found = [replace(each, reference=reference) for each, reference in zip(found, references, strict=True)]
+    known = set(model.about.get("fitted_on", {}).values())
+    rest = [each for each, r in zip(found, recordings, strict=True) if r.fingerprint not in known]
+    whole, floor = _by_horizon(found), noise_floor(model, trials[0])
+    phases = [phase_of(trial.rest) for trial in trials]
+    speeds = [speed_of(trial.recording, rig)[trial.begin :] for trial in trials]
+    levels = sorted(set(np.concatenate(speeds)) - {0.0})
+    return Comparison(
+        model.name,
+        whole,
+        _by_horizon(rest) if known and rest else None,
+        {name: _of_channel(found, i) for i, name in enumerate(rig.names)},
+        {phase: _by_horizon(_where(found, [p == phase for p in phases])) for phase in PHASES},
+        {float(level): _by_horizon(_where(found, [s == level for s in speeds])) for level in levels},
+        floor,
+        _warnings(whole, floor),
+        sum(truth is not None for truth in truths),
+        len(recordings),
+    )
+
+
+def _reference(trial: Trial, model: Model, truth: Array | None) -> Array:
+    """Elongation since the start that predictions are compared with, (T,) um; NaN where there is none."""
+    if truth is not None:
+        return truth[trial.begin :]
+    if "displacement" not in trial.rig.channels:
+        return np.full(len(trial.rest), np.nan)
+    at_rest = phase_of(trial.recording) != "drive"
+    return np.where(at_rest, displacement.joined(trial.recording, trial.rig, model).um, np.nan)[trial.begin :]
+
+
+def _by_horizon(found: Sequence[Horizons]) -> ByHorizon:
+    return {name: overall(found, name) for name in HORIZONS}
+
+
+def _of_channel(found: Sequence[Horizons], i: int) -> Mapping[str, float]:
+    rests = {name: np.concatenate([getattr(each, name)[:, i] for each in found]) for name in HORIZONS}
+    return {name: _rms(rest[np.isfinite(rest)]) for name, rest in rests.items()}
+
+
+def _rms(rest: Array) -> float:
+    return float(np.sqrt(np.mean(rest**2))) if len(rest) else float("nan")
+
+
+def _where(found: Sequence[Horizons], masks: Sequence[Array]) -> list[Horizons]:
+    """The same errors at some of the ticks."""
+    return [each.where(at) for each, at in zip(found, masks, strict=True)]
+
+
+def _warnings(whole: ByHorizon, floor: Error) -> tuple[str, ...]:
+    """Said where process noise is what makes a model look good."""
+    near, alone = whole["one_step"].temperature_K, whole["open_loop"].temperature_K
+    if alone > FAR * floor.temperature_K and near < FAR * floor.temperature_K:
+        return (
+            f"one tick ahead {near:.3f} K looks fine, but the model alone is {alone:.2f} K off, {alone / near:.0f}"
+            " times as much: the readings hide what it does not explain",
+        )
+    return ()

@@ -1,0 +1,42 @@
+"""What a good model leaves, what the sensors alone leave, and when an error is far above both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.batch.trial import Trial
+from estimator.model import Model
+
+GOOD_K, GOOD_UM = 0.05, 0.2
+BLOCK_S = 600.0
+FAR = 3.0  # an open-loop error this many times the noise floor is missing physics
+
+
+def noise_floor(model: Model, trial: Trial) -> Error:
+    """What sensors alone would leave of an open-loop error: scatter and unknown zeros of thermometers, of the rest."""
+    readings = trial.pose(model).forcing.readings
+    heat = np.isin(trial.rig.names, trial.rig.thermometers)
+    known = np.isfinite(readings.sd)
+    zero = np.where(heat, readings.zero_sd, 0.0)  # that of the displacement is taken out of an open-loop error
+    variance = readings.sd**2 + zero**2
+
+    def level(which: np.ndarray) -> float:
+        return float(np.sqrt(np.mean(variance[which]))) if which.any() else float("nan")
+
+    return Error(level(heat & known), level(~heat & known))
+
+
+def missing_physics(open_loop: Error, floor: Error) -> float:
+    """Open-loop error over the noise floor of the thermometers where it is far above it, else NaN."""
+    ratio = open_loop.temperature_K / floor.temperature_K
+    return ratio if ratio > FAR else float("nan")
+
+
+@dataclass(frozen=True)
+class Error:
+    """An rms over thermometers, K, and of the elongation, um; NaN where there is none."""
+
+    temperature_K: float
+    elongation_um: float

@@ -1,0 +1,129 @@
+"""What a model predicts one sample ahead, minutes ahead, and from the start on: the errors it is judged by.
+
+One-step error alone flatters: a filter that trusts its readings hides what its model lacks. Open loop nothing helps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from estimator.accuracy.floor import Error
+from estimator.batch import batch
+from estimator.batch.system import System
+from estimator.batch.trial import Posed, Trial, open_loop_misfit
+from estimator.model import Model
+from estimator.record import Array
+
+AHEAD_S = 600.0
+EVERY_S = 60.0
+HORIZONS = ("one_step", "ahead", "open_loop")
+
+
+@dataclass(frozen=True)
+class Horizons:
+    """Reading minus prediction at the ticks after the first sample, (T, m) each; NaN where not measured or refused.
+
+    one_step   predicted from all readings up to the tick before; a reading that first tells its own zero is left out
+    ahead      from those up to ten minutes before, once a minute, likewise
+    open_loop  from the first sample alone; an unknown zero is taken out as the run's mean
+    elongation (T,) predicted elongation, um, by each of these names, NaN where nothing was predicted
+    reference  (T,) what the elongation was; where it is not known, readings of the displacement stand for it
+    """
+
+    one_step: Array
+    ahead: Array
+    open_loop: Array
+    thermometers: Array
+    elongation: Mapping[str, Array]
+    reference: Array
+
+    def where(self, mask: Array) -> Horizons:
+        """The same at some of the ticks."""
+        elongation = {name: each[mask] for name, each in self.elongation.items()}
+        return Horizons(
+            self.one_step[mask], self.ahead[mask], self.open_loop[mask], self.thermometers, elongation,
+            self.reference[mask],
+        )  # fmt: skip
+
+    def temperature_errors(self, horizon: str) -> Array:
+        """Of every thermometer, (T, thermometers) K."""
+        return np.asarray(getattr(self, horizon)[:, self.thermometers])
+
+    def elongation_errors(self, horizon: str) -> Array:
+        """Reference minus prediction, or else reading minus prediction, um: (T, 1 + displacements), NaN for none."""
+        readings = np.where(np.isfinite(self.reference)[:, None], np.nan, getattr(self, horizon)[:, ~self.thermometers])
+        return np.column_stack([self.reference - self.elongation[horizon], readings])
+
+    def error(self, horizon: str) -> Error:
+        """rms of one horizon."""
+        return overall([self], horizon)
+
+
+def horizons(trial: Trial, model: Model) -> Horizons:
+    """All three predictions of one model on one recording."""
+    posed = trial.pose(model)
+    system = posed.system
+    long = _with_elongation(posed)
+    y = np.where(trial.muted, np.nan, system.y)
+    told = np.cumsum(np.isfinite(y), axis=0)
+    told[:, [i for i in range(y.shape[1]) if i not in trial.unread_zeros]] += 1
+    foretold = np.vstack([chunk.predicted for chunk in batch.passes(long)])
+    one_step = y - foretold[:, :-1]
+    one_step[told <= 1] = np.nan
+    elongation = {"one_step": foretold[:, -1], "ahead": np.full(len(y), np.nan), "open_loop": posed.run.grown}
+    tick_s = trial.rig.tick_s
+    steps, every = round(AHEAD_S / tick_s), max(1, round(EVERY_S / tick_s))
+    ahead = np.full_like(y, np.nan)
+    if len(y) > steps:
+        starts, predicted = batch.ahead(long, steps, every)
+        ahead[starts + steps] = np.where(told[starts] > 0, y[starts + steps] - predicted[:, :-1], np.nan)
+        elongation["ahead"][starts + steps] = predicted[:, -1]
+    thermometers = np.isin(trial.rig.names, trial.rig.thermometers)
+    unknown = np.full(len(y), np.nan)
+    return Horizons(one_step, ahead, open_loop_misfit(trial, posed), thermometers, elongation, unknown)
+
+
+def _with_elongation(posed: Posed) -> System:
+    """The system with one channel more that is never read: the elongation since the first sample, um."""
+    system, T = posed.system, len(posed.system.y)
+    muted = np.zeros(system.y.shape, dtype=bool) if system.muted is None else system.muted
+    return replace(
+        system,
+        y=np.column_stack([system.y, np.full(T, np.nan)]),
+        muted=np.column_stack([muted, np.ones(T, dtype=bool)]),
+        H=np.vstack([system.H, posed.state.elongation(0.0)]),
+        spans=np.append(system.spans, 1.0),
+        R=np.column_stack([system.R, np.ones(T)]),
+    )
+
+
+def open_loop_only(trial: Trial, model: Model) -> Horizons:
+    """The open-loop prediction alone; nothing is known of the others."""
+    posed = trial.pose(model)
+    open_loop = open_loop_misfit(trial, posed)
+    none, unknown = np.full_like(open_loop, np.nan), np.full(len(open_loop), np.nan)
+    elongation = {"one_step": unknown, "ahead": unknown, "open_loop": posed.run.grown}
+    thermometers = np.isin(trial.rig.names, trial.rig.thermometers)
+    return Horizons(none, none, open_loop, thermometers, elongation, unknown)
+
+
+def overall(found: Sequence[Horizons], horizon: str) -> Error:
+    """rms over several recordings together."""
+    return Error(
+        _rms([each.temperature_errors(horizon) for each in found]),
+        _rms([each.elongation_errors(horizon) for each in found]),
+    )
+
+
+def errors(trials: Sequence[Trial], model: Model) -> dict[str, Error]:
+    """Error of each horizon over several recordings together."""
+    found = [horizons(trial, model) for trial in trials]
+    return {name: overall(found, name) for name in HORIZONS}
+
+
+def _rms(rests: Sequence[Array]) -> float:
+    values = np.concatenate([rest[np.isfinite(rest)] for rest in rests])
+    return float(np.sqrt(np.mean(values**2))) if len(values) else float("nan")

@@ -1,0 +1,133 @@
+"""One recording, every estimate, and how far each is from the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.accuracy import displacement, polyline
+from estimator.accuracy.accuracy import Accuracy, accuracy
+from estimator.batch.replay import replay
+from estimator.errors import InputError
+from estimator.inputs.phase import cooling
+from estimator.model import Model
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.state.gate import Mute
+from estimator.step import Mode, Track
+
+
+@dataclass(frozen=True)
+class Review:
+    """What the filter and its rivals made of one recording; every series is (K,) um, NaN where there is nothing.
+
+    estimates     elongation by name: filter, open_loop, polyline, polyline_7, polyline_joined, last_reading
+    errors        reference minus estimate, by the same names
+    reference     truth where there is one, else the displacement readings as the paper joins them; NaN without either
+    readings_sd   (K,) um, what their own scatter makes of the joined readings
+    sigma         the filter's own standard deviation of each error
+    cooling       (K,) bool: within 60 min after a stop
+    one_step_K    rms of thermometer minus prediction before its use; open_loop_K: minus what the model alone says
+    """
+
+    recording: Recording
+    track: Track
+    estimates: Mapping[str, Array]
+    errors: Mapping[str, Array]
+    reference: Array
+    reference_name: str
+    readings: Array
+    readings_sd: Array
+    sigma: Array
+    cooling: Array
+    polyline_channels: int
+    one_step_K: float
+    open_loop_K: float
+
+    def accuracy(self, name: str) -> Accuracy:
+        """Accuracy of one estimate on this recording."""
+        return overall([self], name)
+
+    @property
+    def nis_mean(self) -> float:
+        """Mean NIS per fused channel: 1 for a filter whose noise is right."""
+        known = np.isfinite(self.track.nis)
+        channels = self.track.nis_channels[known].sum()
+        return float(self.track.nis[known].sum() / channels) if channels else float("nan")
+
+
+def review(
+    recording: Recording,
+    rig: Rig,
+    model: Model,
+    truth_um: Array | None = None,
+    mute: Mute | None = None,
+    channels: Sequence[str] | None = None,
+    each: Callable[[int], None] = lambda _: None,
+) -> Review:
+    """Run everything over one recording; one without a thermometer reading is an InputError.
+
+    truth_um  (K,) true elongation at the ticks, where it is known
+    mute      what the filter must not fuse
+    channels  thermometers of the polyline; all by default
+    """
+    track = replay(model, rig, recording, mute, each)
+    if (track.mode == Mode.INIT).all():
+        raise InputError(f"{recording.name}: no thermometer was ever read; nothing to estimate from")
+    used = list(channels or rig.thermometers)
+    line = polyline.elongation(recording, rig, used)
+    estimates = {"filter": track.elongation_um, "open_loop": track.open_loop_um, "polyline": line}
+    if rig.subset_7:
+        estimates["polyline_7"] = polyline.elongation(recording, rig, rig.subset_7)
+    readings, readings_sd = np.full(len(recording), np.nan), np.zeros(len(recording))
+    if "displacement" in rig.channels:
+        measured = displacement.joined(recording, rig, model)
+        readings, readings_sd = measured.um, measured.sd
+        estimates["polyline_joined"] = polyline.joined_polyline(recording, rig, model, line)
+        estimates["last_reading"] = polyline.last_reading(recording, rig, model, line)
+    reference = readings if truth_um is None else truth_um
+    errors = {name: reference - series for name, series in estimates.items()}
+    sigma = track.sigma_um
+    if truth_um is None and "displacement" in rig.channels:
+        errors["filter"], sigma = _before_use(track, rig, errors["filter"], readings_sd)
+    return Review(
+        recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, readings_sd, sigma,
+        cooling(recording), len(polyline.along_screw(rig, used)), *_temperature_errors(track, rig),
+    )  # fmt: skip
+
+
+def _temperature_errors(track: Track, rig: Rig) -> tuple[float, float]:
+    heat = np.isin(rig.names, rig.thermometers)
+    errors = track.innovation[1:, heat], (track.measured - track.open_loop)[1:, heat]
+    return accuracy(errors[0]).rms_um, accuracy(errors[1]).rms_um
+
+
+def _reference_name(rig: Rig, truth_um: Array | None) -> str:
+    if truth_um is not None:
+        return "truth"
+    return "readings" if "displacement" in rig.channels else "none"
+
+
+def _before_use(track: Track, rig: Rig, error: Array, reading_sd: Array) -> tuple[Array, Array]:
+    """Where a reading was fused the error is its innovation: it is compared with the prediction made before it.
+
+    The first reading only tells the unknown zero: it has no error. Elsewhere the sd is that of estimate and reading.
+    """
+    i = rig.index("displacement")
+    fused = track.fused[:, i]
+    before = np.where(np.cumsum(fused) > 1, track.innovation[:, i], np.nan)
+    elsewhere = np.hypot(track.sigma_um, reading_sd)
+    return np.where(fused, before, error), np.where(fused, track.innovation_sd[:, i], elsewhere)
+
+
+def overall(reviews: Sequence[Review], name: str) -> Accuracy:
+    """Accuracy of one estimate over several recordings together."""
+    found = [r for r in reviews if name in r.errors]
+    if not found:
+        return accuracy(np.empty(0))
+    error = np.concatenate([r.errors[name] for r in found])
+    late = np.concatenate([r.cooling for r in found])
+    sigma = np.concatenate([r.sigma for r in found]) if name == "filter" else None
+    return accuracy(error, sigma, late)

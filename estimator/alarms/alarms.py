@@ -1,0 +1,122 @@
+"""Alarms: where the rig and the model part, and readings that cannot be right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.alarms.window import FALSE_S, WINDOWS, WindowTest, place_of
+from estimator.record import Array
+from estimator.rig import Rig
+from estimator.step import Step
+
+REPEATS = 20
+STEPS = 2.0  # resolution steps from one reading to the next, on average: then 20 repeats have a chance of 1e-15
+CHANGES = 20  # that must have been seen
+SEEN = 200.0  # changes over which their size is forgotten
+
+SILENT_TICKS = 10
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """What is wrong, with which channel ("": all of them), and since when, s since the first frame.
+
+    kind    "bias", "nis", "rejected", "stuck" or "silent"
+    over_s  of a test, how long the readings were looked at; 0: as they come
+    """
+
+    kind: str
+    channel: str
+    since_s: float
+    text: str
+    over_s: float = 0.0
+
+    @property
+    def key(self) -> tuple[str, str, float]:
+        """What makes it the same alarm at another time."""
+        return self.kind, self.channel, self.over_s
+
+
+class Alarms:
+    """The alarms of one rig, a tick at a time; `active` holds those that are on.
+
+    A test raises its alarm at the end of its window, and the next window that passes it ends the alarm.
+    """
+
+    def __init__(self, rig: Rig, false_s: float = FALSE_S) -> None:
+        self.rig = rig
+        self.active: dict[tuple[str, str, float], Alarm] = {}
+        self._tests = [WindowTest(rig, window, false_s) for window in WINDOWS]
+        self._stuck = Stuck(len(rig.names))
+        self._heat = np.isin(rig.names, rig.thermometers)
+        self._silent = np.full(len(rig.names), -1)  # ticks since the last reading, -1: never read
+
+    @property
+    def diverged(self) -> bool:
+        """Whether NIS says that the estimate cannot be trusted."""
+        return any(alarm.kind == "nis" for alarm in self.active.values())
+
+    def step(self, step: Step) -> tuple[list[Alarm], list[Alarm]]:
+        """Take one tick; returns the alarms that begin with it, and those that end."""
+        heat = self._heat & (np.array(step.why, dtype=object) != "muted")
+        found, judged = [*self._silences(step, heat), *self._standstills(step, heat)], {0.0}
+        for test in self._tests:
+            if test.add(step):
+                judged.add(test.over_s)
+                found += [Alarm(kind, name, test.first_s, text, test.over_s) for kind, name, text in test.failed()]
+        now = {alarm.key: alarm for alarm in found}
+        begun = [alarm for key, alarm in now.items() if key not in self.active]
+        over = [alarm for key, alarm in self.active.items() if alarm.over_s in judged and key not in now]
+        for alarm in over:
+            del self.active[alarm.key]
+        self.active.update({alarm.key: alarm for alarm in begun})
+        return begun, over
+
+    def _silences(self, step: Step, heat: Array) -> Iterator[Alarm]:
+        """Thermometers that have been read before and are not now."""
+        known = np.isfinite(step.measured)
+        self._silent[known] = 0
+        self._silent[~known & (self._silent >= 0)] += 1
+        gone = heat & (self._silent >= SILENT_TICKS)
+        since = step.time_s - self._silent * self.rig.tick_s
+        if gone.any() and gone.sum() == (heat & (self._silent >= 0)).sum():
+            yield Alarm("silent", "", float(since[gone].max()), "no thermometer is read")
+            return
+        for i in np.flatnonzero(gone):
+            yield Alarm("silent", self.rig.names[i], float(since[i]), f"{place_of(self.rig, i)} is not read")
+
+    def _standstills(self, step: Step, heat: Array) -> Iterator[Alarm]:
+        """Thermometers that read the same again and again."""
+        for i, value, ticks in self._stuck.step(np.where(heat, step.measured, np.nan)):
+            text = f"{place_of(self.rig, i)} is stuck at {value:.2f} degC"
+            yield Alarm("stuck", self.rig.names[i], step.time_s - ticks * self.rig.tick_s, text)
+
+
+class Stuck:
+    """How finely m channels resolve their own noise, and how long each has read the same.
+
+    The resolution is the smallest change ever seen. A coarse sensor, whose readings change by one step or not at all,
+    may well stand still: of it nothing can be said.
+    """
+
+    def __init__(self, m: int) -> None:
+        self._last, self._finest = np.full(m, np.nan), np.full(m, np.inf)
+        self._same, self._changes = np.zeros(m, dtype=int), np.zeros(m, dtype=int)
+        self._size = np.zeros(m)
+
+    def step(self, measured: Array) -> Iterator[tuple[int, float, int]]:
+        """Take one tick, (m,), NaN where nothing was read: channels that are stuck, at what, for how many readings."""
+        change = np.abs(measured - self._last)
+        moved = change > 0
+        self._finest[moved] = np.minimum(self._finest, change)[moved]
+        self._changes += moved
+        gain = 1.0 / np.minimum(np.maximum(self._changes, 1), SEEN)
+        self._size[moved] += (gain * (change - self._size))[moved]
+        self._same = np.where(change == 0, self._same + 1, np.where(moved, 0, self._same))
+        self._last = np.where(np.isfinite(measured), measured, self._last)
+        fine = (self._changes >= CHANGES) & (self._size >= STEPS * self._finest)
+        for i in np.flatnonzero(fine & (self._same > REPEATS)):
+            yield int(i), float(self._last[i]), int(self._same[i])

@@ -1,0 +1,75 @@
+"""Whether a control may rely on the estimate at this moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from estimator.inputs.phase import AT_REST
+from estimator.record import Sample
+from estimator.rig import Rig
+from estimator.step import Mode, Step
+
+FEW_S = 5.0  # with too few thermometers
+DRIVE_S = (
+    3.0,
+    1.5,
+)  # without news of the drive, at rest and moving; it stops within a tick, and is then heard once a second
+DISPLACEMENT_S = 600.0
+SHARE = 0.25  # of the thermometers, that are too few
+
+
+class Watch:
+    """When things were last heard of, s on the rig's clock."""
+
+    def __init__(self, rig: Rig, thermometers: int | None = None) -> None:
+        """`thermometers` are to be fused; by default all of the rig."""
+        self.least = max(1, ceil(SHARE * (len(rig.thermometers) if thermometers is None else thermometers)))
+        self.needs_drive = "speed" in rig.inputs
+        self._heat = np.isin(rig.names, rig.thermometers)
+        self._enough = self._displacement = self._drive = -np.inf
+        self._moving = self._started = self._diverged = False
+
+    def drive(self, now_s: float) -> None:
+        """A frame of the drive has come."""
+        self._drive = now_s
+
+    def tick(self, sample: Sample, step: Step, diverged: bool) -> None:
+        """A tick has closed."""
+        self._started, self._diverged = step.mode != Mode.INIT, diverged
+        self._moving = bool(np.nan_to_num(sample.omega) > AT_REST)
+        if step.fused[self._heat].sum() >= self.least:
+            self._enough = step.time_s
+        if step.fused[~self._heat].any():
+            self._displacement = step.time_s
+
+    def trust(self, now_s: float) -> Trust:
+        """What can be said at a time on the rig's clock."""
+        few = now_s - self._enough > FEW_S
+        why = []
+        if not self._started:
+            why.append("no estimate yet")
+        elif few:
+            why.append(f"fewer than {self.least} thermometers for {FEW_S:g} s")
+        if self.needs_drive and now_s - self._drive > DRIVE_S[self._moving]:
+            why.append("no news of the drive")
+        if self._diverged:
+            why.append("rig and model part")
+        return Trust(tuple(why), now_s - self._displacement > DISPLACEMENT_S, few, self._diverged)
+
+
+@dataclass(frozen=True)
+class Trust:
+    """Why the estimate is not to be relied on; empty where it is. The rest are the flags of the frame Estimate."""
+
+    why: tuple[str, ...] = ("no estimate yet",)
+    displacement_stale: bool = True
+    telemeter_stale: bool = True
+    diverged: bool = False
+
+    @property
+    def valid(self) -> bool:
+        """Whether it may be used."""
+        return not self.why

@@ -1,0 +1,1 @@
+"""The filter's twin for whole recordings, compiled."""

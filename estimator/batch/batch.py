@@ -1,0 +1,185 @@
+"""A whole recording at once: likelihood, smoother, derivatives, and effects taken through the filter as columns.
+
+    predict   x <- F x + b         P <- F P F' + Q
+    compare   e = y - H x          S = H P H' + R
+    update    x <- x + K e         K = P H' S^-1
+
+The first d states move; the others are constants, which may walk: F is the identity there. Every tick predicts, then
+updates. Where all ticks do not fit into memory at once they are filtered twice: once to the end, keeping the state at
+the borders of chunks, and once more chunk by chunk on the way back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from estimator.batch import kernels
+from estimator.batch.kernels import Compared, Data, Slopes, Smooth, States
+from estimator.batch.system import Chunk, Score, Smoothed, System
+from estimator.record import Array
+from estimator.state.gate import Gate
+
+BUDGET = 250_000_000  # bytes for what is kept of each tick until the way back
+NEAR = 2_000_000  # bytes that stay close to the processor, for what is used up at once
+
+Columns = Callable[[slice], tuple[Array, Array]]
+
+
+def is_cold(*functions: Callable[..., Any]) -> bool:
+    """Whether any of these functions of this module, or of all, is still to be compiled: some seconds each, once."""
+    forward = kernels.forward
+    needs: dict[Callable[..., Any], tuple[Any, ...]] = {
+        loglike: (forward,),
+        passes: (kernels.compare,),
+        smoothed: (forward, kernels.smooth),
+        score: (forward, kernels.score),
+        gram: (kernels.columns,),
+        ahead: (kernels.compare, kernels._coast),
+        open_loop: (kernels._coast,),
+    }
+    return not all(_is_compiled(kernel) for function in functions or needs for kernel in needs[function])
+
+
+def passes(system: System, gate: Gate | None = None, wild: Array | None = None) -> Iterator[Chunk]:
+    """Filter, chunk by chunk. The gate compares every reading, also those that are not to be fused.
+
+    wild  (m,) for how many ticks up to now each channel was beyond the gate
+    """
+    m, n = system.H.shape
+    gate = gate or Gate(sd=np.inf)
+    wild, (x, P) = np.array(np.zeros(m) if wild is None else wild, dtype=np.int64), system.start
+    for ticks in _chunks(system, n * n, NEAR):
+        K = ticks.stop - ticks.start
+        states = _states(K, x[-1], P[-1])
+        out = Compared(np.empty((K, m)), np.empty((K, m)), np.empty((K, m), dtype=bool), np.empty(K), np.empty(K))
+        data = _part(system.data, ticks)
+        kernels.compare(system.model, data, float(gate.sd), int(gate.stubborn), wild, states, out)
+        x, P = states.x[1:], states.P[1:]
+        yield Chunk(ticks, x, P, *out)
+
+
+def loglike(system: System) -> float:
+    """Log-likelihood of the readings."""
+    return float(kernels.forward(system.model, system.data, system.start))
+
+
+def smoothed(system: System, covariances: bool = False, along: Array | None = None) -> Smoothed:
+    """Estimate of each tick from all readings; also of r and N of each tick along the given weights (k, n)."""
+    T, n = system.b.shape
+    weights = np.zeros((0, n)) if along is None else np.array(along, dtype=float)
+    k = len(weights)
+    result = Smoothed(np.empty((T, n)), np.empty((T, n)), np.empty((T if covariances else 0, n, n)), np.empty((T, n)),
+                      np.empty((T, k)), np.empty((T, k)))  # fmt: skip
+    r, N = np.zeros(n), np.zeros((n, n))
+    for ticks, states, _ in _backwards(system):
+        x, var, cov, r_of, along_r, along_N = (a[ticks] for a in vars(result).values())
+        out = Smooth(x, var, cov, r_of, weights, along_r, along_N)
+        kernels.smooth(system.model, _part(system.data, ticks), states, r, N, out)
+    return result
+
+
+def score(system: System, rows: Array | None = None) -> Score:
+    """Log-likelihood and its exact derivatives; rows (m,): the channels for which that by H is wanted."""
+    (T, m), model, n, total = system.y.shape, system.model, len(system.x0), 0.0
+    wanted = np.zeros(m, dtype=bool) if rows is None else np.array(rows, dtype=bool)
+    F, Q, H = np.zeros(model.F.shape), np.zeros(model.Q.shape), np.zeros((m, n))
+    b, y, R, grown = np.empty((T, n)), np.zeros((T, m)), np.zeros((T, m)), np.zeros(T)
+    r, N = np.zeros(n), np.zeros((n, n))
+    for ticks, states, value in _backwards(system):
+        out = Slopes(b[ticks], y[ticks], R[ticks], grown[ticks], F, Q, H)
+        kernels.score(model, _part(system.data, ticks), wanted, states, r, N, out)
+        total += value
+    H[~wanted] = 0.0
+    return Score(total, F, 0.5 * Q, b, y, R, H, grown, r, 0.5 * (np.outer(r, r) - N))
+
+
+def gram(system: System, columns: Columns, k: int, start: Array | None = None, blocks: Array | None = None) -> Array:
+    """Gram matrices (blocks, k + 1, k + 1) of k effects and, last, of the data, after the filter has whitened them.
+
+    columns(ticks) gives what each effect adds to b, (K, n, k), and to the readings, (K, m, k); start (n, k), to x0.
+    blocks (T,): to which of the matrices a tick adds, as whole numbers; else there is one. With their sum G,
+
+        loglike(b + B a, y - D a, x0 + start a) = loglike + g a - a G a / 2      g = G[:k, k], G = G[:k, :k]
+
+    so that the best amplitudes a solve G a = g.
+    """
+    T, (m, n) = len(system.y), system.H.shape
+    X = np.zeros((n, k + 1))
+    X[:, :k] = 0.0 if start is None else start
+    block = np.zeros(T, dtype=np.int64) if blocks is None else np.require(blocks, np.int64, ["C", "W"])
+    G, states = np.zeros((block.max(initial=0) + 1, k + 1, k + 1)), system.start
+    for ticks in _chunks(system, (n + m) * k, NEAR):
+        B, D = (np.require(a, np.float64, ["C", "W"]) for a in columns(ticks))
+        kernels.columns(system.model, _part(system.data, ticks), states, B, D, block[ticks], X, G)
+    return 0.5 * (G + G.transpose(0, 2, 1))
+
+
+def ahead(system: System, steps: int, every: int) -> tuple[Array, Array]:
+    """Starts 0, every, 2 every ... (S,) and what each channel reads `steps` later without a reading since, (S, m)."""
+    starts = np.arange(0, max(len(system.y) - steps, 0), every)
+    x = np.vstack([chunk.x for chunk in passes(system)])[starts]
+    for i, start in enumerate(starts):
+        x[i] = _run(system, slice(start + 1, start + steps + 1), x[i])[-1]
+    readings = x @ system.H.T
+    if system.column >= 0:
+        readings += (x[:, system.column] * system.grown[starts + steps])[:, None] * system.spans
+    return starts, readings
+
+
+def open_loop(system: System) -> Array:
+    """The mean after each tick, (T, n), from x0 on without readings."""
+    return _run(system, slice(None), system.x0)
+
+
+def _run(system: System, ticks: slice, x: Array) -> Array:
+    """The mean after each of some ticks, (K, n), from x (n,) on without readings."""
+    d = system.F.shape[1]
+    moving = kernels.coast(system.F, system.regime[ticks], system.b[ticks, :d], x[:d])
+    return np.hstack([moving, np.tile(x[d:], (len(moving), 1))])
+
+
+def _part(data: Data, ticks: slice) -> Data:
+    return Data(*(a[ticks] for a in data))
+
+
+def _chunks(system: System, numbers: int, budget: int) -> list[slice]:
+    """All ticks, in parts of which each takes no more bytes for so many numbers a tick."""
+    T, length = len(system.y), max(1, budget // (8 * max(numbers, 1)))
+    return [slice(first, min(first + length, T)) for first in range(0, max(T, 1), length)]
+
+
+def _states(ticks: int, x: Array, P: Array) -> States:
+    """Room for the states of that many ticks, after the given one."""
+    states = States(np.empty((ticks + 1, *x.shape)), np.empty((ticks + 1, *P.shape)))
+    states.x[0], states.P[0] = x, P
+    return states
+
+
+def _backwards(system: System) -> Iterator[tuple[slice, States, float]]:
+    """Chunks from the last to the first: ticks, all states, log-likelihood."""
+    n = len(system.x0)
+    chunks, state = _chunks(system, n * n + n, BUDGET), system.start
+    borders = [States(*(a.copy() for a in state))]
+    for ticks in chunks[:-1]:
+        kernels.forward(system.model, _part(system.data, ticks), state)
+        borders.append(States(*(a.copy() for a in state)))
+    room = States(*(np.empty((chunks[0].stop + 1, *a.shape[1:])) for a in state))
+    for ticks, border in zip(reversed(chunks), reversed(borders)):
+        states = States(*(a[: ticks.stop - ticks.start + 1] for a in room))
+        states.x[0], states.P[0] = border.x[0], border.P[0]
+        yield ticks, states, float(kernels.forward(system.model, _part(system.data, ticks), states))
+
+
+def _is_compiled(kernel: Any) -> bool:
+    """Whether numba has the code in memory, or in a file of its cache that is younger than the source."""
+    if kernel.signatures:
+        return True
+    folder, source = kernel.stats.cache_path, Path(kernels.__file__)
+    if folder is None:
+        return False
+    files = Path(folder).glob(f"{source.stem}.{kernel.py_func.__name__}-*.nbi")
+    return any(file.stat().st_mtime >= source.stat().st_mtime for file in files)

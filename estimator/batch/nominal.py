@@ -1,0 +1,125 @@
+"""The open-loop run over a whole recording, and what the filter takes from it: lags, late readings and growth.
+
+    z[t] = F z[t-1] + b[t]                          spot = H z
+    s[t] = keep s[t-1] + (1 - keep) spot[t-1] + ramp (spot[t] - spot[t-1])          the lagged reading
+    lag = s - spot        late = -(spot[t] - spot[t-1]) age        grown = c (z[t] - z[start])
+
+As `OpenLoop` does it a tick at a time; here with the derivatives backwards, so that a score reaches the parameters
+through the nominal run too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.batch.kernels import coast
+from estimator.network.assemble import Readings
+from estimator.network.forcing import Drive, Forcing
+from estimator.record import Array
+from estimator.state.open_loop import lag_filter
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """What the open-loop run of T ticks gives: each (T, m), but for states z (T + 1, n) from the start on, grown (T,).
+
+    The readings themselves, without offsets, are `lagged`.
+    """
+
+    z: Array
+    spot: Array
+    lagged: Array
+    late_share: Array
+    readings: Readings
+    growth: Array
+    tick_s: float
+
+    @property
+    def lag(self) -> Array:
+        """Reading minus spot of each channel."""
+        return self.lagged - self.spot[1:]
+
+    @property
+    def late(self) -> Array:
+        """What a reading taken before the tick's close had not yet seen."""
+        return -np.diff(self.spot, axis=0) * self.late_share
+
+    @property
+    def grown(self) -> Array:
+        """Growth of the measured span since the start, um."""
+        return (self.z[1:] - self.z[0]) @ self.growth
+
+
+@dataclass(frozen=True)
+class NominalScore:
+    """Derivatives of a function of lag, late and grown: with respect to what the nominal run is made of.
+
+    b (T, n), F (R, n, n), start (n,), rows (m, n), growth (n,), keep (m,), ramp (m,)
+    """
+
+    b: Array
+    F: Array
+    start: Array
+    rows: Array
+    growth: Array
+    keep: Array
+    ramp: Array
+
+
+def nominal(
+    start: Array, F: Array, regime: Array, b: Array, readings: Readings, growth: Array, ages_s: Array, tick_s: float
+) -> Nominal:
+    """Run T ticks from the states `start` (n,), under F (R, n, n)[regime] and the heat's response b (T, n)."""
+    z = np.vstack([start, coast(F, regime, b, start)])
+    spot = z @ readings.rows.T
+    keep, ramp = lag_filter(readings.tau, tick_s)
+    lagged = lagging(keep, ramp, spot, np.zeros_like(spot[1:]))
+    return Nominal(z, spot, lagged, np.clip(ages_s / tick_s, 0.0, 1.0), readings, growth, tick_s)
+
+
+def open_loop(forcing: Forcing, drive: Drive, start: Array, ages_s: Array) -> Array:
+    """What the channels read by the model alone from states `start` (n,) on, (K, m)."""
+    ticks = forcing.ticks(drive)
+    F, b = forcing.response(ticks)
+    readings, tick_s = forcing.readings, forcing.rig.tick_s
+    run = nominal(start, F, ticks.regime, b, readings, readings.growth, ages_s, tick_s)
+    return run.lagged + run.late + ticks.offset
+
+
+def lagging(keep: Array, ramp: Array, spot: Array, pushed: Array) -> Array:
+    """Lagged readings (T, m) of spots (T + 1, m), the first in equilibrium, each pushed (T, m) further at its tick."""
+    return _remembering(keep, ramp * spot[1:] + (1 - keep - ramp) * spot[:-1] + pushed, spot[0])
+
+
+def _remembering(keep: Array, pushed: Array, start: Array) -> Array:
+    """s[t] = keep s[t-1] + pushed[t] from start (m,) on, (T, m)."""
+    return coast(np.diag(keep)[None], np.zeros(len(pushed), dtype=int), pushed, start)
+
+
+def pull_back(run: Nominal, F: Array, regime: Array, to_lag: Array, to_late: Array, to_grown: Array) -> NominalScore:
+    """From derivatives with respect to lag (T, m), late (T, m) and grown (T,) to those of NominalScore."""
+    keep, ramp = lag_filter(run.readings.tau, run.tick_s)
+    to_lagged = _remembering(keep, to_lag[::-1], np.zeros_like(keep))[::-1]
+    moved = to_late * run.late_share
+    to_spot = np.zeros_like(run.spot)
+    to_spot[1:] += ramp * to_lagged - to_lag - moved
+    to_spot[:-1] += (1 - keep - ramp) * to_lagged + moved
+    to_spot[0] += keep * to_lagged[0]
+    given = to_spot @ run.readings.rows
+    given[1:] += to_grown[:, None] * run.growth
+    given[0] -= to_grown.sum() * run.growth
+    to_z = coast(np.ascontiguousarray(F.transpose(0, 2, 1)), regime[::-1], given[-2::-1], given[-1])[::-1]
+    to_b = np.vstack([to_z[1:], given[-1]])
+    to_F = np.array([to_b[regime == r].T @ run.z[:-1][regime == r] for r in range(len(F))])
+    before = np.vstack([run.spot[:1], run.lagged[:-1]])
+    return NominalScore(
+        b=to_b,
+        F=to_F,
+        start=to_z[0],
+        rows=to_spot.T @ run.z,
+        growth=to_grown @ (run.z[1:] - run.z[0]),
+        keep=(to_lagged * (before - run.spot[:-1])).sum(axis=0),
+        ramp=(to_lagged * np.diff(run.spot, axis=0)).sum(axis=0),
+    )

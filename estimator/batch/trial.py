@@ -1,0 +1,148 @@
+"""One recording made ready for many models: each becomes a linear system for the compiled engine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.batch import batch
+from estimator.batch.coarse import coarse, serves
+from estimator.batch.nominal import Nominal, nominal
+from estimator.batch.system import System
+from estimator.errors import InputError
+from estimator.filter import Filter
+from estimator.model import Model
+from estimator.network.assemble import Layout, Readings
+from estimator.network.forcing import Forcing
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.state.gate import FIRST_SD_K, GATE, Mute
+from estimator.state.prior import prior
+from estimator.state.state import Augmented
+from estimator.terms import Term
+
+Estimate = tuple[Array, Array]
+FLOATING = 10.0  # a zero so many times less known than one reading has no meaning of its own
+
+
+@dataclass(frozen=True)
+class Posed:
+    """A model on a trial, as the engine takes it.
+
+    heat    (T, n) W into the states;   outside (T, boundaries);   run: the open-loop run
+    offset  (T + 1, m) beside the temperatures, from the first sample on
+    state   the full state;   system: the linear system of ticks after the first sample
+    """
+
+    forcing: Forcing
+    state: Augmented
+    heat: Array
+    outside: Array
+    offset: Array
+    run: Nominal
+    system: System
+
+
+class Trial:
+    """One recording from its first thermometer reading on: inputs, regimes, and what may be fused, whatever the model.
+
+    Two things are asked once, of the model that the trial is made with, or likelihoods could not be compared: which
+    readings the filter's gate refuses (`gated`), and how large the lags are by which readings scatter more (`lag`).
+
+    wild          (m,) 1 where the first sample was beyond the gate already
+    floating      channels whose zero has no meaning: open loop it is the mean of the misfit
+    unread_zeros  channels whose unknown zero the first sample did not tell
+    """
+
+    def __init__(
+        self, model: Model, rig: Rig, recording: Recording, mute: Mute | None = None, gated: bool = True
+    ) -> None:
+        first = Filter(model, rig, mute)
+        begin = 0
+        while not first.started:
+            if begin == len(recording):
+                raise InputError(f"{recording.name}: no thermometer was ever read; nothing to compare with a model")
+            step = first.step(recording.sample(begin))
+            begin += 1
+        if begin == len(recording):
+            raise InputError(f"{recording.name}: nothing was recorded after the first thermometer reading")
+        self.rig, self.recording, self.begin = rig, recording, begin
+        self.first, self.rest = recording.sample(begin - 1), recording.rows(slice(begin, None))
+        self._fused_first, self.wild = step.fused, first.rejected
+        self._forcing = Forcing(model, rig, first.forcing.start)
+        self.drive = self._forcing.read(recording.rows(slice(begin - 1, None)))
+        mute = mute or (lambda _: np.zeros(len(rig.names), dtype=bool))
+        self.muted = np.array([mute(t) for t in self.rest.time_s])
+        readings = self._forcing.readings
+        self.floating = np.flatnonzero(readings.zero_sd > FLOATING * readings.sd)
+        self.unread_zeros = [i for i in np.flatnonzero(readings.zero_sd) if not step.fused[i]]
+        self.lag = np.zeros_like(self.rest.channels)
+        self.lag = self.pose(model).run.lag
+        if gated:
+            fused = np.concatenate([chunk.fused for chunk in batch.passes(self.pose(model).system, GATE, self.wild)])
+            self.muted |= ~fused & np.isfinite(self.rest.channels)
+
+    def pose(self, model: Model) -> Posed:
+        """The model as a linear system."""
+        forcing = self._forcing.with_model(model)
+        ticks = forcing.ticks(self.drive)
+        readings, state = forcing.readings, Augmented(forcing.readings, self.rig.expansion_tolerance)
+        x0, P0 = self.first_estimate(readings, forcing.terms, forcing.place, ticks.offset[0])
+        F, response = forcing.response(ticks)
+        regime, response, n = ticks.regime[1:], response[1:], state.n
+        run = nominal(x0[:n], F, regime, response, readings, readings.growth, self.rest.ages_s, self.rig.tick_s)
+        system = System(
+            y=self.rest.channels - ticks.offset[1:] - run.lag - run.late,
+            muted=self.muted,
+            regime=regime,
+            b=np.pad(response, ((0, 0), (0, state.size - n))),
+            F=F,
+            Q=np.array([state.transition(forcing.transition(r), self.rig.tick_s).Q for r in range(len(F))]),
+            H=state.rows(0.0),
+            spans=state.spans,
+            column=state.size - 2,
+            grown=run.grown,
+            R=readings.sd**2 + (readings.lag_noise * self.lag) ** 2,
+            x0=x0,
+            P0=P0,
+        )
+        return Posed(forcing, state, ticks.heat[1:], ticks.outside[1:], ticks.offset, run, system)
+
+    def loglike(self, model: Model) -> float:
+        """Log-likelihood of the readings after the first sample, given that one."""
+        return batch.loglike(self.pose(model).system)
+
+    def first_estimate(self, readings: Readings, terms: Sequence[Term], place: Layout, offset: Array) -> Estimate:
+        """Estimate after the first sample, whose readings have this offset (m,); complex where the readings are."""
+        start = self._forcing.start
+        inputs = {name: value - start.zero_K[name] for name, value in self.first.inputs.items()}
+        state = Augmented(readings, self.rig.expansion_tolerance)
+        R = readings.sd**2 + FIRST_SD_K**2
+        return state.first(prior(start, terms, place, inputs), self.first.channels - offset, R, self._fused_first)
+
+
+def open_loop_misfit(trial: Trial, posed: Posed) -> Array:
+    """Reading minus what the model alone says, (T, m); NaN where not measured; unknown zeros taken out."""
+    run = posed.run
+    rest = trial.rest.channels - posed.offset[1:] - run.lagged - run.late - posed.state.channel_zeros(posed.system.x0)
+    return centred(np.where(known_of(trial), rest, np.nan), trial)
+
+
+def known_of(trial: Trial) -> Array:
+    return np.isfinite(trial.rest.channels) & ~trial.muted
+
+
+def centred(rest: Array, trial: Trial) -> Array:
+    """Misfits less their mean, where a reading's zero has no meaning."""
+    for channel in trial.floating:
+        if np.isfinite(rest[:, channel]).any():
+            rest[:, channel] -= np.nanmean(rest[:, channel])
+    return rest
+
+
+def trials_of(model: Model, rig: Rig, recordings: Sequence[Recording], gated: bool = True) -> list[Trial]:
+    """Recordings made ready for open-loop runs, at a tick that serves for slow heat."""
+    slower = (coarse(recording, rig, serves(rig)) for recording in recordings)
+    return [Trial(model, slow, short, gated=gated) for short, slow in slower]

@@ -1,0 +1,1 @@
+"""What every effect must pass."""

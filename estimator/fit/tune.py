@@ -1,0 +1,146 @@
+"""Noise levels by likelihood.
+
+Measurement noise is what a second shows: the likelihood of each reading given all before. It sees scatter only: where
+innovations stay alike for seconds, part of a reading's error lasts, and its noise is not lowered.
+
+Process noise is what only minutes show: it stands for heat that no effect describes, and the errors that it makes build
+up so slowly that a likelihood of one second ahead takes them for nothing. So all process noises together are scaled by
+the one factor that is most likely after ten minutes without readings (`blind`); their proportions stay. Where the
+recordings tell little about it, it stays near 1.
+
+What stands for lasting errors of single sensors (spread of lags, unknown zeros and their drift) is no noise and is left
+alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from estimator.accuracy.blind import blind
+from estimator.accuracy.floor import Error, missing_physics, noise_floor
+from estimator.accuracy.horizon import errors
+from estimator.accuracy.quality import ChannelQuality, quality
+from estimator.batch.trial import Trial
+from estimator.errors import SetupError
+from estimator.fit.climb import Climb
+from estimator.fit.noise import channels_of, coloured, noise_levels
+from estimator.fit.posterior import Posterior
+from estimator.model import Model
+from estimator.record import Recording
+from estimator.rig import Rig
+from estimator.work import Share
+
+WIDEST = np.log(30.0)  # the factor on process noise is sought between 1/30 and 30
+STEP = 0.5  # of its logarithm, from which the search begins: there may be several peaks
+KNOWN = 1.0  # sd of that logarithm before anything was seen
+CLOSE = 0.1  # to which the logarithm of a factor is sought
+
+Progress = Callable[[str, int, float], None]
+
+
+@dataclass(frozen=True)
+class Level:
+    """One noise level before and after; `kind` is "measurement" or "process"."""
+
+    path: str
+    kind: str
+    before: float
+    after: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """Outcome: the model, its levels, each channel's quality, errors by horizon, and the noise floor of its sensors.
+
+    factor   by which process noise was scaled
+    missing  open-loop error over the noise floor, where that is far: noise stands in for physics then; else NaN
+    """
+
+    model: Model
+    levels: tuple[Level, ...]
+    factor: float
+    before: tuple[ChannelQuality, ...]
+    after: tuple[ChannelQuality, ...]
+    errors: dict[str, Error]
+    floor: Error
+    missing: float
+
+
+def tune(
+    model: Model,
+    rig: Rig,
+    recordings: Sequence[Recording],
+    each: Progress = lambda stage, n, value: None,
+    share: Share = map,
+) -> Tuned:
+    """Set the noise levels of a model by some recordings; every other parameter stays."""
+    trials = [Trial(model, rig, recording) for recording in recordings]
+    kinds = noise_levels(model, trials)
+    if not any(kinds.values()):
+        raise SetupError(f"{model.name}: no effect has a noise level; nothing to tune")
+    better = _measured(model, trials, kinds["measurement"], each, share)
+    better, factor = scaled(better, trials, kinds["process"], each, share)
+    better = _measured(better, trials, kinds["measurement"], each, share)
+    levels = tuple(
+        Level(path, kind, model[path], better[path], model.param(path).unit)
+        for kind, paths in kinds.items()
+        for path in paths
+    )
+    found, floor = errors(trials, better), noise_floor(better, trials[0])
+    return Tuned(
+        better, levels, factor, quality(trials, model), quality(trials, better), found, floor,
+        missing_physics(found["open_loop"], floor),
+    )  # fmt: skip
+
+
+def _measured(model: Model, trials: Sequence[Trial], paths: Sequence[str], each: Progress, share: Share) -> Model:
+    """Measurement noise by the likelihood a tick ahead; not lowered for channels whose innovations are not white."""
+    if not paths:
+        return model
+    climb = Climb(Posterior(model, trials, paths, share), lambda n, value: each("measurement noise", n, value))
+    climb.run()
+    if climb.stopped:
+        raise KeyboardInterrupt
+    found = climb.posterior.at(climb.c)
+    lower = [path for path in paths if found[path] < model[path]]
+    if not lower:
+        return found
+    judged = {each.channel: each for each in quality(trials, found)}
+    kept = [path for path in lower if coloured([judged[c] for c in channels_of(path, model, trials[0])])]
+    return found.with_values({path: model[path] for path in kept})
+
+
+def scaled(
+    model: Model,
+    trials: Sequence[Trial],
+    paths: Sequence[str],
+    each: Progress = lambda stage, n, value: None,
+    share: Share = map,
+) -> tuple[Model, float]:
+    """Levels scaled together to be most likely after ten blind minutes, and the factor; 1 where no run is so long."""
+    if not paths or not any(len(blind(trial, model).error) for trial in trials):
+        return model, 1.0
+    count = 0
+
+    def at(log_factor: float) -> Model:
+        bounded = {p: np.clip(model[p] * np.exp(log_factor), model.param(p).lo, model.param(p).hi) for p in paths}
+        return model.with_values({path: float(value) for path, value in bounded.items()})
+
+    def unlikely(log_factor: float) -> float:
+        nonlocal count
+        count += 1
+        moved = at(log_factor)
+        value = sum(share(lambda trial: blind(trial, moved).loglike, trials))
+        each("blind minutes", count, value)
+        return 0.5 * (log_factor / KNOWN) ** 2 - value
+
+    grid = np.arange(-WIDEST, WIDEST, STEP)
+    best = grid[np.argmin([unlikely(float(x)) for x in grid])]
+    near = max(best - STEP, -WIDEST), min(best + STEP, WIDEST)
+    found = minimize_scalar(unlikely, bounds=near, method="bounded", options={"xatol": CLOSE})
+    return at(found.x), float(np.exp(found.x))

@@ -1,0 +1,53 @@
+"""The start of a run: from the first sample, what is warm, what is steady, and how well it is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.inputs.phase import AT_REST
+from estimator.record import Array, Sample
+from estimator.rig import Rig
+
+UNIFORM_K = 0.1  # a rig whose thermometers agree so well at rest has been waiting long enough to be steady ...
+WARM_K = 0.2  # ... and one whose thermometers differ by so much has not; between both it is partly so
+SENSOR_K = 1.5  # the most that other thermometers of a steady rig can differ from the screw's by their own error
+ODD_K = 10.0  # further from the median than any part of a screw gets: no temperature
+
+
+@dataclass(frozen=True)
+class Start:
+    """What the first sample says.
+
+    level_C   median of the thermometers
+    spread_K  highest minus lowest of those that are within 10 K of it
+    zero_K    what is taken off each temperature input: in a steady rig all are in equilibrium with the screw, so that a
+              difference is either a sensor's error or a flow that has been there all along; 0 in a warm rig, and in
+              proportion between both, so that a hundredth of a kelvin does not decide
+    """
+
+    level_C: float
+    spread_K: float
+    zero_K: Mapping[str, float]
+
+
+def read_start(sample: Sample, rig: Rig, muted: Array | None = None) -> Start | None:
+    """Start from this sample, or None while no thermometer has been read. `muted` (m,) bool: channels to leave out."""
+    muted = np.zeros(len(rig.names), dtype=bool) if muted is None else muted
+    at = np.array([rig.index(name) for name in rig.thermometers], dtype=int)
+    known = sample.channels[at][np.isfinite(sample.channels[at]) & ~muted[at]]
+    if not len(known):
+        return None
+    level = float(np.median(known))
+    apart = np.abs(known - level)
+    spread = float(np.ptp(known[apart <= ODD_K]))
+    others = np.delete(known, apart.argmax()) if len(known) > 2 else known  # one may be a spike
+    steady = float(np.clip((WARM_K - np.ptp(others)) / (WARM_K - UNIFORM_K), 0.0, 1.0)) * (not sample.omega > AT_REST)
+    zero = {}
+    for name, signal in rig.inputs.items():
+        difference = sample.inputs.get(name, np.nan) - level
+        near = np.isfinite(difference) and abs(difference) <= SENSOR_K
+        zero[name] = steady * float(difference) if signal.unit == "degC" and near else 0.0
+    return Start(level, spread, zero)

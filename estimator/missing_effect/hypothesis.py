@@ -1,0 +1,107 @@
+"""A hypothesis: some effects are missing, and the model's other parameters are right as they are, or fitted again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.batch.trial import Trial
+from estimator.missing_effect.candidates import APART_MM, Candidate
+from estimator.missing_effect.moments import Column, moments
+from estimator.missing_effect.panel import Judged, Panel
+from estimator.model import Model, Value
+from estimator.rig import Rig
+from estimator.work import Share
+
+ROUNDS = 6
+HALVINGS = 4
+DONE = 0.01  # a round that gains less than this share of the misfit is the last
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """Effects to add, which parameters move with them, and the model that follows the recordings best so.
+
+    names   of the effects, none: the model alone
+    refit   whether the model's own free parameters move too
+    judged  how well it predicts recordings left out, around its best values
+    """
+
+    names: tuple[str, ...]
+    refit: bool
+    model: Model
+    paths: tuple[str, ...]
+    judged: Judged
+
+    @property
+    def misfit(self) -> float:
+        """Mean square misfit on recordings left out, 1: as good as a good model."""
+        return self.judged.misfit
+
+    def parameters(self) -> dict[str, Value]:
+        """Values and sd of the parameters that moved."""
+        pairs = zip(self.paths, self.judged.sd, strict=True)
+        return {path: Value(self.model[path], float(sd)) for path, sd in pairs}
+
+
+def refined(
+    model: Model, trials: Sequence[Trial], added: Sequence[Candidate], refit: bool, first: dict[str, float],
+    share: Share = map, only: Sequence[str] = (),
+) -> Hypothesis:  # fmt: skip
+    """Follow the recordings with these effects, in steps (Gauss-Newton), from the values `first` of some parameters.
+
+    only  the model's own parameters that move where `refit` is not asked for
+    """
+    wider = model
+    for each in added:
+        wider = wider + each.effect if each.name not in wider.effects else wider
+        wider = each.place(wider)
+    own = [p for each in added for p in wider.free() if p.partition(".")[0] == each.name]
+    paths = tuple(dict.fromkeys([*(model.free() if refit else only), *own]))
+    wider = wider.with_values(first)
+    best, panel = wider, _panel(wider, trials, paths, share)
+    cost = panel.cost
+    for _ in range(ROUNDS if paths else 0):
+        there, seen = _step(best, panel, paths, trials, cost, share)
+        if there is None:
+            break
+        gained = 1.0 - seen.cost / cost
+        best, panel, cost = there, seen, seen.cost
+        if gained < DONE:
+            break
+    return Hypothesis(tuple(each.name for each in added), refit, best, paths, panel.judge(range(len(paths))))
+
+
+def _step(
+    model: Model, panel: Panel, paths: Sequence[str], trials: Sequence[Trial], cost: float, share: Share
+) -> tuple[Model, Panel] | tuple[None, Panel]:
+    """One step, shortened until the misfit falls; None where it does not."""
+    change = panel.judge(range(len(paths))).change
+    for halving in range(HALVINGS):
+        values = dict(zip(paths, panel.at + change * 0.5**halving, strict=True))
+        there = model.with_values({p: _inside(model, trials[0].rig, p, value) for p, value in values.items()})
+        if _cost(there, trials, paths, share) < cost:
+            return there, _panel(there, trials, paths, share)
+    return None, panel
+
+
+def _inside(model: Model, rig: Rig, path: str, value: float) -> float:
+    """A value inside its bounds; a place moves a little at a time and stays on the screw."""
+    param = model.param(path)
+    lo, hi = param.lo, param.hi
+    if param.over == "place":
+        here, screw = model[path], rig.the_screw()
+        lo, hi = max(lo, screw.from_mm, here - APART_MM), min(hi, screw.to_mm, here + APART_MM)
+    return float(np.clip(value, lo, hi))
+
+
+def _cost(model: Model, trials: Sequence[Trial], paths: Sequence[str], share: Share) -> float:
+    """The misfit alone, priors of the parameters included."""
+    return Panel([], moments(trials, model, [], share)).cost_with([Column(model, path) for path in paths])
+
+
+def _panel(model: Model, trials: Sequence[Trial], paths: Sequence[str], share: Share) -> Panel:
+    columns = [Column(model, path) for path in paths]
+    return Panel(columns, moments(trials, model, columns, share))

@@ -1,0 +1,121 @@
+"""All candidates at once, none of them fitted: how much of the misfit each explains, and how large it is then.
+
+Each is taken at its null, alone and beside the model's own parameters; signed, and inside its bounds. Of an effect that
+may sit in many places the best few are judged on recordings left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.batch.trial import Trial
+from estimator.missing_effect.candidates import Candidate
+from estimator.missing_effect.moments import Column, moments
+from estimator.missing_effect.panel import Judged, Panel
+from estimator.model import Model
+from estimator.work import Share
+
+GROUP = 96  # columns in one pass
+SEATS = 2  # of an effect, that are judged
+
+
+@dataclass(frozen=True)
+class Screened:
+    """A candidate, and what it explains while the model's own parameters stay, or move.
+
+    first  values from which a full fit may begin, of the candidate's parameters and of all
+    """
+
+    candidate: Candidate
+    stay: Judged
+    move: Judged
+    first_stay: Mapping[str, float]
+    first_move: Mapping[str, float]
+
+    def judged(self, refit: bool) -> Judged:
+        """One or the other."""
+        return self.move if refit else self.stay
+
+    def first(self, refit: bool) -> Mapping[str, float]:
+        """One or the other."""
+        return self.first_move if refit else self.first_stay
+
+
+@dataclass(frozen=True)
+class Screen:
+    """The model alone, as it is and with its own parameters fitted again, and all candidates, best seats only.
+
+    own  what each of the model's own parameters explains alone, by its path
+    """
+
+    stay: Judged
+    move: Judged
+    own: Mapping[str, Judged]
+    found: tuple[Screened, ...]
+
+    def best(self, refit: bool) -> list[Screened]:
+        """The best seat of each effect, best effect first."""
+        best: dict[str, Screened] = {}
+        for each in sorted(self.found, key=lambda s: s.judged(refit).misfit):
+            best.setdefault(each.candidate.name, each)
+        return list(best.values())
+
+
+def screen(
+    model: Model, wide: Model, candidates: Sequence[Candidate], trials: Sequence[Trial], share: Share = map,
+    loose: Collection[str] = (),
+) -> Screen:  # fmt: skip
+    """Screen candidates of a model; `wide` is the model with all of them at their nulls.
+
+    loose  the model's own parameters that move although the others stay
+
+    Candidates that move no reading of these recordings are left out.
+    """
+    own = [Column(wide, path) for path in model.free()]
+    groups = _groups(candidates)
+    found: list[Screened] = []
+    panel = Panel(own, moments(trials, wide, own, share))
+    anyhow = [i for i, column in enumerate(own) if column.path in loose]
+    alone, again = panel.judge(anyhow), panel.judge(range(len(own)))
+    for group in groups:
+        columns = [Column(c.place(wide), path) for c in group for path in c.paths]
+        wider = Panel([*own, *columns], moments(trials, wide, [*own, *columns], share))
+        found += _screened(group, anyhow, len(own), wider)
+    singly = {column.path: panel.judge(sorted({*anyhow, i})) for i, column in enumerate(own)}
+    return Screen(alone, again, singly, tuple(found))
+
+
+def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
+    """Candidates in groups of limited size, the seats of one effect together."""
+    groups: list[list[Candidate]] = []
+    for each in candidates:
+        if not groups or len(groups[-1]) >= GROUP:
+            groups.append([])
+        groups[-1].append(each)
+    return groups
+
+
+def _screened(group: Sequence[Candidate], anyhow: Sequence[int], k: int, panel: Panel) -> list[Screened]:
+    """The best seats of a group; the first `k` parameters of the panel are the model's own, some move anyhow."""
+    sizes = [len(c.paths) for c in group]
+    starts = k + np.append(0, np.cumsum(sizes[:-1])).astype(int)
+    gains, shows = [panel.gains(anyhow), panel.gains(range(k))], panel.shows()
+    kept: set[int] = set()
+    for name in {c.name for c in group}:
+        seats = [i for i, c in enumerate(group) if c.name == name and shows[starts[i] : starts[i] + sizes[i]].any()]
+        for gain in gains:
+            kept |= set(sorted(seats, key=lambda i: -float(gain[starts[i] : starts[i] + sizes[i]].max()))[:SEATS])
+    judged = []
+    for i in sorted(kept):
+        at = range(starts[i], starts[i] + sizes[i])
+        stay, move = panel.judge([*anyhow, *at]), panel.judge([*range(k), *at])
+        judged.append(Screened(group[i], stay, move, _values(panel, stay), _values(panel, move)))
+    return judged
+
+
+def _values(panel: Panel, judged: Judged) -> dict[str, float]:
+    pairs = zip(judged.chosen, judged.change, strict=True)
+    return {panel.columns[i].path: float(panel.at[i] + change) for i, change in pairs}

@@ -1,0 +1,75 @@
+"""Stand-ins for effects that no catalogue has: heat at a place, or an offset of a reading, that follows something.
+
+These are never added to a model. Where one of them explains what no effect of the catalogue does, its place and what it
+follows say what to look for on the machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+from estimator.effect import Effect, Param
+from estimator.effects.local import spot
+from estimator.inputs.follower import bodies, followers, following
+from estimator.inputs.inputs import Inputs
+from estimator.rig import Rig
+from estimator.terms import SCREW, Heat, Link, Read, Term
+
+
+class UnknownHeat(Effect):
+    """Heat at one place that follows something.
+
+    q = P f(t) around the place `at`, or g f (T - T_air) for what follows the temperature there
+    """
+
+    power = Param(1.0, "W", lo=-1000.0, hi=1000.0, null=0.0, source="by search")
+    at = Param(400.0, "mm", lo=-500.0, hi=5000.0, over="place", source="by search")
+    width = Param(30.0, "mm", lo=5.0, hi=300.0, fixed=True, source="a footprint")
+    follows = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="follower", source="by search")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        names, which = followers(rig), round(p.follows.real)
+        over = spot(rig, p.at, p.width)
+        warm = float(which == len(names))
+        if "ambient" in u:
+            yield Link(SCREW, "ambient", -warm * p.power * over)
+        yield Heat(SCREW, p.power * (1.0 - warm) * following(names[min(which, len(names) - 1)], u, rig), over=over)
+
+
+class UnknownBodyHeat(Effect):
+    """Heat into one of the bodies that thermometers read, which follows something.
+
+    q = P f(t)
+    """
+
+    power = Param(1.0, "W", lo=-1000.0, hi=1000.0, null=0.0, source="by search")
+    node = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="node", source="by search")
+    follows = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="follower", source="by search")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        names, which = followers(rig), round(p.follows.real)
+        for number, node in enumerate(bodies(rig)):
+            here = p.power * float(number == round(p.node.real))
+            warm = float(which == len(names))
+            if "ambient" in u:
+                yield Link(node, "ambient", -here * warm)
+            yield Heat(node, here * (1.0 - warm) * following(names[min(which, len(names) - 1)], u, rig))
+
+
+class UnknownReading(Effect):
+    """A reading, or all thermometers alike, shifted by something that it follows.
+
+    y = s + offset f(t)
+    """
+
+    offset = Param(0.1, "K or um", lo=-50.0, hi=50.0, null=0.0, source="by search")
+    channel = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="reading", source="by search; 0 is all thermometers")
+    follows = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="follower", source="by search")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        names, which = followers(rig), round(p.channel.real)
+        shift = p.offset * following(names[min(round(p.follows.real), len(names) - 1)], u, rig)
+        for number, name in enumerate(rig.names, start=1):
+            meant = number == which or (which == 0 and name in rig.thermometers)
+            yield Read(name, {}, 0.0, float(meant) * shift)

@@ -1,0 +1,207 @@
+"""Which effect is missing from a model, if it can be told.
+
+Every hypothesis is judged by the open-loop misfit on recordings left out, temperatures and elongation alike:
+
+    the model as it is, or with its own parameters fitted again
+    either of these with one effect more, or with two
+    either of these with one input of one recording set right
+    either of these with heat at some place, or an offset of a reading, that follows something (`unknown`)
+
+An effect must leave clearly less than the model does without it, and a second effect that leaves as little is named
+beside it as a tie. Recordings held out are never looked at for this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
+from types import MappingProxyType
+
+import numpy as np
+
+from estimator.accuracy.floor import GOOD_K, GOOD_UM, noise_floor
+from estimator.batch.trial import trials_of
+from estimator.effect import Effect
+from estimator.missing_effect.candidates import Candidate, candidates
+from estimator.missing_effect.hypothesis import Hypothesis, refined
+from estimator.missing_effect.moments import Column, moments
+from estimator.missing_effect.panel import Judged, Panel
+from estimator.missing_effect.screen import Screen, Screened, screen
+from estimator.missing_effect.stand_ins import UnknownBodyHeat, UnknownHeat, UnknownReading
+from estimator.missing_effect.suggestion import ALIKE, ALONE, GOOD, MATERIAL, Suggestion, alike, material
+from estimator.missing_effect.wrong_input import Mislabel, mislabel
+from estimator.model import Model
+from estimator.record import Recording
+from estimator.rig import Rig
+from estimator.work import Share
+
+EXPLAINS = 0.95  # of what a new fit of all parameters gains, that one effect alone may stand for ...
+FEW = 4.0  # ... if its misfit is within this of the best: one number instead of many
+STRANGE = 0.8  # something unknown leaves at most this share of what the best effects leave
+FAR = 5.0  # times what a good model or the sensors leave, from which on something is missing, explained or not
+REFINED = 3  # effects of each kind that are fitted in full
+
+NONE: Mapping[str, float] = MappingProxyType({})
+
+Progress = Callable[[str, float], None]
+
+
+def suggest(
+    model: Model, rig: Rig, recordings: Sequence[Recording], effects: Iterable[type[Effect]],
+    each: Progress = lambda stage, share: None, share: Share = map, loose: Collection[str] = (),
+) -> Suggestion:  # fmt: skip
+    """Look for what is missing. `each` hears the stage and the share of the work that is done.
+
+    loose  effects of the model whose parameters were found from these recordings: what is missing has bent them
+    """
+    return Search(model, rig, recordings, list(effects), each, share, loose).run()
+
+
+class Search:
+    """One search: the recordings made ready once, and hypotheses tried on them."""
+
+    def __init__(
+        self, model: Model, rig: Rig, recordings: Sequence[Recording], effects: Sequence[type[Effect]],
+        each: Progress, share: Share, loose: Collection[str],
+    ) -> None:  # fmt: skip
+        self.model, self.rig, self.recordings, self.effects = model, rig, recordings, effects
+        self.each, self.share = each, share
+        self.loose = [path for path in model.free() if path.partition(".")[0] in loose]
+        self.wide, self.candidates = candidates(model, rig, effects)
+
+    def run(self) -> Suggestion:
+        """All stages, and the verdict."""
+        self.each("reading the misfit", 0.0)
+        self.trials = trials_of(self.wide, self.rig, self.recordings)
+        as_given = self._refined([], False)
+        self.each("fitting the model again", 0.05)
+        again = self._refined([], True)
+        self.each("screening the catalogue", 0.15)
+        found = screen(self.model, self.wide, self.candidates, self.trials, self.share, self.loose)
+        self.each("fitting the best effects", 0.4)
+        fitted = self._fitted(found)
+        before = min(as_given, again, key=lambda h: h.misfit)
+        pair = self._pair(found)
+        best = fitted[0].misfit if fitted else np.inf
+        self.each("looking for a wrong input", 0.75)
+        wrong = self._wrong(before, min(best, pair[1]))
+        self.each("looking for something unknown", 0.85)
+        stranger = self._stranger(min(before.misfit, best, pair[1]))
+        return self._verdict(as_given, again, fitted, pair, wrong, stranger, found)
+
+    def _fitted(self, found: Screen) -> list[Hypothesis]:
+        """The best effects of the screen, fitted in full, best first; each in the way that predicts better."""
+        tried = []
+        for refit in (False, True):
+            for rank, one in enumerate(found.best(refit)):
+                if rank < REFINED or (one.candidate.body and refit):
+                    tried.append(self._refined([one.candidate], refit, one.first(refit)))
+        best: dict[str, Hypothesis] = {}
+        for each in sorted(tried, key=lambda h: h.misfit):
+            best.setdefault(each.names[0], each)
+        return list(best.values())
+
+    def _refined(
+        self, added: Sequence[Candidate], refit: bool, first: Mapping[str, float] = NONE, also: Sequence[str] = ()
+    ) -> Hypothesis:
+        """Some effects more, beside what moves anyhow."""
+        only = [*self.loose, *also]
+        return refined(self.model, self.trials, added, refit, dict(first), self.share, only)
+
+    def _pair(self, found: Screen) -> tuple[tuple[str, ...], float]:
+        """The best two effects together, and their misfit; no names where there are none."""
+        seats = {s.candidate.name: s.candidate for refit in (True, False) for s in found.best(refit)[: 2 * REFINED]}
+        own = [Column(self.wide, path) for path in self.model.free()]
+        loose = [i for i, column in enumerate(own) if column.path in self.loose]
+        columns, at = list(own), {}
+        for name, seat in seats.items():
+            at[name] = range(len(columns), len(columns) + len(seat.paths))
+            columns += [Column(seat.place(self.wide), path) for path in seat.paths]
+        panel = Panel(columns, moments(self.trials, self.wide, columns, self.share))
+        best: tuple[tuple[str, ...], float] = ((), np.inf)
+        for a, b in combinations(seats, 2):
+            for beside in (loose, range(len(own))):
+                misfit = panel.judge([*beside, *at[a], *at[b]]).misfit
+                if misfit < best[1]:
+                    best = ((a, b), misfit)
+        return best
+
+    def _wrong(self, before: Hypothesis, best: float) -> Mislabel | None:
+        """A wrong input that explains clearly more than any effects."""
+        if best <= GOOD:
+            return None
+        found = [
+            mislabel(self.model, self.rig, self.recordings, self.trials, free, self.share)
+            for free in (self.loose, self.model.free())
+        ]
+        known = [each for each in found if each is not None]
+        if not known:
+            return None
+        least = min(known, key=lambda m: m.judged.misfit)
+        return least if least.judged.misfit < min(MATERIAL * before.misfit, best / ALIKE) else None
+
+    def _stranger(self, best: float) -> Screened | None:
+        """What explains clearly more than the best effects, and is in no catalogue."""
+        if best <= GOOD:
+            return None
+        wide, unknown = candidates(self.model, self.rig, [UnknownHeat, UnknownBodyHeat, UnknownReading])
+        found = screen(self.model, wide, unknown, self.trials, self.share, self.loose)
+        both = [(one, refit) for refit in (False, True) for one in found.best(refit)[:1]]
+        if not both:
+            return None
+        one, refit = min(both, key=lambda pair: pair[0].judged(pair[1]).misfit)
+        least = STRANGE if len(self.recordings) > 1 else ALONE
+        return one if one.judged(refit).misfit < least * best else None
+
+    def _verdict(
+        self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis],
+        pair: tuple[tuple[str, ...], float], wrong: Mislabel | None, stranger: Screened | None, screened: Screen,
+    ) -> Suggestion:  # fmt: skip
+        two = pair[0] if fitted and pair[1] < MATERIAL * fitted[0].misfit else ()
+        if two and not set(two) & {fitted[0].names[0]}:
+            fitted = sorted(fitted, key=lambda h: h.names[0] not in two)
+        found: list[Hypothesis] = []
+        far = self._far(wrong.judged if wrong else min(as_given, again, key=lambda h: h.misfit).judged)
+        if wrong is not None:
+            verdict = "input_error"
+        elif stranger is not None:
+            verdict = "nothing_in_catalogue"
+        else:
+            few = self._few(as_given, again, fitted, screened)
+            found = few or [h for h in fitted if material(h, as_given, again)]
+            verdict = "effect" if found else "nothing_in_catalogue" if far else "nothing_missing"
+        tie = tuple(h.names[0] for h in found if alike(h, found[0]))
+        verdict = "tie" if len(tie) > 1 else verdict
+        rest = [h for h in fitted if h.names[0] not in {each.names[0] for each in found}]
+        tied = tie if verdict == "tie" else ()
+        return Suggestion(verdict, (*found, *rest), tied, as_given, again, two, wrong, stranger, far)
+
+    def _far(self, judged: Judged) -> bool:
+        """Whether a model is so far off that something must be missing."""
+        floor = noise_floor(self.model, self.trials[0])
+        heat, length = np.fmax(GOOD_K, floor.temperature_K), np.fmax(GOOD_UM, floor.elongation_um)
+        return bool(judged.heat_K > FAR * heat or judged.length_um > FAR * length)
+
+    def _few(
+        self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis], screened: Screen
+    ) -> list[Hypothesis]:  # fmt: skip
+        """Effects, in the model or not, one of which alone explains nearly all that fitting all parameters again gains.
+
+        One number that explains as much as many is the better explanation. None where a new fit gains little.
+        """
+        gain = as_given.misfit - again.misfit
+        best = min([again.misfit, *(h.misfit for h in fitted)])
+        enough = min(as_given.misfit - EXPLAINS * gain, FEW * best)
+        if gain < (1 - MATERIAL) * as_given.misfit or as_given.misfit < GOOD:
+            return []
+        absent = [h for h in fitted if not h.refit and h.misfit <= enough]
+        if not absent:
+            return []
+        own: dict[str, Hypothesis] = {}
+        for path in sorted(screened.own, key=lambda p: screened.own[p].misfit)[:REFINED]:
+            h = self._refined([], False, also=[path])
+            name = path.partition(".")[0]
+            if h.misfit <= enough and (name not in own or h.misfit < own[name].misfit):
+                own[name] = replace(h, names=(name,))
+        return sorted([*absent, *own.values()], key=lambda h: h.misfit)

@@ -1,0 +1,1 @@
+"""Where and when heat is missing, and which readings are wrong."""

@@ -1,0 +1,93 @@
+"""Whether a model is adequate, where it fails, and what the failure follows; nothing is fitted.
+
+The open-loop misfit is divided into heat that the model lacks, by place and time, and errors of single readings
+(`missing_heat`). Both are held against what they may follow (`follows`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.accuracy.floor import Error, noise_floor
+from estimator.accuracy.horizon import errors
+from estimator.accuracy.quality import ChannelQuality, quality
+from estimator.batch.trial import Trial
+from estimator.missing_heat.follows import Limits, limits_of
+from estimator.missing_heat.misfit import Misfit, misfit
+from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
+from estimator.missing_heat.sentences import sentences
+from estimator.missing_heat.where import SHADOW, Missing, together, where
+from estimator.missing_heat.wrong_reading import Wrong, wrong_readings
+from estimator.model import Model
+from estimator.record import Recording
+from estimator.rig import Rig
+from estimator.work import Share
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The answer and what it rests on.
+
+    adequate  the model alone follows thermometers and displacement within `limits`
+    errors    rms by horizon, "open_loop" with readings that the filter would refuse;  floor: what sensors leave
+    quality   of the filter, channel by channel
+    where, readings  missing heat and wrong readings that are sure and matter, largest first
+    maps      the missing heat of each recording
+    """
+
+    adequate: bool
+    errors: Mapping[str, Error]
+    floor: Error
+    limits: Limits
+    quality: tuple[ChannelQuality, ...]
+    where: tuple[Missing, ...]
+    readings: tuple[Wrong, ...]
+    sentences: tuple[str, ...]
+    maps: tuple[MissingHeat, ...]
+
+
+def diagnose(
+    model: Model, rig: Rig, recordings: Sequence[Recording],
+    each: Progress = lambda stage, share: None, share: Share = map,
+) -> Diagnosis:  # fmt: skip
+    """Judge a model by recordings. `each` hears the stage and the share of the work that is done."""
+    each("running the filter", 0.0)
+    trials = [Trial(model, rig, recording) for recording in recordings]
+    judged = quality(trials, model)
+    found = errors(trials, model)
+    each("running the model alone", 0.3)
+    misfits: list[Misfit] = list(share(lambda recording: misfit(model, rig, recording), recordings))
+    each("looking for missing heat", 0.7)
+    maps = missing_heat(misfits, share)
+    each("asking what it follows", 0.9)
+    floor = noise_floor(model, trials[0])
+    limits, alone = limits_of(rig, floor), open_loop(misfits)
+    heat, wrong = without_shadows(where(maps, limits), wrong_readings(maps, limits))
+    adequate = not (alone.temperature_K > limits.temperature_K or alone.elongation_um > limits.elongation_um)
+    moves = any(bool((np.nan_to_num(recording.omega) > 0).any()) for recording in recordings)
+    told = sentences(adequate, alone, floor, heat, wrong, moves)
+    return Diagnosis(adequate, {**found, "open_loop": alone}, floor, limits, judged, heat, wrong, told, tuple(maps))
+
+
+def without_shadows(heat: Sequence[Missing], wrong: Sequence[Wrong]) -> tuple[tuple[Missing, ...], tuple[Wrong, ...]]:
+    """Findings without those that are small beside the largest; heat at one place in several phases stays together."""
+    groups = together(heat)
+    effects = [max(each.effect for each in group) for group in groups]
+    least = SHADOW * max([0.0, *effects, *(each.effect for each in wrong)])
+    kept = [each for group, effect in zip(groups, effects, strict=True) if effect >= least for each in group]
+    kept.sort(key=lambda each: -abs(each.heat_W))
+    return tuple(kept), tuple(each for each in wrong if each.effect >= least)
+
+
+def open_loop(misfits: Sequence[Misfit]) -> Error:
+    """rms of the model alone over all recordings; NaN where a family was not measured."""
+    rest = np.concatenate([each.open_loop for each in misfits])
+    rig = misfits[0].trial.rig
+    heat = np.isin(rig.names, rig.thermometers)
+    levels = [values[np.isfinite(values)] for values in (rest[:, heat], rest[:, ~heat])]
+    return Error(*(float(np.sqrt(np.mean(v**2))) if len(v) else float("nan") for v in levels))

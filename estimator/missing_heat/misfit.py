@@ -1,0 +1,100 @@
+"""The open-loop misfit of one recording as averages over minutes, and how heat anywhere at any time would move it.
+
+    y = A h + (errors of the readings) + scatter
+
+A misfit of heat and of lasting errors is slow; averaged, a recording of hours is a thousand numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.batch.coarse import coarse, serves
+from estimator.batch.trial import Posed, Trial, open_loop_misfit
+from estimator.missing_heat.blocks import Blocks, blocks
+from estimator.missing_heat.zones import Zone, heat_of, zones
+from estimator.model import Model
+from estimator.network.assemble import Network
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.sensitivity.sensitivity import nominal_column
+from estimator.sensitivity.tangent import Tangent
+
+SPIKE = 6.0  # sd from the middle of its bin, from which on a reading does not count
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """N averages of a recording.
+
+    open_loop  (T, m) reading minus the model alone at each tick; NaN where not measured, or a spike
+    y, variance  (N,) average misfit, K or um, and the variance of its scatter
+    channel, bin  (N,) which channel, and which bin of `blocks`
+    rate  (N,) how fast the model's reading rises, K/s or um/s
+    A  (N, B Z) how an average moves with 1 W/m in zone z during block b, column b Z + z
+    """
+
+    trial: Trial
+    blocks: Blocks
+    zones: tuple[Zone, ...]
+    open_loop: Array
+    y: Array
+    variance: Array
+    channel: Array
+    bin: Array
+    rate: Array
+    A: Array
+
+
+def misfit(model: Model, rig: Rig, recording: Recording) -> Misfit:
+    """Run the model alone beside a recording. The filter's gate has no say: it would hide a sensor that is far off."""
+    short, slow = coarse(recording, rig, serves(rig))
+    trial = Trial(model, slow, short, gated=False)
+    posed = trial.pose(model)
+    cut = blocks(trial.rest, slow.tick_s)
+    rest = open_loop_misfit(trial, posed)
+    m = rest.shape[1]
+    cell = cut.bin_of_tick[:, None] * m + np.arange(m)
+    rest = np.where(_spikes(rest, cell, posed.forcing.readings.sd), np.nan, rest)
+    known = np.isfinite(rest)
+    rows, row = np.unique(cell[known], return_inverse=True)
+    count = np.bincount(row)
+
+    def mean(values: Array) -> Array:
+        return np.asarray(np.bincount(row, values[known]) / count)
+
+    places = zones(rig, posed.forcing.place)
+    A = np.empty((len(rows), len(cut) * len(places)))
+    for k, column in enumerate(_columns(trial, posed, cut, places)):
+        A[:, k] = mean(column)
+    variance = mean(np.broadcast_to(posed.system.R, rest.shape)) / count
+    rate = np.diff(posed.run.lagged, axis=0, prepend=posed.run.spot[:1]) / slow.tick_s
+    return Misfit(trial, cut, places, rest, mean(rest), variance, rows % m, rows // m, mean(rate), A)
+
+
+def _columns(trial: Trial, posed: Posed, cut: Blocks, places: tuple[Zone, ...]) -> Iterator[Array]:
+    """How each reading moves, (T, m), with the heat of each block and zone."""
+    R, n = posed.system.F.shape[:2]
+    boundaries = posed.forcing.place.boundaries
+    none = Network(np.zeros((n, n)), np.zeros((R, n, n)), np.zeros((R, n, boundaries)), np.zeros((R, n, n)))
+    still, calm = np.zeros_like(posed.outside), np.zeros_like(trial.rest.channels)
+    into = [heat_of(zone, trial.rig, posed.forcing.place) for zone in places]
+    for block in range(len(cut)):
+        during = (cut.of_tick == block).astype(float)[:, None]
+        for heat in into:
+            yield nominal_column(trial, posed, Tangent(none, during * heat, still, calm, None)).reading
+
+
+def _spikes(rest: Array, cell: Array, sd: Array) -> Array:
+    """Readings far from the others of their bin, (T, m)."""
+    known = np.isfinite(rest)
+    middle, spread = np.full((2, cell.max() + 1), np.nan)
+    order = np.argsort(cell[known], kind="stable")
+    cells, first = np.unique(cell[known][order], return_index=True)
+    for which, values in zip(cells, np.split(rest[known][order], first[1:]), strict=True):
+        middle[which] = np.median(values)
+        spread[which] = 1.48 * np.median(np.abs(values - middle[which]))
+    return np.asarray(np.abs(rest - middle[cell]) > SPIKE * np.maximum(spread[cell], sd))

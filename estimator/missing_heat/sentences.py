@@ -1,0 +1,71 @@
+"""A diagnosis in two or three plain sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from estimator.accuracy.floor import Error
+from estimator.missing_heat.follows import ALWAYS, Follows
+from estimator.missing_heat.missing_heat import ALL
+from estimator.missing_heat.where import Missing, together
+from estimator.missing_heat.wrong_reading import Wrong
+
+NOTHING = "Nothing: what is left is as large as the sensors' own errors."
+FINDINGS = 2
+PHASES = {"drive": "while driving", "early_stop": "in the first ten minutes after a stop", "late_stop": "at rest"}
+WORDS = {
+    "drive": "the drive", "rest": "the rest", "early_drive": "the first minutes of a drive",
+    "early_stop": "the first minutes after a stop", "speed": "the speed", "speed2": "the speed squared",
+    "time": "the time", "temperature": "the temperature there",
+    "rate": "how fast the temperature there changes", ALWAYS: "nothing",
+}  # fmt: skip
+
+
+def sentences(
+    adequate: bool, alone: Error, floor: Error, heat: Sequence[Missing], wrong: Sequence[Wrong], moves: bool = True
+) -> tuple[str, ...]:
+    """How far the model is off, and the two findings that matter most; without phases on a rig that never moves."""
+    if adequate and not heat and not wrong:
+        return (NOTHING,)
+    first = _size(alone, floor) + (" That is good enough; still:" if adequate else "")
+    found = [(max(h.effect for h in same), _heat(same, moves)) for same in together(heat)]
+    found += [(each.effect, _reading(each, moves)) for each in wrong]
+    best = [sentence for _, sentence in sorted(found, key=lambda pair: -pair[0])[:FINDINGS]]
+    return (first, *(best or ["Neither heat at some place nor a single reading explains it."]))
+
+
+def _size(alone: Error, floor: Error) -> str:
+    pairs = [(alone.temperature_K, floor.temperature_K, "K"), (alone.elongation_um, floor.elongation_um, "um")]
+    known = [pair for pair in pairs if np.isfinite(pair[0])]
+    off = " and ".join(f"{value:.2g} {unit}" for value, _, unit in known)
+    times = max(value / least for value, least, _ in known)
+    return f"The model alone is {off} off, {times:.0f} times what the sensors leave."
+
+
+def _heat(same: Sequence[Missing], moves: bool) -> str:
+    most = same[0]
+    place = f"in {most.node}" if most.node is not None else f"between {most.from_mm:.0f} and {most.to_mm:.0f} mm"
+    when = " and ".join(PHASES[phase] for phase in PHASES if phase in {each.phase for each in same})
+    if not moves or len({each.phase for each in same}) == len(PHASES):
+        when = "all the time" if moves or most.follows.name in (None, ALWAYS) else ""
+    verb = "It lacks" if most.heat_W > 0 else "It has too much:"
+    return f"{verb} {abs(most.heat_W):.2g} W +- {most.sd_W:.1g} {place}{when and ' ' + when}{_follows(most.follows)}."
+
+
+def _reading(wrong: Wrong, moves: bool) -> str:
+    name = "All thermometers together" if wrong.channel == ALL else wrong.channel
+    reads = "read" if wrong.channel == ALL else "reads"
+    if wrong.follows.name == ALWAYS:
+        way = "high" if wrong.offset > 0 else "low"
+        since = "from the first motion on" if moves else "all the time"
+        return f"{name} {reads} {abs(wrong.offset):.2f} {wrong.unit} {way} {since}."
+    return f"{name} {reads} {wrong.rms:.2g} {wrong.unit} (rms) wrong{_follows(wrong.follows)}."
+
+
+def _follows(found: Follows) -> str:
+    if found.name is None or found.name == ALWAYS:
+        return ""
+    what = WORDS.get(found.name, f"the input '{found.name}'")
+    return f"; that follows {what} (p {'<' if found.p < 0.002 else '='} {max(found.p, 0.002):.2g})"

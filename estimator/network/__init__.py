@@ -1,0 +1,1 @@
+"""Terms into a thermal network, and the network into one tick."""

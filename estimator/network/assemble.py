@@ -1,0 +1,266 @@
+"""Terms into a linear parameter-varying system, on the reduced mesh:
+
+    M dz/dt = -G z + B T_in + V'q,      y = H z + d
+
+with T = V z the temperatures of all nodes, M = V'C V, G = V'(network)V. G, B, H and the noise belong to a regime (a
+speed and a place of the nut that hold for a while); q and d belong to a tick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from estimator.errors import SetupError
+from estimator.inputs.inputs import Inputs
+from estimator.model import Model
+from estimator.network import mesh
+from estimator.record import Array
+from estimator.rig import Rig
+from estimator.terms import ELONGATION, SCREW, Chain, Expand, Heat, Lag, Link, Read, Shift, Spot, Store, Term
+
+Projection = Callable[[Any, Any, Array], Array]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where each node stands: N network nodes (cells, then bodies), n states (knots, then bodies)."""
+
+    nodes: dict[str, slice]
+    shapes: Array  # V, (N, n)
+    knots_mm: Array
+    inputs: tuple[str, ...]  # measured inputs that links end at
+    shifts: tuple[Shift, ...] = ()  # of them; inputs and shifts together are the boundaries
+
+    @property
+    def size(self) -> int:
+        """Number of states n."""
+        return self.shapes.shape[1]
+
+    @property
+    def boundaries(self) -> int:
+        """Number of inputs and shifts that heat flows from."""
+        return len(self.inputs) + len(self.shifts)
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Nodes with one temperature."""
+        return tuple(node for node in self.nodes if node != SCREW)
+
+    def rows(self, node: str) -> Array:
+        """What the states say of a node's cells, (cells, n), or of a body, (1, n)."""
+        return self.shapes[self.nodes[node]]
+
+    def spot(self, at_mm: float, rig: Rig) -> Array:
+        """What the states say of the screw's temperature at a place, (n,)."""
+        if self.size == len(self.shapes):
+            return np.asarray(rig.the_screw().at(at_mm) @ self.rows(SCREW))
+        row = np.zeros(self.size)
+        row[: len(self.knots_mm)] = mesh.shapes(self.knots_mm, np.array([at_mm]))[0]
+        return row
+
+    def state(self, node: str) -> int:
+        """Index of a body among the states."""
+        return len(self.knots_mm) + self.bodies.index(node)
+
+
+@dataclass(frozen=True)
+class Network:
+    """The system of R regimes: mass (n, n), conductance (R, n, n), inflow (R, n, boundaries), noise (R, n, n)."""
+
+    mass: Array
+    conductance: Array
+    inflow: Array
+    noise: Array
+
+
+@dataclass(frozen=True)
+class Readings:
+    """What the channels read: rows (m, n) of H, scatter sd (m,), lag tau (m,) s with its noise, the unknown zeros.
+
+    spans   (m,) how much of the elongation a channel reads: 1 for the displacement, 0 for thermometers
+    growth  (n,) um/K of the measured span
+    """
+
+    rows: Array
+    sd: Array
+    tau: Array
+    lag_noise: Array
+    zero_sd: Array
+    zero_walk: Array
+    spans: Array
+    growth: Array
+
+
+def layout(terms: Sequence[Term], rig: Rig, reduced: bool = True) -> Layout:
+    """Find the nodes: whatever stores heat is a state, whatever else a link ends at is an input of the rig."""
+    nodes: dict[str, slice] = {}
+    start = 0
+    for term in sorted((t for t in terms if isinstance(t, Store)), key=lambda t: t.node != SCREW):
+        if term.node in nodes:
+            raise SetupError(f"node '{term.node}' is stored twice; one effect declares a node's Store")
+        size = rig.screw.cells if term.node == SCREW and rig.screw else 1
+        nodes[term.node] = slice(start, start + size)
+        start += size
+    ends = {end for t in terms if isinstance(t, Link) for end in (t.a, t.b)} - set(nodes)
+    places = mesh.knots(rig) if SCREW in nodes else np.empty(0)
+    shifts = tuple(t for t in terms if isinstance(t, Shift))
+    return Layout(nodes, _shapes(places, nodes, start, rig, reduced), places, tuple(sorted(ends)), shifts)
+
+
+def _shapes(places: Array, nodes: dict[str, slice], size: int, rig: Rig, reduced: bool) -> Array:
+    if not reduced or SCREW not in nodes:
+        return np.eye(size)
+    assert rig.screw is not None
+    cells, bodies = nodes[SCREW].stop, size - nodes[SCREW].stop
+    full = np.zeros((size, len(places) + bodies))
+    full[:cells, : len(places)] = mesh.shapes(places, rig.screw.x_mm)
+    full[cells:, len(places) :] = np.eye(bodies)
+    return full
+
+
+def network(model: Model, rig: Rig, place: Layout, u: Inputs) -> Network:
+    """Assemble mass, conductance, inflow and noise for the R regimes whose inputs are the rows of `u`."""
+    return network_of(list(model.terms(u, rig)), place, len(u))
+
+
+def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
+    """What these terms add to the network: it is the sum over all terms. Complex where a term is.
+
+    A link between two nodes whose temperatures are a'z and b'z is the matrix g (a - b)(a - b)'.
+    """
+    n, dtype = place.size, _dtype(terms)
+    mass, inflow = np.zeros((n, n), dtype), np.zeros((regimes, n, place.boundaries), dtype)
+    conductance, noise = np.zeros((2, regimes, n, n), dtype)
+    for term in terms:
+        if isinstance(term, Store):
+            rows = place.rows(term.node)
+            mass += _squares(rows, term.capacity, 1)[0]
+            noise += _squares(rows, np.asarray(term.noise) ** 2, regimes)
+        elif isinstance(term, Chain):
+            rows = place.rows(term.node)
+            conductance += _squares(rows[:-1] - rows[1:], term.g, regimes)
+        elif isinstance(term, Link):
+            _link(conductance, inflow, place, term)
+        elif isinstance(term, Heat) and term.node in place.nodes:
+            scatter = np.broadcast_to(spread(term.noise, term.over, place.rows(term.node)), (regimes, n))
+            noise += scatter[:, :, None] * scatter[:, None, :]
+    return Network(mass, conductance, inflow, noise)
+
+
+def _dtype(terms: Sequence[Term]) -> Any:
+    """complex where a term's value is, else float."""
+    return np.result_type(float, *(np.asarray(v).dtype for t in terms for v in _values(t) if _numeric(v)))
+
+
+def _values(term: Term) -> Iterator[object]:
+    """Everything that a term says, the weights of a Read one by one."""
+    for value in vars(term).values():
+        for part in value.values() if isinstance(value, Mapping) else (value,):
+            yield part.weight if isinstance(part, Spot) else part
+
+
+def _numeric(value: object) -> bool:
+    return isinstance(value, (float, complex, np.ndarray, np.generic))
+
+
+def _squares(rows: Array, weights: Any, regimes: int) -> Array:
+    """Sum over k of weights[:, k] rows[k] rows[k]', (regimes, n, n)."""
+    weights = np.broadcast_to(weights, (regimes, len(rows)))
+    if np.all(weights == weights[:, :1]):
+        return weights[:, :1, None] * (rows.T @ rows)
+    return (rows.T * weights[:, None, :]) @ rows
+
+
+def _link(conductance: Array, inflow: Array, place: Layout, term: Link) -> None:
+    a, b = (term.a, term.b) if term.a in place.nodes else (term.b, term.a)
+    regimes, rows = len(conductance), place.rows(a)
+    if b in place.nodes:
+        conductance += _squares(rows - place.rows(b), term.g, regimes)
+    else:
+        conductance += _squares(rows, term.g, regimes)
+        g = np.broadcast_to(term.g, (regimes, len(rows)))
+        inflow[:, :, place.inputs.index(b)] += g @ rows
+        for k, shift in enumerate(place.shifts, start=len(place.inputs)):
+            if shift.input == b and np.size(shift.over) in (1, len(rows)):
+                inflow[:, :, k] += (g * shift.over) @ rows
+
+
+def spread(q: Any, over: Any, rows: Array) -> Array:
+    """q over, (ticks, cells), projected on the states: (ticks, n); (1, n) for a q without ticks."""
+    q = np.atleast_2d(q)
+    if q.shape[1] == 1:
+        return q * (np.broadcast_to(over, (*np.shape(over)[:-1], len(rows))) @ rows)
+    return np.asarray((q * over) @ rows)
+
+
+def heat(terms: Sequence[Term], place: Layout, ticks: int, projected: Projection = spread) -> Array:
+    """V'q: heat put in, projected on the states, (ticks, n) W."""
+    total = np.zeros((ticks, place.size), _dtype([term for term in terms if isinstance(term, Heat)]))
+    for term in terms:
+        if isinstance(term, Heat) and term.node in place.nodes:
+            total += projected(term.q, term.over, place.rows(term.node))
+    return total
+
+
+def outside(terms: Sequence[Term], u: Inputs, place: Layout) -> Array:
+    """What the boundaries are at, (ticks, boundaries): inputs, then by how much they are shifted."""
+    shifts = [np.broadcast_to(term.by, (len(u), 1)) for term in terms if isinstance(term, Shift)]
+    return np.hstack([np.empty((len(u), 0)), *(u[name] for name in place.inputs), *shifts])
+
+
+def growth(terms: Sequence[Term], rig: Rig, place: Layout, from_mm: Array | float, to_mm: Array | float) -> Array:
+    """Weights (..., n) um/K: growth of the screw between two places; zeros without a screw."""
+    if rig.screw is None or SCREW not in place.nodes:
+        return np.zeros((*np.shape(from_mm), place.size))
+    share = 1.0 + sum(term.error for term in terms if isinstance(term, Expand))
+    return np.asarray(share * rig.screw.growth(from_mm, to_mm) @ place.rows(SCREW))
+
+
+def span_growth(terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
+    """Weights (n,) um/K: growth of the measured span."""
+    return growth(terms, rig, place, *rig.screw.span_mm) if rig.screw else np.zeros(place.size)
+
+
+def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
+    """d: what the channels read beside the temperatures, (ticks, m)."""
+    reads = [term for term in terms if isinstance(term, Read)]
+    total = np.zeros((ticks, len(rig.names)), np.result_type(float, *(np.asarray(term.offset) for term in reads)))
+    for term in reads:
+        total[:, rig.index(term.channel)] += np.broadcast_to(term.offset, (ticks, 1))[:, 0]
+    return total
+
+
+def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
+    """H, scatter, lags and zeros of the channels; one that no effect reads has a row of zeros and sd inf."""
+    m, dtype = len(rig.names), _dtype(terms)
+    rows, known = np.zeros((m, place.size), dtype), np.zeros(m, dtype=bool)
+    variance, tau, lag_noise, zero_sd, zero_walk, spans = np.zeros((6, m), dtype)
+    for term in terms:
+        if isinstance(term, Read):
+            i = rig.index(term.channel)
+            rows[i] += sum((_row(node, weight, terms, rig, place) for node, weight in term.weights.items()), 0.0)
+            spans[i] += term.weights.get(ELONGATION, 0.0)
+            variance[i] += term.sd**2
+            known[i] = True
+            zero_sd[i] = np.sqrt(zero_sd[i] ** 2 + term.zero_sd**2)
+            zero_walk[i] = np.sqrt(zero_walk[i] ** 2 + term.zero_walk**2)
+        elif isinstance(term, Lag):
+            i = rig.index(term.channel)
+            tau[i] += term.tau
+            lag_noise[i] = np.sqrt(lag_noise[i] ** 2 + term.noise**2)
+    sd = np.where(known, np.sqrt(variance), np.inf)
+    return Readings(rows, sd, tau, lag_noise, zero_sd, zero_walk, spans, span_growth(terms, rig, place))
+
+
+def _row(node: str, weight: Any, terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
+    """What one weight of a Read adds to its row, (n,)."""
+    if node == ELONGATION:
+        rig.the_screw()
+        return weight * span_growth(terms, rig, place)
+    if isinstance(weight, Spot):
+        return weight.weight * place.spot(weight.at_mm, rig)
+    return np.atleast_1d(weight) @ place.rows(node)

@@ -1,0 +1,65 @@
+"""Whether a model fits a rig, asked once before a run; what does not fit is one line that names the effect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from estimator.errors import SetupError, nearest
+from estimator.inputs.inputs import Inputs
+from estimator.inputs.motion import Motion
+from estimator.model import Model
+from estimator.rig import Rig
+from estimator.terms import ELONGATION, START, Chain, Heat, Lag, Link, Read, Shift, Store, Term
+
+
+def checked_terms(model: Model, u: Inputs, rig: Rig) -> list[Term]:
+    """All terms of a model at the inputs `u`, of any value; a model that does not fit the rig is a SetupError."""
+    by_effect = {name: list(model.terms_of(name, u, rig)) for name in model.effects}
+    stored = {term.node for terms in by_effect.values() for term in terms if isinstance(term, Store)}
+    ones = {name: np.ones_like(column) for name, column in u.values.items()}
+    later = Motion(*np.ones((4, len(u), 1)))
+    for name, terms in by_effect.items():
+        for word, known, problem in _words(terms, stored, rig):
+            if word not in known:
+                raise SetupError(f"{model.name}: {name}: {problem}; {nearest(word, known)}")
+        if not _alike(terms, list(model.terms_of(name, replace(u, values=ones, rises=ones, motion=later), rig))):
+            raise SetupError(
+                f"{model.name}: {name}: the g of a Link depends on an input; it may depend on parameters, u.omega and "
+                "u.coverage only"
+            )
+    return [term for terms in by_effect.values() for term in terms]
+
+
+def _words(terms: Iterable[Term], stored: set[str], rig: Rig) -> Iterator[tuple[str, set[str], str]]:
+    """What each term names, what there is, and the problem if it is not among it."""
+    file, unstored = rig.folder / "rig.toml", "which no effect of the model stores"
+    for term in terms:
+        if isinstance(term, Link):
+            for end in (term.a, term.b):
+                yield (
+                    end,
+                    stored | {*rig.inputs, START},
+                    f"a Link ends at '{end}', {unstored} and {file} has not in [inputs]",
+                )
+        elif isinstance(term, Shift):
+            yield term.input, {*rig.inputs}, f"a Shift is of '{term.input}', which {file} has not in [inputs]"
+        elif isinstance(term, Chain) or (isinstance(term, Heat) and not term.spare):
+            yield term.node, stored, f"a {type(term).__name__} is in '{term.node}', {unstored}"
+        elif isinstance(term, (Read, Lag)):
+            yield term.channel, {*rig.channels}, f"reads '{term.channel}', which {file} has not in [channels]"
+            for node in term.weights if isinstance(term, Read) else ():
+                yield node, stored | {ELONGATION}, f"channel '{term.channel}' reads '{node}', {unstored}"
+
+
+def _alike(terms: Sequence[Term], others: Sequence[Term]) -> bool:
+    """Whether the terms conduct and store the same."""
+    pairs = zip(terms, others, strict=True)
+    return all(
+        np.array_equal(getattr(a, key), getattr(b, key))
+        for a, b in pairs
+        for key in ("g", "capacity")
+        if hasattr(a, key)
+    )

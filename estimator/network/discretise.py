@@ -1,0 +1,101 @@
+"""A regime's continuous system into one tick, exactly, through the modes of its network.
+
+Conductance G and mass M are symmetric, so that G s = rate M s has real rates and shapes S: S'MS = 1, S'GS = rates.
+In these coordinates every integral of the discretisation is a scalar:
+
+    F = S e^(-rates dt) S^-1        J = S psi(-rates) S'        Q = S (S'WS * psi(-rate_i - rate_j)) S'
+
+with psi(x) = (e^(x dt) - 1) / x, W the noise and S^-1 = S'M.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh
+
+from estimator.network.assemble import Network
+from estimator.record import Array
+
+CLOSE = 1e-4  # rates closer than this, over a tick, take the derivative instead of the divided difference
+
+
+@dataclass(frozen=True)
+class Transition:
+    """One tick under one regime: z <- F z + J w, with covariance Q added.
+
+    F  (n, n)
+    J  (n, n)   K per W: response to a heat w, constant over the tick
+    Q  (n, n)   K^2
+    """
+
+    F: Array
+    J: Array
+    Q: Array
+
+
+class Modes:
+    """The modes of one regime's network, from which a tick of dt s and its derivatives follow."""
+
+    def __init__(self, network: Network, regime: int, dt: float) -> None:
+        self._dt, self._mass = dt, network.mass
+        self._rates, self._shapes = eigh(network.conductance[regime], network.mass)
+        self._noise = self._shapes.T @ network.noise[regime] @ self._shapes
+
+    def transition(self) -> Transition:
+        """F, J and Q of one tick."""
+        S, a, dt = self._shapes, -self._rates, self._dt
+        Q = S @ (self._noise * _psi(a[:, None] + a, dt)) @ S.T
+        return Transition((S * np.exp(a * dt)) @ S.T @ self._mass, (S * _psi(a, dt)) @ S.T, (Q + Q.T) / 2)
+
+    def along(self, mass: Array, conductance: Array) -> tuple[Array, Array]:
+        """How F and J move with mass and conductance, (n, n) each."""
+        S, a, dt = self._shapes, -self._rates, self._dt
+        to_mass = S.T @ mass @ S
+        to_A = to_mass * self._rates - S.T @ conductance @ S
+        F = to_A * _divided(lambda x: np.exp(x * dt), a[:, None], a[None, :], dt)
+        J = to_A * _divided(lambda x: _psi(x, dt), a[:, None], a[None, :], dt) - _psi(a, dt)[:, None] * to_mass
+        return S @ F @ S.T @ self._mass, S @ J @ S.T
+
+    def pull_back(self, score: Transition) -> tuple[Array, Array, Array]:
+        """Derivatives with respect to F, J and Q (symmetric) into those to mass, conductance and noise, each (n, n).
+
+        In modal coordinates A = -M^-1 G changes by dM' L - dG', L the rates, and F, J, Q by divided differences of
+        their functions of A (Daleckii and Krein 1965).
+        """
+        S, a, dt, W = self._shapes, -self._rates, self._dt, self._noise
+        to_F, to_J, to_Q = S.T @ score.F @ self._mass @ S, S.T @ score.J @ S, S.T @ score.Q @ S
+        psi = _psi(a, dt)
+        spread = to_Q * _psi(a[:, None] + a, dt)
+        at_Q = _divided(lambda x: _psi(x, dt), a[:, None, None] + a, a[None, :, None] + a, dt)
+        to_A = to_F * _divided(lambda x: np.exp(x * dt), a[:, None], a[None, :], dt)
+        to_A += to_J * _divided(lambda x: _psi(x, dt), a[:, None], a[None, :], dt)
+        to_A += 2 * np.einsum("ij,kj,ikj->ik", to_Q, W, at_Q)
+        to_mass = to_A * self._rates - psi[:, None] * to_J - 2 * spread @ W
+        return S @ to_mass @ S.T, -S @ to_A @ S.T, S @ spread @ S.T
+
+
+def transition(network: Network, regime: int, dt: float) -> Transition:
+    """One tick of dt s under one regime."""
+    return Modes(network, regime, dt).transition()
+
+
+def _psi(x: Array, dt: float) -> Array:
+    """(e^(x dt) - 1) / x; dt at x = 0."""
+    small = np.abs(x) * dt < 1e-12
+    safe = np.where(small, 1.0, x)
+    return np.where(small, dt, np.expm1(safe * dt) / safe)
+
+
+def _divided(function, x: Array, y: Array, dt: float) -> Array:  # type: ignore[no-untyped-def]
+    """(f(x) - f(y)) / (x - y), and f' in the middle of two that are close."""
+    apart = x - y
+    close = np.abs(apart) * dt < CLOSE
+    step = 0.5 * CLOSE / dt
+    middle = (x + y) / 2
+    return np.where(
+        close,
+        (function(middle + step) - function(middle - step)) / (2 * step),
+        (function(x) - function(y)) / np.where(close, 1.0, apart),
+    )

@@ -1,0 +1,162 @@
+"""What the inputs do to the model, tick by tick: regime, heat and reading offsets.
+
+Works on any number of ticks at once and remembers what it must between calls, so that a recording in one piece and a
+bus tick by tick give the same numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from estimator.inputs.inputs import InputReader, Inputs, no_inputs
+from estimator.inputs.start import Start
+from estimator.model import Model
+from estimator.network import assemble
+from estimator.network.check import checked_terms
+from estimator.network.discretise import Modes, Transition
+from estimator.network.regime import Regimes
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Inputs of K ticks with the regime (K,) each belongs to: all that a model needs to know of a run."""
+
+    inputs: Inputs
+    regime: Array
+    _covered: dict[tuple[int, ...], Array] = field(default_factory=dict)
+
+    def spread(self, q: Any, over: Any, rows: Array) -> Array:
+        """As `assemble.spread`, (K, n); the coverage is projected once for all models of a rig."""
+        if over is not self.inputs.coverage or np.shape(q)[-1] != 1:
+            return assemble.spread(q, over, rows)
+        if rows.shape not in self._covered:
+            self._covered[rows.shape] = over @ rows
+        return np.asarray(q * self._covered[rows.shape])
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What follows from one regime: its modes, one tick, and W/K from each boundary into the states."""
+
+    modes: Modes
+    transition: Transition
+    inflow: Array
+
+
+@dataclass(frozen=True)
+class Ticks:
+    """K ticks made ready for the filter.
+
+    regime   (K,)    which transition
+    heat     (K, n)  W into the states: sources and boundaries
+    offset   (K, m)  what the channels read beside the temperatures
+    outside  (K, boundaries) what links end at outside
+    """
+
+    regime: Array
+    heat: Array
+    offset: Array
+    outside: Array
+
+
+class Forcing:
+    """Turns inputs into regimes, heat and offsets for one model on one rig, from one start.
+
+    reduced  False keeps every cell as a state: exact, slow, to check the reduced mesh with
+    keep     how many regimes are kept solved; the one used longest ago is solved again when it comes back. A machine
+             that never does the same twice meets more of them in a week than the memory holds
+    """
+
+    def __init__(
+        self, model: Model, rig: Rig, start: Start, reduced: bool = True, keep: int | None = None
+    ) -> None:  # fmt: skip
+        self.model, self.rig, self.start = model, rig, start
+        self._reader = InputReader(rig, start)
+        self._regimes = Regimes(rig.tick_s, forgets=keep is not None)
+        self._keep = keep
+        self._solved: dict[int, Solved] = {}
+        self.terms = checked_terms(model, self.nothing(), rig)
+        self.place = assemble.layout(self.terms, rig, reduced)
+        self.readings = assemble.readings(self.terms, rig, self.place)
+
+    def with_model(self, model: Model) -> Forcing:
+        """The same inputs and regimes under another model of the same structure."""
+        other = Forcing(model, self.rig, self.start)
+        other._regimes = self._regimes
+        return other
+
+    def nothing(self) -> Inputs:
+        """One tick at rest with every input at zero."""
+        return self._reader.nothing()
+
+    @property
+    def modes(self) -> list[Modes]:
+        """Modes of all regimes met so far."""
+        return [self._solved[regime].modes for regime in range(len(self._regimes.omega))]
+
+    def transition(self, regime: int) -> Transition:
+        """Transition of a regime."""
+        return self._solved[regime].transition
+
+    def read(self, chunk: Recording) -> Drive:
+        """Inputs and regimes of a chunk, whatever the model; call in order of time."""
+        u = self._reader.read(chunk)
+        pairs = zip(u.omega[:, 0], u.coverage, strict=True)
+        return Drive(u, np.array([self._regimes.index(float(omega), coverage) for omega, coverage in pairs]))
+
+    def ticks(self, drive: Drive) -> Ticks:
+        """What the model makes of these inputs."""
+        u, regime = drive.inputs, drive.regime
+        self._solve(np.unique(regime).tolist())
+        terms = list(self.model.terms(u, self.rig))
+        heat = assemble.heat(terms, self.place, len(u), drive.spread)
+        outside = assemble.outside(terms, u, self.place)
+        for r in np.unique(regime):
+            heat[regime == r] += outside[regime == r] @ self._solved[r].inflow.T
+        return Ticks(regime, heat, assemble.offsets(terms, self.rig, len(u)), outside)
+
+    def response(self, ticks: Ticks) -> tuple[Array, Array]:
+        """F (R, n, n) of the regimes, and J w, (K, n): what each tick's heat does to the states."""
+        moves = [self._solved[regime].transition for regime in range(ticks.regime.max() + 1)]
+        b = np.empty_like(ticks.heat)
+        for r, move in enumerate(moves):
+            b[ticks.regime == r] = ticks.heat[ticks.regime == r] @ move.J.T
+        return np.array([move.F for move in moves]), b
+
+    def inflow(self, regime: int) -> Array:
+        """W/K from each boundary into the states, (n, boundaries)."""
+        return self._solved[regime].inflow
+
+    def regime_inputs(self, which: Sequence[int] | None = None) -> Inputs:
+        """Speed and coverage of some regimes met so far, or of all; every other input is zero."""
+        which = range(len(self._regimes.omega)) if which is None else which
+        omega = np.array([self._regimes.omega[r] for r in which])[:, None]
+        return no_inputs(self.rig, omega, np.array([self._regimes.coverage[r] for r in which]))
+
+    def _solve(self, needed: Sequence[int]) -> None:
+        """Assemble and discretise all regimes met and not solved; those that are needed, where not all are kept."""
+        wanted = range(len(self._regimes.omega)) if self._keep is None else needed
+        self._forget(needed)
+        missing = [regime for regime in wanted if regime not in self._solved]
+        if not missing:
+            return
+        network = assemble.network(self.model, self.rig, self.place, self.regime_inputs(missing))
+        for i, regime in enumerate(missing):
+            modes = Modes(network, i, self.rig.tick_s)
+            self._solved[regime] = Solved(modes, modes.transition(), network.inflow[i])
+
+    def _forget(self, needed: Sequence[int]) -> None:
+        """Let go of the regimes used longest ago."""
+        if self._keep is None:
+            return
+        for regime in needed:
+            if regime in self._solved:
+                self._solved[regime] = self._solved.pop(regime)  # to the end of the queue
+        while len(self._solved) > self._keep:
+            del self._solved[next(iter(self._solved))]

@@ -1,0 +1,1 @@
+"""A folder that describes an installation: rig.toml, model.toml, and effects of one's own."""

@@ -1,0 +1,134 @@
+"""A rig folder's `model.toml` into a Model and back, effects of one's own included."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+
+from estimator.effect import Effect, Param
+from estimator.effects import CATALOGUE
+from estimator.errors import SetupError, nearest
+from estimator.model import Model, Value
+from estimator.rig_folder import fields
+
+
+def load_model(path: Path) -> Model:
+    """Read a model TOML: one table an effect; each parameter a number or {value, sd, fixed}.
+
+    `use = "effects.py:CoolantJet"` in a table names a user's own effect: that file is Python, and runs.
+    """
+    table = fields.load(path)
+    about = table.pop("about", {})
+    if not isinstance(about, Mapping) or not isinstance(about.get("fitted_on", {}), Mapping):
+        raise SetupError(f"{path}: 'about' is what a fit writes: a table, with a table 'fitted_on'")
+    model = Model({}, {}, about=about, name=path.name)
+    use = {}
+    for name, entry in table.items():
+        if not isinstance(entry, Mapping):
+            raise SetupError(f"{path}: '{name}' should be a table, one for each effect")
+        own = entry.get("use")
+        if own is not None:
+            use[name] = own
+        effect = own_effect(str(own), path.parent) if own else _catalogued(name, path)
+        if effect.name != name:
+            raise SetupError(f"{path}: {name}: the effect's name is '{effect.name}'; call the table so")
+        model = model + effect
+        model = model.with_values(_values(effect, entry, f"{path}: {name}"))
+    return replace(model, use=use, folder=path.parent)
+
+
+def save_model(model: Model, path: Path) -> None:
+    """Write a model TOML that `load_model` reads back unchanged, in any folder, with units as comments."""
+    document = tomlkit.document()
+    if model.about:
+        document.add("about", tomlkit.item(dict(model.about)))
+    for name, effect in model.effects.items():
+        table = tomlkit.table()
+        table.comment(effect.sentence())
+        if name in model.use:
+            table.add("use", _seen_from(path.parent, model, name))
+        for key, param in effect.params.items():
+            item = _item(model.values[f"{name}.{key}"], param)
+            table.add(key, item)
+            item.comment(param.unit)
+        document.add(name, table)
+    path.write_text(tomlkit.dumps(document))
+
+
+def _seen_from(folder: Path, model: Model, name: str) -> str:
+    """Where an own effect is, for a model file in `folder`."""
+    file, _, cls = model.use[name].partition(":")
+    if model.folder is None:
+        return model.use[name]
+    return f"{Path(os.path.relpath(model.folder / file, folder)).as_posix()}:{cls}"
+
+
+def _item(value: Value, param: Param) -> tomlkit.items.Item:
+    number = float(f"{value.value:.6g}")
+    if value.sd is None and value.fixed == param.fixed:
+        return tomlkit.item(number)
+    table = tomlkit.inline_table()
+    table.add("value", number)
+    if value.sd is not None:
+        table.add("sd", float(f"{value.sd:.3g}"))
+    if value.fixed != param.fixed:
+        table.add("fixed", value.fixed)
+    return table
+
+
+def _catalogued(name: str, path: Path) -> type[Effect]:
+    if name not in CATALOGUE:
+        raise SetupError(f"{path}: no effect '{name}'; {nearest(name, CATALOGUE)}")
+    return CATALOGUE[name]
+
+
+def _values(effect: type[Effect], entry: Mapping[str, Any], place: str) -> dict[str, Value]:
+    values = {}
+    for key, item in entry.items():
+        if key == "use":
+            continue
+        if key not in effect.params:
+            raise SetupError(f"{place} has no '{key}'; {nearest(key, effect.params)}")
+        param = effect.params[key]
+        default = Value(param.value, None, param.fixed)
+        if isinstance(item, Mapping):
+            value = fields.record(Value, {"value": param.value, "fixed": param.fixed, **item}, f"{place}.{key}")
+        else:
+            value = replace(default, value=item)
+        if isinstance(value.value, bool) or not isinstance(value.value, (int, float)):
+            raise SetupError(f"{place}.{key}: expected a number, got {value.value!r}")
+        if not param.lo <= value.value <= param.hi:
+            raise SetupError(f"{place}.{key} = {value.value:g} {param.unit} is outside {param.lo:g} ... {param.hi:g}")
+        values[f"{effect.name}.{key}"] = replace(value, value=float(value.value))
+    return values
+
+
+def own_effect(use: str, folder: Path) -> type[Effect]:
+    """Import `file.py:Class`, seen from a folder. Runs the user's code: only for a file that is named."""
+    file, _, cls = use.partition(":")
+    path = folder / file
+    if not cls or not path.is_file():
+        raise SetupError(f'{path}: no such effect file; write use = "effects.py:ClassName"')
+    found = own_effects(path)
+    if cls not in found:
+        raise SetupError(f"{path} has no effect '{cls}'; {nearest(cls, found)}")
+    return found[cls]
+
+
+def own_effects(path: Path) -> dict[str, type[Effect]]:
+    """Run a file of a user's own and find the effects in it, by class name; those it imports are there too."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        raise SetupError(f"{path}: {type(error).__name__}: {error}") from error
+    return {k: v for k, v in vars(module).items() if isinstance(v, type) and issubclass(v, Effect) and v is not Effect}

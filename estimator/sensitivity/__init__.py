@@ -1,0 +1,1 @@
+"""How everything moves with a parameter: columns, and the score."""

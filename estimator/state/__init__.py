@@ -1,0 +1,1 @@
+"""What is estimated, how a run begins, and how a person reads it."""

@@ -1,0 +1,179 @@
+"""ballscrew improve: what it prints, writes and draws, with a search that knows its answer; and the views of others."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from ballscrew.commands.suggest import wanted_effects
+from estimator.effect import Effect
+from estimator.missing_effect import improve as search
+from estimator.missing_effect.hypothesis import Hypothesis
+from estimator.missing_effect.panel import Judged
+from estimator.missing_effect.suggestion import Suggestion
+from estimator.model import Model
+from estimator.rig_folder.model_toml import load_model
+from tests.conftest import PAPER
+from tests.conftest import ballscrew as run
+from tests.viz_read import fixed, view_names
+
+OWN = '''
+from estimator.effect import Effect, Param
+from estimator.terms import SCREW, Heat
+
+
+class Rub(Effect):
+    """Something rubs at the middle."""
+
+    power = Param(4.0, "W", lo=0.0, hi=50.0, null=0.0)
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, p.power * u.motion.turning, over=rig.screw.overlap(400.0, 500.0))
+'''
+
+
+def hypothesis(model: Model, names: tuple[str, ...] = (), heat_K: float = 0.5) -> Hypothesis:
+    """A model judged to leave so much; the first free parameter of each name has been fitted."""
+    paths = tuple(next(p for p in model.free() if p.startswith(f"{name}.")) for name in names)
+    judged = Judged((), np.zeros(0), np.full(len(paths), 0.25), heat_K, heat_K, 4 * heat_K, np.zeros(1))
+    return Hypothesis(names, False, model, paths, judged)
+
+
+def found(model: Model, verdict: str, effect: type[Effect] | None = None, tie: tuple[str, ...] = ()) -> Suggestion:
+    """A verdict, with one effect added where there is one."""
+    plain = hypothesis(model)
+    best = (hypothesis(model + effect, (effect.name,), 0.1),) if effect else ()
+    return Suggestion(verdict, best, tie, plain, plain)
+
+
+@pytest.fixture
+def searching(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """searching(*names): a search that adds these effects one after the other; Ctrl-C where the name is `stop`."""
+
+    def planned(*names: str) -> None:
+        left = [*names]
+
+        def answer(model, rig, recordings, effects, each, share, loose=()):
+            each("a stage", 0.5)
+            name = left.pop(0) if left else None
+            if name == "stop":
+                raise KeyboardInterrupt
+            if name is None:
+                return found(model, "nothing_missing")
+            return found(model, "tie", {e.name: e for e in effects}[name], (name, "radiation"))
+
+        monkeypatch.setattr(search, "suggest", answer)
+
+    return planned
+
+
+def test_effects_are_added_and_everything_is_written(searching, fs20_log, tmp_path) -> None:
+    searching("churning")
+    out = tmp_path / "better.toml"
+    status, said, err = run(
+        "improve", fs20_log, "--held-out", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out,
+        "--json", tmp_path / "b.json",
+    )  # fmt: skip
+    assert status == 0, err
+    assert "+ churning" in said
+    assert "Nothing is missing" in said
+    model, told = load_model(out), json.loads((tmp_path / "b.json").read_text())
+    assert "churning" in model.effects
+    assert model.values["churning.share"].sd == 0.25
+    assert {*load_model(PAPER / "base.toml").about["fitted_on"], "FS-20.log"} == set(model.about["fitted_on"])
+    assert [step["added"] for step in told["steps"]] == [None, "churning"]
+    assert told["steps"][1]["cross_validated"] == {"temperature_K": 0.1, "elongation_um": 0.4}
+    assert told["steps"][1]["held_out"]["temperature_K"] > 0
+    assert (told["verdict"], told["model"]) == ("nothing_missing", str(out))
+
+
+def test_the_report_says_where_it_fails_with_pictures_beside_it(searching, fs20_log, tmp_path) -> None:
+    searching("churning")
+    status, _, err = run("improve", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", tmp_path / "b.toml")
+    assert status == 0, err
+    text = (tmp_path / "b.md").read_text()
+    assert "also used for choosing" in text
+    assert "| churning.share | new | 0.4 | 0.25 | 1 |" in text
+    assert "| + churning | 0.100 | 0.40 | radiation |" in text
+    assert "| first 10 min after a stop |" in text
+    for what in ("steps", "residuals", "missing-heat"):
+        assert f"](b-{what}.png)" in text
+        assert (tmp_path / f"b-{what}.png").stat().st_size > 5000
+    names = view_names(tmp_path / "b.rrd")
+    assert "after: b.toml: heat missing, by place on the screw [W/m]" in names
+    assert "Model alone, rms of temperatures [K]" in names
+    assert "+ churning" in fixed(tmp_path / "b.rrd", "/summary", "TextDocument:text")[0]
+
+
+def test_a_model_with_an_effect_of_ones_own_loads_again(searching, fs20_log, tmp_path) -> None:
+    searching("rub")
+    (tmp_path / "mine.py").write_text(OWN)
+    (tmp_path / "made").mkdir()
+    status, _, err = run(
+        "improve", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "--effects", tmp_path / "mine.py",
+        "-o", tmp_path / "made" / "b.toml", "--report", tmp_path / "r.md", "--save", tmp_path / "v.rrd", "--quiet",
+    )  # fmt: skip
+    assert status == 0, err
+    model = load_model(tmp_path / "made" / "b.toml")
+    assert model.use == {"rub": "../mine.py:Rub"}
+    assert "Something rubs at the middle" in (tmp_path / "r.md").read_text()
+    assert (tmp_path / "v.rrd").is_file()
+    assert "rub" in [one.effect.name for one in wanted_effects(model, ())]
+
+
+def test_ctrl_c_leaves_the_best_so_far(searching, fs20_log, tmp_path) -> None:
+    searching("churning", "stop")
+    out = tmp_path / "b.toml"
+    status, said, _ = run("improve", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out)
+    assert status == 130
+    assert "stopped by Ctrl-C" in said
+    assert "churning" in load_model(out).effects
+    assert not (tmp_path / "b.md").exists()
+
+
+def test_nothing_missing_leaves_the_model_as_it_was(searching, fs20_log, tmp_path) -> None:
+    searching()
+    out = tmp_path / "b.toml"
+    status, _, err = run("improve", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out)
+    assert status == 0, err
+    given = load_model(PAPER / "base.toml")
+    assert load_model(out).values == given.values
+    assert load_model(out).about == given.about
+    assert "none was added or changed" in (tmp_path / "b.md").read_text()
+    assert "base.toml: thermometer − open-loop, mean of 1 min [K]" in view_names(tmp_path / "b.rrd")
+
+
+def test_compare_saves_one_model_or_two(fs20_log, tmp_path) -> None:
+    models = ["--model", PAPER / "base.toml", "--model", PAPER / "model.toml"]
+    status, out, err = run("compare", fs20_log, *models, "--save", tmp_path / "c.rrd")
+    assert status == 0, err
+    assert "views: " in out
+    names = view_names(tmp_path / "c.rrd")
+    assert "after: model.toml: thermometer − open-loop, mean of 1 min [K]" in names
+    text = fixed(tmp_path / "c.rrd", "/summary", "TextDocument:text")[0]
+    assert "| error, rms | base.toml, K | um | model.toml, K | um |" in text
+    status, _, err = run("compare", fs20_log, *models, *models, "--save", tmp_path / "d.rrd")
+    assert status == 2
+    assert "one model, or two" in err
+
+
+def test_suggest_saves_the_model_and_the_best_effect(fs20_log, tmp_path, monkeypatch) -> None:
+    def answer(model, rig, recordings, effects, each, share, loose=()):
+        return found(model, "effect", {e.name: e for e in effects}["churning"])
+
+    monkeypatch.setattr("ballscrew.commands.suggest.suggest", answer)
+    status, _, err = run("suggest", fs20_log, "--model", PAPER / "base.toml", "--save", tmp_path / "s.rrd")
+    assert status == 0, err
+    text = fixed(tmp_path / "s.rrd", "/summary", "TextDocument:text")[0]
+    assert "| + churning | 0.100 | 0.40 | it alone | share 0.4 +- 0.2 1 |" in text
+    assert "after: with churning: thermometer − open-loop, mean of 1 min [K]" in view_names(tmp_path / "s.rrd")
+
+
+def test_diagnose_saves_the_one_model(fs20_log, tmp_path) -> None:
+    status, _, err = run("diagnose", fs20_log, "--model", PAPER / "base.toml", "--save", tmp_path / "d.rrd")
+    assert status == 0, err
+    assert "| good enough alone |" in fixed(tmp_path / "d.rrd", "/summary", "TextDocument:text")[0]
+    assert "base.toml: heat missing, by place on the screw [W/m]" in view_names(tmp_path / "d.rrd")

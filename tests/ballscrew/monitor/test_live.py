@@ -1,0 +1,196 @@
+"""ballscrew live as people run it: a process of its own on a bus, stopped by a signal, killed, started twice."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import can
+import numpy as np
+import pytest
+
+from drivers.budget import Budget
+from drivers.bus.hub import hub_running
+from drivers.frames import Tally
+from drivers.logs.candump import read_candump
+from drivers.recordings import read_recording
+from estimator.batch.replay import replay
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
+from tests.live_fake import Frames, dropped, rig_frames
+
+RECORDINGS = Path(__file__).parents[3] / "recordings"
+SPEED_UP = 60
+PATIENCE_S = 60.0
+
+
+@pytest.fixture(scope="module")
+def frames() -> Frames:
+    return rig_frames(90.0)
+
+
+@contextmanager
+def bus(port: int) -> Iterator[can.BusABC]:
+    with can.Bus(interface="socketcand", channel="can0", host="127.0.0.1", port=port) as opened:
+        yield opened
+
+
+@contextmanager
+def live(port: int, folder: Path, *options: str) -> Iterator[subprocess.Popen[str]]:
+    """The monitor, recording, until the block ends; it writes its lines to live.jsonl and what it says to said.txt."""
+    command = [
+        sys.executable, "-m", "ballscrew", "live", "--interface", "socketcand", "--channel", "can0", "--bus-kwargs",
+        "host=127.0.0.1", f"port={port}", "--rig", str(RECORDINGS), "--record", str(folder / "rec"), "--json",
+        str(folder / "live.jsonl"), *options,
+    ]  # fmt: skip
+    env = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    with (folder / "said.txt").open("w") as said:
+        process = subprocess.Popen(command, stdout=said, stderr=said, text=True, env=env)
+        try:
+            yield process
+        finally:
+            process.kill()
+            process.wait()
+
+
+def send(port: int, frames: Frames, speed_up: float = SPEED_UP) -> list[can.Message]:
+    """All frames when they are due; what came back meanwhile."""
+    heard: list[can.Message] = []
+    with bus(port) as opened:
+        begin = time.monotonic()
+        for frame in frames:
+            wait = begin + (frame.time_s - frames[0].time_s) / speed_up - time.monotonic()
+            while wait > 0 and (message := opened.recv(min(wait, 0.01))) is not None:
+                heard.append(message)
+            time.sleep(max(0.0, begin + (frame.time_s - frames[0].time_s) / speed_up - time.monotonic()))
+            opened.send(can.Message(arbitration_id=frame.id, is_extended_id=False, data=frame.data))
+        while (message := opened.recv(0.3)) is not None and len(heard) < 1000:
+            heard.append(message)
+    return heard
+
+
+def until(true, what: str) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not true():
+        assert time.monotonic() < end, what
+        time.sleep(0.05)
+
+
+def said(folder: Path, words: str) -> None:
+    """Wait until the monitor has said so."""
+    until(lambda: words in (folder / "said.txt").read_text(), f"the monitor never said: {words}")
+
+
+def lines(folder: Path) -> list[dict]:
+    path = folder / "live.jsonl"
+    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+
+
+def recorded(folder: Path) -> list[tuple[int, bytes]]:
+    (log,) = (folder / "rec").glob("*.log")
+    table, _ = read_candump(log, Tally(), Budget())
+    found = [(int(i), bytes(d[:n])) for i, d, n in zip(table.id, table.data, table.dlc)]
+    return [pair for pair in found if pair[0] not in (0x610, 0x611)]
+
+
+def test_two_processes_record_estimate_and_publish(frames, tmp_path):
+    with hub_running() as port, live(port, tmp_path, "--speed-up", str(SPEED_UP), "--publish") as process:
+        said(tmp_path, "listening on can0")
+        heard = send(port, frames)
+        until(lambda: len(lines(tmp_path)) >= 89, "no estimate of the last tick")
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(PATIENCE_S) == 0
+    assert recorded(tmp_path) == [(f.id, f.data) for f in frames]
+    (log,) = (tmp_path / "rec").glob("*.log")
+    assert json.loads(log.with_suffix(".json").read_text())["closed"] is True
+    rig = load_rig(RECORDINGS)
+    track = replay(load_model(RECORDINGS / "model.toml"), rig, read_recording(log, rig))
+    told = [line for line in lines(tmp_path) if not line["provisional"]]
+    assert len(told) == len(track)
+    same = np.array([line["elongation_um"] for line in told], dtype=float)
+    np.testing.assert_allclose(same, track.elongation_um, atol=1e-9)
+    assert np.isfinite(same).sum() >= 88
+    assert {message.arbitration_id for message in heard} == {0x610, 0x611}
+    assert told[-1]["channels"] == 15
+    assert told[-1]["dropped"] <= 1
+
+
+def test_without_publish_nothing_is_sent(frames, tmp_path):
+    with hub_running() as port, live(port, tmp_path, "--speed-up", str(SPEED_UP)):
+        said(tmp_path, "listening on can0")
+        assert not send(port, [f for f in frames if f.time_s - frames[0].time_s < 30])
+
+
+def test_kill_9_loses_nothing_that_is_a_second_old(frames, tmp_path):
+    sent = [f for f in frames if f.time_s - frames[0].time_s < 60]
+    with hub_running() as port, live(port, tmp_path, "--speed-up", str(SPEED_UP)) as process:
+        said(tmp_path, "listening on can0")
+        send(port, sent)
+        time.sleep(1.0)
+        process.kill()
+        process.wait()
+    found = recorded(tmp_path)
+    assert found == [(f.id, f.data) for f in sent][: len(found)]
+    assert len(found) >= len(sent) - 200  # less than two seconds of the rig, a thirtieth of one of ours
+
+
+def test_a_second_instance_is_refused(tmp_path, frames):
+    with hub_running() as port, live(port, tmp_path) as first:
+        until(lambda: (tmp_path / "rec" / ".lock").exists(), "no lock")
+        other = tmp_path / "other"
+        other.mkdir()
+        (other / "rec").symlink_to(tmp_path / "rec")
+        with live(port, other) as second:
+            assert second.wait(PATIENCE_S) == 2
+        said = (other / "said.txt").read_text()
+        assert str(first.pid) in said
+        assert "Traceback" not in said
+
+
+def test_a_hub_that_comes_late_goes_and_comes_back(tmp_path, frames):
+    """No bus at the start, then one, then none, then one again: the estimate goes on."""
+    with hub_running() as port:
+        pass  # a port that is free now
+    with live(port, tmp_path, "--speed-up", "20") as process:
+        said(tmp_path, "bus lost: ConnectionRefusedError")
+        for part, back in ((dropped(frames, 30), "listening on can0"), (frames[-2000:], "frames again after")):
+            with hub_running(port=port):
+                count = len(lines(tmp_path))
+                until(lambda back=back: _nudged(port) and back in (tmp_path / "said.txt").read_text(), "not back")
+                send(port, part, 20)
+                until(lambda count=count: len(lines(tmp_path)) > count + 15, "no estimate")
+        process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE_S) == 130
+    assert "Traceback" not in (tmp_path / "said.txt").read_text()
+
+
+def _nudged(port: int) -> bool:
+    """A frame of nobody's, so that the monitor hears that the bus is there."""
+    with bus(port) as opened:
+        opened.send(can.Message(arbitration_id=0x7FF, is_extended_id=False))
+    return True
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--channel", "can0"], "say which bus: --interface and --channel"),
+        (["--interface", "nonsense", "--channel", "x"], "--interface nonsense"),
+        (["--interface", "virtual", "--channel", "x", "--bus-kwargs", "a"], "--bus-kwargs a: write NAME=VALUE"),
+        (["--interface", "virtual", "--channel", "x", "--speed-up", "0"], "--speed-up must be above 0"),
+    ],
+)
+def test_wrong_usage_is_one_line(options, says):
+    done = subprocess.run(
+        [sys.executable, "-m", "ballscrew", "live", *options], capture_output=True, text=True, timeout=PATIENCE_S
+    )
+    assert done.returncode == 2
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr

@@ -1,0 +1,267 @@
+"""The monitor and every fault that a bus and its sensors can have: what it says, and what it goes on to estimate."""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from ballscrew.monitor.monitor import Moment, Monitor
+from drivers.decode.checks import frame_checksum
+from drivers.received import Received
+from drivers.recordings import read_recording
+from drivers.virtual_rig import simulate
+from estimator.batch.replay import replay
+from estimator.step import Mode
+from tests.live_fake import DRIVE, STATUS, TELEMETERS, Frames, changed, channel, dropped, rig_frames, since
+
+FAULT_S, END_S = 119.0, 190.0  # the fault is there for a whole window of the tests
+
+Run = Callable[[Frames], tuple[Monitor, list[Moment]]]
+
+
+@pytest.fixture(scope="module")
+def frames() -> Frames:
+    return rig_frames(END_S)
+
+
+@pytest.fixture(scope="module")
+def run(paper, frames) -> Run:
+    """run(frames): all of them, those before the fault from a monitor that has lived them once."""
+    rig, model = paper
+    before, sound = Monitor(model, rig), [f for f in frames if since(frames, f) < FAULT_S - 1]
+    lived = [moment for frame in sound for moment in before.feed(frame)]
+
+    def of(frames: Frames) -> tuple[Monitor, list[Moment]]:
+        monitor = copy.deepcopy(before, {id(each): each for each in (rig, model)})
+        moments = [moment for frame in frames[len(sound) :] for moment in monitor.feed(frame)]
+        return monitor, [*lived, *moments, *monitor.finish()]
+
+    return of
+
+
+@pytest.fixture(scope="module")
+def plain(run, frames) -> list[Moment]:
+    """The run without a fault."""
+    monitor, moments = run(frames)
+    assert not any(moment.begun for moment in moments)
+    assert not monitor.active
+    return moments
+
+
+def begun(moments: list[Moment]) -> str:
+    return "\n".join(alarm.text for moment in moments for alarm in moment.begun)
+
+
+def apart_sd(moments: list[Moment], plain: list[Moment]) -> float:
+    """How far the last estimate is from that without the fault, in its own sd."""
+    last, there = moments[-1].step, plain[-1].step
+    assert last.time_s == pytest.approx(there.time_s, abs=1.5)
+    return abs(last.elongation_um - there.elongation_um) / last.sigma_um
+
+
+def thermometer(number: int, raw: Callable[[int, float], int]) -> Callable[[Frames], Frames]:
+    can_id, change = channel(number, raw)
+    return lambda frames: changed(frames, can_id, FAULT_S, change)
+
+
+def spike(value: int, time_s: float) -> int:
+    return value + 2000 if round(time_s) % 10 == 0 else value
+
+
+def test_live_is_review(paper, plain, tmp_path):
+    """Frame by frame the same estimates as from a log of the same frames."""
+    rig, model = paper
+    log = simulate("FS-20", seed=7, seconds=END_S).write(tmp_path / "a.log")
+    track = replay(model, rig, read_recording(log, rig))
+    live = np.array([[m.step.elongation_um, m.step.sigma_um, m.step.error_at_table_um] for m in plain])
+    assert len(live) == len(track)
+    batch = np.stack([track.elongation_um, track.sigma_um, track.error_at_table_um], axis=-1)
+    np.testing.assert_allclose(live[1:], batch[1:], atol=1e-9)
+
+
+HARMLESS = {
+    "a message missing": (lambda f: dropped(f, FAULT_S, [0x211]), r"Telemeter2 \(0x211\) is missing"),
+    "dead": (thermometer(5, lambda v, t: -32768), "T05 at 415 mm is not read"),
+    "sensor fault": (thermometer(5, lambda v, t: -32767), "T05 at 415 mm is not read"),
+    "out of range": (thermometer(5, lambda v, t: 32000), "T05 at 415 mm is not read"),
+    "spikes": (thermometer(5, spike), r"T05 at 415 mm: \d+ of \d+ readings rejected"),
+}
+
+
+@pytest.mark.parametrize("name", HARMLESS)
+def test_a_fault_of_some_channels_is_told_and_the_rest_serve(run, frames, plain, name):
+    fault, says = HARMLESS[name]
+    _, moments = run(fault(frames))
+    assert re.search(says, begun(moments))
+    assert moments[-1].trust.valid
+    assert apart_sd(moments, plain) < 3
+
+
+def test_a_stuck_thermometer_is_named_with_its_place_and_since_when(run, frames):
+    monitor, moments = run(thermometer(5, lambda v, t: 2345)(frames))
+    (alarm,) = (a for m in moments for a in m.begun if a.kind == "stuck")
+    assert alarm.text == "T05 at 415 mm is stuck at 23.45 degC"
+    assert alarm.since_s == pytest.approx(FAULT_S, abs=2)
+    assert monitor.tests.diverged
+    assert moments[-1].mode == Mode.INVALID
+    assert moments[-1].trust.why == ("rig and model part",)
+
+
+def test_an_offset_is_named_and_passes_when_it_is_over(run, frames):
+    _, moments = run(thermometer(5, lambda v, t: v + 200 if t < 175 else v)(frames))
+    (alarm,) = (a for m in moments for a in m.begun if a.kind == "bias" and a.channel == "T05")
+    assert re.fullmatch(r"T05 at 415 mm reads .* sd above what was predicted", alarm.text)
+    assert alarm.since_s == pytest.approx(121, abs=2)
+
+
+def test_a_silent_telemeter_makes_the_estimate_invalid_and_its_return_valid(run, frames, plain):
+    gone = dropped(frames, FAULT_S, [*TELEMETERS, STATUS], FAULT_S + 20)
+    _, moments = run(gone)
+    modes = {round(m.step.time_s): m.mode for m in moments}
+    assert modes[round(FAULT_S) + 3] in (Mode.COASTING, Mode.UPDATE)
+    assert modes[round(FAULT_S) + 12] == Mode.INVALID
+    silent = next(m for m in moments if m.mode == Mode.INVALID)
+    assert silent.trust.why == ("fewer than 4 thermometers for 5 s",)
+    assert silent.trust.telemeter_stale
+    assert moments[-1].trust.valid
+    assert "no thermometer is read" in begun(moments)
+    assert "no thermometer is read" in {a.text for m in moments for a in m.over}
+    assert apart_sd(moments, plain) < 3
+
+
+def test_a_silent_drive_is_told_at_once(run, frames):
+    _, moments = run(dropped(frames, FAULT_S, [DRIVE], FAULT_S + 10))
+    first = next(m for m in moments if m.mode == Mode.INVALID)
+    assert first.step.time_s < FAULT_S + 3.1
+    assert first.trust.why == ("no news of the drive",)
+    assert "Drive (0x230) is missing" in begun(moments)
+
+
+def wrong(can_id: int, byte: int) -> Callable[[Frames], Frames]:
+    def change(frame: Received) -> Received:
+        data = bytearray(frame.data)
+        data[byte] ^= 0x15
+        return frame._replace(data=bytes(data))
+
+    return lambda frames: [
+        change(f) if f.id == can_id and FAULT_S <= since(frames, f) < FAULT_S + 8 else f for f in frames
+    ]
+
+
+@pytest.mark.parametrize(
+    ("fault", "reason"),
+    [(wrong(STATUS, 0), "checksum wrong TelemeterStatus"), (wrong(0x241, 7), r"lost Environment2 \(by its counter\)"),
+     (wrong(0x211, 3), "scan")],
+    ids=["checksum", "counter", "scan checksum"],
+)  # fmt: skip
+def test_what_is_not_used_is_counted(run, frames, plain, fault, reason):
+    monitor, moments = run(fault(frames))
+    assert any(re.match(reason, each) for each in monitor.tally.counts()), monitor.tally.counts()
+    assert moments[-1].trust.valid
+    assert apart_sd(moments, plain) < 3
+
+
+@pytest.mark.parametrize("jump_s", [-4000.0, 500.0, 1e6])
+def test_a_jump_of_the_clock_costs_nothing(run, frames, plain, jump_s):
+    moved = [f._replace(time_s=f.time_s + (jump_s if since(frames, f) > FAULT_S else 0.0)) for f in frames]
+    monitor, moments = run(moved)
+    assert len(moments) == len(plain)
+    assert apart_sd(moments, plain) < 0.1
+    assert any("clock jumps" in note for note in monitor.tally.notes)
+    assert moments[-1].trust.valid
+
+
+def test_frames_out_of_order_cost_nothing(run, frames, plain):
+    swapped = list(frames)
+    for k in range(int(0.7 * len(swapped)), len(swapped) - 1, 20):
+        swapped[k], swapped[k + 1] = swapped[k + 1], swapped[k]
+    monitor, moments = run(swapped)
+    assert apart_sd(moments, plain) < 0.1
+    assert monitor.tally.counts()["time stamp before the last one (used)"] > 10
+
+
+def test_on_a_silent_bus_the_model_goes_on_alone_and_is_taken_back(paper, frames):
+    """A silence of 20 s: provisional ticks meanwhile, none of which is left in the estimate after it."""
+    heard, runs = dropped(frames, 25, None, 45), []
+    for waits in (False, True):
+        monitor, moments = Monitor(paper[1], paper[0]), []
+        for before, frame in zip([heard[0], *heard], heard, strict=False):
+            if since(frames, frame) > 70:
+                break
+            if waits and frame.time_s - before.time_s > 15:
+                for passed in range(1, 20):
+                    moments += monitor.idle(passed)
+            moments += monitor.feed(frame)
+        runs.append(moments)
+    moments = runs[1]
+    alone = [m for m in moments if m.provisional]
+    assert len(alone) >= 15
+    assert alone[-1].trust.why == ("fewer than 4 thermometers for 5 s", "no news of the drive")
+    assert alone[-1].mode == Mode.INVALID
+    assert [a.text for m in alone for a in m.begun] == ["nothing of the rig on the bus"]
+    assert moments[-1].step.elongation_um == runs[0][-1].step.elongation_um
+    assert "nothing of the rig on the bus" in {a.text for m in moments for a in m.over}
+
+
+def test_after_a_night_the_estimate_begins_anew(run, frames, plain):
+    tomorrow = [f._replace(time_s=f.time_s + 8 * 3600) for f in frames]
+    later = [f for f in tomorrow if since(frames, f) > 8 * 3600 + 40]
+    scans = [_with_scan(f, 30_000) for f in later]
+    monitor, moments = run([*frames, *scans])
+    assert "the estimate begins anew" in monitor.tally.notes
+    assert moments[len(plain) - 1].step.elongation_um == plain[-1].step.elongation_um
+    assert moments[len(plain) + 5].step.time_s == pytest.approx(6, abs=2)
+    assert abs(moments[len(plain)].step.elongation_um) < 0.5
+    assert moments[-1].trust.valid
+    assert "after the end of the recording" not in monitor.tally.counts()
+
+
+def test_a_drive_that_stops_is_not_a_drive_that_is_gone(run, frames):
+    """At rest it is heard each second only, from the instant of the stop on."""
+    rests, last = [], 0.0
+    for frame in frames:
+        at = since(frames, frame)
+        if frame.id != DRIVE or at < FAULT_S or at - last > 0.995:
+            rests.append(frame)
+            last = at if frame.id == DRIVE else last
+    _, moments = run(rests)
+    assert not any("no news of the drive" in m.trust.why for m in moments if m.step.time_s > 5)
+
+
+def test_a_tick_without_a_drive_frame_keeps_its_place(run, frames):
+    gone = [f for f in frames if not (f.id == DRIVE and FAULT_S + 2 < since(frames, f) < FAULT_S + 3.2)]
+    _, moments = run(gone)
+    assert all(np.isfinite(m.step.error_at_table_um) for m in moments)
+    assert all(np.isfinite(m.step.position_mm) for m in moments)
+
+
+def test_with_few_thermometers_chosen_few_are_enough(paper, frames):
+    rig, model = paper
+    mask = np.array([name not in ("T05", "T12", "displacement") for name in rig.names])
+    monitor = Monitor(model, rig, lambda time_s: mask)
+    moments = [m for frame in frames if since(frames, frame) < 30 for m in monitor.feed(frame)]
+    assert moments[-1].trust.valid
+    assert not moments[-1].trust.telemeter_stale
+
+
+def _with_scan(frame: Received, later: int) -> Received:
+    if frame.id != STATUS:
+        return frame
+    data = bytearray(frame.data)
+    data[2:4] = ((int.from_bytes(data[2:4], "little") + later) % 65536).to_bytes(2, "little")
+    data[0] = int(frame_checksum(STATUS, np.array([data], np.uint8))[0])
+    return frame._replace(data=bytes(data))
+
+
+def test_frames_of_ours_and_error_frames_are_not_the_rigs(run, frames, plain):
+    """They say nothing of the rig: not even that its clock goes on."""
+    late = [f for f in frames if since(frames, f) >= FAULT_S]
+    ours = [g for f in late for g in (f, f._replace(id=0x610, data=bytes(8)), f._replace(kind="error", id=4))]
+    monitor, moments = run([*frames[: -len(late)], *ours])
+    assert moments[-1].step.elongation_um == plain[-1].step.elongation_um
+    assert monitor.tally.counts()["sent by us"] == len(late)
+    assert monitor.tally.counts()["error frame"] == len(late)

@@ -1,0 +1,243 @@
+"""The loop of live with a bus, views and a publisher that are not there: who hears what, and when."""
+
+from __future__ import annotations
+
+import io
+import json
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from ballscrew.monitor.json_lines import JsonLines
+from ballscrew.monitor.monitor import Monitor
+from ballscrew.monitor.session import Session
+from ballscrew.monitor.status import Status
+from drivers.bus.receiver import Notice
+from estimator.errors import SetupError
+from estimator.step import Mode
+from tests.live_fake import DRIVE, Frames, dropped, rig_frames
+
+
+class Clock:
+    silent_s, trouble = 0.0, ""
+
+    def silence(self) -> float:
+        return self.silent_s
+
+
+class Receiver:
+    """Gives its items ten at a time."""
+
+    state, failure, dropped, errors, waited_s = "open", None, 0, 0, 0.0
+
+    def __init__(self, items: list) -> None:
+        self.items, self.frames = list(items), len(items)
+
+    def start(self) -> None: ...
+
+    def stop(self) -> None: ...
+
+    def take(self, wait_s: float) -> list:
+        found, self.items = self.items[:10], self.items[10:]
+        return found
+
+
+class Publisher:
+    trouble, sent = "", 0
+
+    def __init__(self) -> None:
+        self.heard_frames, self.sent_valid, self.positions = 0, [], []
+
+    def start(self) -> None: ...
+
+    def send(self, step, trust, position_mm) -> None:
+        self.sent_valid.append((step.time_s, trust.valid))
+        self.positions.append(position_mm)
+
+    def heard(self, frame) -> None:
+        self.heard_frames += 1
+
+
+class Views:
+    trouble = ""
+
+    def __init__(self) -> None:
+        self.ticks, self.texts, self.states = 0, [], []
+
+    def show(self, sample, step) -> None:
+        self.ticks += 1
+
+    def say(self, time_s, text, level) -> None:
+        self.texts.append((text, level))
+
+    def status(self, markdown) -> None:
+        self.states.append(markdown)
+
+
+@pytest.fixture(scope="module")
+def frames() -> Frames:
+    return rig_frames(45.0)
+
+
+@pytest.fixture
+def session(paper):
+    """session(items): all parts of it, with what was said and each status."""
+
+    def of(items: list) -> tuple[Session, list[str], list[Status]]:
+        said, ticks = [], []
+        session = Session(
+            Monitor(paper[1], paper[0]), Receiver(items), Clock(), "a bus", lambda text, level: said.append(text),
+            ticks.append, None, Publisher(), Views(),
+        )  # fmt: skip
+        session.run(lambda: bool(session.receiver.items), lambda status: None)
+        session.finish()
+        return session, said, ticks
+
+    return of
+
+
+def test_every_tick_is_told_shown_and_published(session, frames):
+    live, said, ticks = session(frames)
+    assert len(ticks) == live.views.ticks >= 45
+    assert len(live.publisher.sent_valid) >= 44  # the newest of each turn
+    assert np.isfinite(live.publisher.positions).all()
+    assert live.publisher.heard_frames == len(frames)
+    assert all(valid for _, valid in live.publisher.sent_valid)
+    assert not said
+    assert "elongation" in live.views.states[0]
+
+
+def test_alarms_and_what_happens_to_the_bus_reach_the_views(session, frames):
+    items = [Notice("bus lost: OSError: gone"), *dropped(frames, 30.0, [0x211])]
+    live, said, _ = session(items)
+    assert said[0] == "bus lost: OSError: gone"
+    assert ("bus lost: OSError: gone", "WARN") in live.views.texts
+    alarms = [text for text, level in live.views.texts if text.startswith("alarm: ") and level == "WARN"]
+    assert any("Telemeter2 (0x211) is missing" in text for text in alarms)
+    assert any(text.startswith("alarm: T05 at 415 mm is not read, since ") for text in alarms)
+
+
+def test_who_relies_on_it_hears_of_a_silent_bus_before_the_next_tick(session, frames):
+    live, _, _ = session(frames[:-400])
+    sent = len(live.publisher.sent_valid)
+    for silent_s in (0.05, 0.6, 1.4, 1.55, 1.6):
+        live.clock.silent_s = silent_s
+        live._idle()
+        live._publish()
+    assert live.publisher.sent_valid[sent:] == [(live.latest.step.time_s, False)]
+    assert live.latest.mode == Mode.INVALID
+    assert live.latest.trust.why == ("no news of the drive",)
+
+
+def test_a_silent_drive_alone_is_heard_of_too(session, frames):
+    live, _, _ = session(dropped(frames, 40.0, [DRIVE]))
+    assert live.publisher.sent_valid[-1][1] is False
+
+
+def test_what_comes_late_is_not_valid(session, frames, monkeypatch):
+    """A monitor that has fallen behind the bus must not pass off what was as what is."""
+    monkeypatch.setattr(Receiver, "waited_s", 2.0)
+    live, _, ticks = session(frames)
+    assert not any(valid for _, valid in live.publisher.sent_valid)
+    assert ticks[-1].json()["why_invalid"] == ["the monitor is behind"]
+
+
+def test_a_backlog_is_published_once(session, frames, monkeypatch):
+    def everything(receiver: Receiver, wait_s: float) -> list:
+        found, receiver.items = receiver.items, []
+        return found
+
+    monkeypatch.setattr(Receiver, "take", everything)
+    live, _, ticks = session(frames)
+    assert len(ticks) >= 45
+    assert len(live.publisher.sent_valid) <= 3
+
+
+def test_a_defect_of_ours_is_told_once_and_the_loop_goes_on(session, frames, monkeypatch):
+    feed = Monitor.feed
+
+    def failing(monitor: Monitor, frame) -> list:
+        if 500 < len(seen) < 600:
+            seen.append(frame)
+            raise ZeroDivisionError("a defect")
+        seen.append(frame)
+        return feed(monitor, frame)
+
+    seen: list = []
+    monkeypatch.setattr(Monitor, "feed", failing)
+    live, said, ticks = session(frames)
+    assert said.count("the estimate failed and begins anew: ZeroDivisionError: a defect") == 1
+    assert len(ticks) > 30
+    assert live.latest.trust.valid
+
+
+def test_validity_is_told_when_it_changes(session, frames):
+    _, said, _ = session(dropped(frames, 30.0, [DRIVE], 36.0))
+    told = [text for text in said if text.startswith("estimate valid")]
+    assert told == ["estimate valid no longer: no news of the drive", "estimate valid again"]
+
+
+def test_text_from_outside_is_no_markup(session, frames):
+    live, _, _ = session(frames[:200])
+    live.publisher.trouble = "not publishing: [/dev/ttyACM0] gone"
+    console = Console(file=io.StringIO(), width=110)
+    console.print(live.status().panel())
+    assert "[/dev/ttyACM0]" in console.file.getvalue()
+
+
+def test_an_interface_that_cannot_be_is_the_end(session):
+    Receiver.failure = SetupError("--interface nonsense: no such interface")
+    try:
+        with pytest.raises(SetupError, match="nonsense"):
+            session([Notice("x")])
+    finally:
+        Receiver.failure = None
+
+
+def test_what_is_said_once_is_not_said_again(session, frames):
+    live, said, _ = session(frames[:100])
+    live.publisher.trouble = "not publishing: OSError: gone"
+    for _ in range(3):
+        live._tell()
+    assert said.count("not publishing: OSError: gone") == 1
+
+
+def test_the_panel_has_everything_with_its_unit(session, frames):
+    live, _, ticks = session(frames)
+    console = Console(file=io.StringIO(), width=110, highlight=False)
+    console.print(live.status().panel())
+    text = console.file.getvalue()
+    for word in ("elongation", "um (2 sd)", "15 of 15 thermometers", "NIS", "frames", "dropped", "recording"):
+        assert word in text
+    line = live.status().line()
+    assert "\n" not in line
+    assert "mode update" in line or "mode predict" in line
+    told = ticks[-1].json()
+    assert set(told) >= {
+        "t", "elongation_um", "sigma_um", "error_at_table_um", "mode", "channels", "nis", "frames", "dropped", "alarms",
+    }  # fmt: skip
+
+
+def test_json_lines_on_a_full_disk_cost_lines_and_nothing_else(session, frames):
+    class Disk(io.StringIO):
+        full = False
+
+        def flush(self) -> None:
+            if self.full:
+                raise OSError(28, "No space left on device")
+
+    _, _, ticks = session(frames[:400])
+    disk = Disk()
+    lines = JsonLines(disk)
+    for k, status in enumerate(ticks[:4]):
+        disk.full = k in (1, 2)
+        lines(status)
+        assert lines.trouble == ("--json: No space left on device: lines are lost" if disk.full else "")
+    assert lines.lost == 2
+    assert json.loads(disk.getvalue().splitlines()[-1])["t"] == pytest.approx(ticks[3].moment.step.time_s, abs=1e-9)
+
+
+def test_before_the_first_tick_the_status_says_so(session):
+    live, _, _ = session([])
+    assert "waiting for the first tick" in live.status().line()

@@ -1,0 +1,249 @@
+"""Rigs that are no ball screw: the commands that look for what is missing, on a heated rod and on two heaters."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from estimator.missing_effect.wrong_input import signals
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
+from tests.conftest import ballscrew
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+TWO, ROD = EXAMPLES / "two_heaters", EXAMPLES / "heated_rod"
+
+
+def told(*words: object) -> dict:
+    """The JSON of a command that must work."""
+    status, out, err = ballscrew(*words, "--json")
+    assert status == 0, err
+    return json.loads(out)
+
+
+def copied(rig: Path, to: Path) -> Path:
+    shutil.copytree(rig, to, ignore=shutil.ignore_patterns("__pycache__"))
+    return to
+
+
+def without(rig: Path, name: str) -> None:
+    """Take an effect out of a folder's model."""
+    text = (rig / "model.toml").read_text()
+    assert f"[{name}]" in text
+    (rig / "model.toml").write_text(re.sub(rf"\[{name}\].*?(?=\n\[|\Z)", "", text, flags=re.DOTALL))
+
+
+def columns(path: Path, change: dict[str, float]) -> None:
+    """Multiply columns of a CSV."""
+    head, *rows = path.read_text().splitlines()
+    names = head.split(",")
+    for i, row in enumerate(rows):
+        cells = row.split(",")
+        for name, ratio in change.items():
+            cells[names.index(name)] = f"{float(cells[names.index(name)]) * ratio:.5g}"
+        rows[i] = ",".join(cells)
+    path.write_text("\n".join([head, *rows, ""]))
+
+
+@pytest.fixture(scope="module")
+def coupled(tmp_path_factory) -> Path:
+    """The folder of the two heaters with the model that `improve` makes."""
+    folder = copied(TWO, tmp_path_factory.mktemp("two") / "rig")
+    out = folder / "better.toml"
+    found = told("improve", folder, "-o", out, "--held-out", folder / "steps.csv")
+    assert [step["added"] for step in found["steps"]] == [None, "coupling"]
+    assert found["steps"][1]["held_out"]["temperature_K"] < 0.08
+    assert found["verdict"] == "nothing_missing"
+    shutil.move(out, folder / "model.toml")
+    return folder
+
+
+# --- two heaters
+
+
+def test_the_runs_of_the_two_heaters_are_those_of_their_script():
+    spec = importlib.util.spec_from_file_location("make_runs", TWO / "make_runs.py")
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    there = np.loadtxt(TWO / "first.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(made.lived(*made.RUNS["first.csv"], 0), there, atol=0.006)
+
+
+def test_the_coupling_is_missing(coupled):
+    found = told("suggest", TWO)
+    assert (found["verdict"], found["effects"][0]["name"]) == ("effect", "coupling")
+    assert found["effects"][0]["parameters"]["g"]["value"] == pytest.approx(0.0228, rel=0.05)
+    names = {each["name"] for each in found["effects"]}
+    assert not names & {"expansion_error", "channel_offset"}  # no length is read, and nothing ever moves
+
+
+def test_what_it_lacks_follows_the_other_heater():
+    found = told("diagnose", TWO)
+    assert not found["adequate"]
+    assert {(each["node"], each["follows"]) for each in found["where"]} == {
+        ("body_1", "heater_2"),
+        ("body_2", "heater_1"),
+    }
+    assert not any("rest" in sentence or "stop" in sentence for sentence in found["sentences"])
+
+
+def test_with_the_coupling_nothing_is_missing(coupled):
+    assert load_model(coupled / "model.toml")["coupling.g"] == pytest.approx(0.0228, rel=0.05)
+    assert told("suggest", coupled)["verdict"] == "nothing_missing"
+    assert told("diagnose", coupled)["adequate"]
+    status, out, _ = ballscrew("compare", coupled)
+    assert status == 0
+    assert "nan" not in out
+
+
+@pytest.mark.parametrize(("run", "heater"), [("both.csv", "heater_1"), ("steps.csv", "heater_2")])
+def test_a_wrong_heater_names_run_and_signal(coupled, tmp_path, run, heater):
+    wrong = copied(coupled, tmp_path / "rig")
+    columns(wrong / run, {heater: 1.1})
+    found = told("suggest", wrong)
+    assert found["verdict"] == "input_error"
+    assert (found["input"]["run"], found["input"]["signal"]) == (run, heater)
+    assert found["input"]["ratio"] == pytest.approx(1.1, abs=0.03)
+    assert found["sentence"].startswith(f"Nothing is missing but in {run}")
+
+
+def test_an_effect_in_no_file_is_a_body_and_an_input_and_can_be_begun(tmp_path, monkeypatch):
+    rig = copied(TWO, tmp_path / "rig")
+    text = (rig / "effects.py").read_text()
+    (rig / "effects.py").write_text(re.sub(r"class Coupling.*?(?=\nclass )", "", text, flags=re.DOTALL))
+    found = told("suggest", rig)
+    assert found["verdict"] == "nothing_in_catalogue"
+    assert (found["where"]["node"], found["where"]["follows"]) in {("body_1", "heater_2"), ("body_2", "heater_1")}
+    line = found["sentence"].partition("ballscrew ")[2].split()
+    monkeypatch.chdir(rig)
+    for words in (
+        line,
+        ["effects", "effects.py:MyHeat", "--check"],
+        ["add", "effects.py:MyHeat", "model.toml", "-o", "m"],
+    ):
+        status, _, err = ballscrew(*words)
+        assert status == 0, err
+
+
+def test_one_recording_says_that_nothing_was_left_out():
+    found = told("suggest", TWO / "both.csv")
+    assert (found["verdict"], found["effects"][0]["name"]) == ("effect", "coupling")
+    assert "make another" in found["sentence"]
+    assert "left out once" not in ballscrew("suggest", TWO / "both.csv")[1]
+
+
+def test_a_model_far_off_that_nothing_explains_is_not_complete(coupled, tmp_path):
+    """Sensors swapped in every run but one: no effect and no input does that."""
+    rig = copied(coupled, tmp_path / "rig")
+    for name in ("both.csv", "steps.csv"):
+        text = (rig / name).read_text()
+        (rig / name).write_text(text.replace("T1,T2", "T2,T1"))
+    found = told("suggest", rig)
+    assert found["verdict"] != "nothing_missing"
+    assert "Nothing is missing" not in found["sentence"]
+
+
+def test_what_is_held_out_is_not_used_from_its_folder(tmp_path):
+    status, out, _ = ballscrew("suggest", TWO, "--held-out", TWO / "both.csv")
+    assert status == 0
+    assert "held out, and so not used: both.csv" in out
+
+
+def test_an_own_effect_that_does_not_fit_is_named_and_left_out(tmp_path):
+    status, out, err = ballscrew("suggest", TWO, "--effects", ROD / "effects.py:Heater")
+    assert status == 0
+    assert "Heater is not tried: heater: AttributeError" in err
+    assert "coupling is missing" in out
+
+
+def test_gaps_and_a_slow_tick(tmp_path):
+    rig = copied(TWO, tmp_path / "rig")
+    (rig / "rig.toml").write_text((rig / "rig.toml").read_text().replace("tick_s = 4.0", "tick_s = 60.0"))
+    dice = np.random.default_rng(1)
+    for path in rig.glob("*.csv"):
+        head, *rows = path.read_text().splitlines()
+        cells = [row.split(",") for row in rows[::5]]
+        for row in cells[1:]:
+            for i in np.flatnonzero(dice.random(len(row)) < 0.2):
+                row[i] = row[i] if i == 0 else ""
+        path.write_text("\n".join([head, *map(",".join, cells), ""]))
+    found = told("suggest", rig)
+    assert (found["verdict"], found["effects"][0]["name"]) == ("effect", "coupling")
+    status, out, _ = ballscrew("diagnose", rig)
+    assert status == 0
+    assert "nan" not in out
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ([], "two heaters has no screw; say with --at which body is heated: body_1, body_2"),
+        (["--at", "30mm"], "--at 30mm: two heaters has no screw, and no thermometer in such a body"),
+        (["--at", "body_1", "--follows", "drive"], "--follows drive: two heaters has no input 'speed'"),
+    ],
+)
+def test_an_effect_that_cannot_be_here_is_refused_in_one_line(tmp_path, words, says):
+    status, _, err = ballscrew("new-effect", "jet", *words, "--rig", TWO, "-o", tmp_path / "effects.py")
+    assert status == 2
+    assert err.startswith(f"error: {says}")
+    assert len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("follows", ["always", "time", "temperature", "heater_2", "ambient"])
+def test_a_new_effect_of_a_body_passes_as_written(tmp_path, follows):
+    file = tmp_path / "effects.py"
+    assert ballscrew("new-effect", "jet", "--at", "body_2", "--follows", follows, "--rig", TWO, "-o", file)[0] == 0
+    status, out, err = ballscrew("effects", file, "--check", "--rig", TWO)
+    assert status == 0, err
+    assert "effects.py:Jet passes all checks on two heaters" in out
+
+
+# --- a heated rod
+
+
+@pytest.mark.parametrize("name", ["chilled_end", "still_air", "heater"])
+def test_what_the_rod_s_model_lacks_is_found(tmp_path, name):
+    rig = copied(ROD, tmp_path / "rig")
+    without(rig, name)
+    found = told("suggest", rig, "--effects", rig / "effects.py")
+    assert (found["verdict"], found["effects"][0]["name"]) == ("effect", name)
+    assert found["effects"][0]["after"]["temperature_K"] < 0.06
+
+
+def test_nothing_is_missing_from_the_rod():
+    assert told("suggest", ROD)["verdict"] == "nothing_missing"
+    assert told("diagnose", ROD)["adequate"]
+
+
+def test_a_wrong_heater_of_the_rod_names_run_and_signal(tmp_path):
+    rig = copied(ROD, tmp_path / "rig")
+    columns(rig / "pulses.csv", {"heater_W": 1.2})
+    found = told("suggest", rig)
+    assert (found["verdict"], found["input"]["run"], found["input"]["signal"]) == (
+        "input_error",
+        "pulses.csv",
+        "heater",
+    )
+    assert found["input"]["ratio"] == pytest.approx(1.2, abs=0.03)
+
+
+def test_an_unknown_sink_of_the_rod_has_a_place(tmp_path):
+    rig = copied(ROD, tmp_path / "rig")
+    without(rig, "chilled_end")
+    text = (rig / "effects.py").read_text()
+    (rig / "effects.py").write_text(text.partition("\n\nclass ChilledEnd")[0] + "\n")
+    found = told("suggest", rig)
+    assert (found["verdict"], found["where"]["follows"]) == ("nothing_in_catalogue", "chiller")
+    assert found["where"]["to_mm"] > 375.0
+    assert told("diagnose", rig)["where"][0]["to_mm"] == 400.0
+
+
+def test_every_temperature_that_heat_flows_to_may_be_wrong():
+    rig = load_rig(ROD)
+    assert set(signals(load_model(ROD / "model.toml"), rig)) == {"ambient", "chiller", "heater"}

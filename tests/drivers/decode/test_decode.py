@@ -1,0 +1,274 @@
+"""Decoding: numpy equals cantools on every signal; what makes a value unusable; another DBC without code."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import can
+import cantools
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from drivers.decode.checks import crc8_j1850, crc16_ccitt_false, lost
+from drivers.decode.dbc import load_dbc
+from drivers.recordings import read_recording
+from estimator.errors import SetupError
+from estimator.rig_folder.rig_folder import load_rig
+from tests import log_fake
+
+RECORDINGS = Path(__file__).parents[3] / "recordings"
+RIG = load_rig(RECORDINGS)
+
+ODD_DBC = """VERSION ""
+BU_: A
+BO_ 2566834709 Odd: 8 A
+ SG_ Motorola : 5|13@0- (0.5,3) [0|0] "" A
+ SG_ Intel : 19|11@1- (0.1,-7) [0|0] "" A
+ SG_ Real : 32|32@1- (1,0) [0|0] "" A
+BO_ 18 Wide: 8 A
+ SG_ All : 7|64@0+ (1,0) [0|0] "" A
+BO_ 19 Paged: 8 A
+ SG_ Page M : 0|8@1+ (1,0) [0|0] "" A
+ SG_ First m1 : 8|16@1- (1,0) [0|0] "" A
+ SG_ Second m2 : 8|16@1- (2,0) [0|0] "" A
+SIG_VALTYPE_ 2566834709 Real : 1;
+"""
+
+
+def words(data: list[bytes]):
+    table = np.frombuffer(b"".join(data), np.uint8).reshape(len(data), 8)
+    return table.view("<u8")[:, 0], table.view(">u8")[:, 0].astype(np.uint64)
+
+
+@settings(deadline=None)
+@example(data=[bytes.fromhex("00000000010080ff"), bytes.fromhex("000000000000a07f")], odd=True)  # signalling NaNs
+@given(data=st.lists(st.binary(min_size=8, max_size=8), min_size=1, max_size=20), odd=st.booleans())
+def test_numpy_equals_cantools(tmp_path_factory: pytest.TempPathFactory, data: list[bytes], odd: bool) -> None:
+    path = log_fake.DBC
+    if odd:
+        path = tmp_path_factory.getbasetemp() / "odd.dbc"
+        path.write_text(ODD_DBC)
+    ours, theirs = load_dbc(path), cantools.database.load_file(path)
+    for message in theirs.messages:
+        decoded = [
+            message.decode(d, decode_choices=False, allow_excess=False)
+            if len(message.signals) != 3 or message.name != "Paged" or d[0] in (1, 2)
+            else {}
+            for d in data
+        ]
+        for name, bits in ours.messages[message.name].signals.items():
+            there = bits.present(words(data))
+            values = bits.physical(bits.raw(words(data)))
+            expected = [row.get(name) for row in decoded]
+            for k, value in enumerate(expected):
+                if value is None:
+                    assert there is None or not there[k]
+                else:
+                    np.testing.assert_array_equal(values[k], float(value))
+
+
+def test_checksums_of_the_catalogue() -> None:
+    digits = np.frombuffer(b"123456789", np.uint8)[None]
+    assert crc8_j1850(digits)[0] == 0x4B
+    assert crc16_ccitt_false(digits)[0] == 0x29B1
+
+
+def test_lost_frames_by_counter() -> None:
+    assert lost(np.array([13, 14, 0, 3]), 12, 15) == 2
+    assert lost(np.array([1, 3, 2, 4]), 0, 15) == 0  # out of order, none lost
+
+
+def test_dbc_is_what_others_read() -> None:
+    """Also codes and time-outs, for other tools."""
+    database = log_fake.database()
+    assert database.get_message_by_name("Drive").cycle_time == 1000
+    assert {m.frame_id for m in database.messages} == {
+        *range(0x210, 0x215),
+        0x220,
+        0x221,
+        0x230,
+        0x240,
+        0x241,
+        0x610,
+        0x611,
+    }
+
+
+def altered(tmp_path: Path, scan: int, change) -> object:
+    """The recording of a log of which one scan's frames are changed."""
+    rows = log_fake.log(8, 5, (2, 6))
+    begin = log_fake.START + scan
+    rows = [new for row in rows for new in ([row] if not begin <= row.time < begin + 1 else change(row))]
+    return read_recording(log_fake.write(tmp_path / "a.log", rows), RIG)
+
+
+def patched(message_id: int, at: int, new: bytes):
+    return lambda row: (
+        [row._replace(data=row.data[:at] + new + row.data[at + len(new) :])] if row.id == message_id else [row]
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "reason", "gone"),
+    [
+        (patched(0x211, 4, b"\x00\x80"), "scan checksum wrong", range(15)),
+        (patched(0x214, 3, b"\x77"), "checksum wrong TelemeterStatus", []),
+        (
+            lambda row: [] if row.id == 0x212 else [row],
+            "scan incomplete, its checksum not checked (used)",
+            range(8, 12),
+        ),
+        (
+            lambda row: [row._replace(data=row.data[:6])] if row.id == 0x212 else [row],
+            "wrong length Telemeter3",
+            range(8, 12),
+        ),
+        (patched(0x220, 1, b"\x02"), "flagged OverRange displacement", [15]),
+        (patched(0x220, 2, b"\x00\x00\x7f"), "out of range displacement", [15]),
+        (patched(0x240, 0, b"\x00\x80"), "not available ambient", []),
+        (patched(0x240, 0, b"\x01\x80"), "sensor fault ambient", []),
+        (patched(0x240, 0, b"\x00\x7f"), "out of range ambient", []),
+    ],
+)
+def test_unusable_is_nan_and_counted(tmp_path: Path, change, reason: str, gone) -> None:
+    record = altered(tmp_path, 4, change)
+    assert reason in record.skipped
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(record.channels[4])), list(gone))
+    assert np.isnan(record.inputs["ambient"][4]) == reason.endswith("ambient")
+
+
+@pytest.mark.parametrize(
+    ("state", "faults", "reason", "gone"),
+    [
+        (2, 0, "scan with TelState LowSupply", range(15)),
+        (9, 0, "scan with TelState unknown", range(15)),
+        (1, 0b1000001, "fault bit T07", [0, 6]),
+        (1, 1 << 15, "fault bit TBoard", []),
+    ],
+)
+def test_scan_says_itself_what_counts(tmp_path: Path, state: int, faults: int, reason: str, gone) -> None:
+    rows = [row for row in log_fake.log(6, 5) if row.id != 0x214 and not 0x210 <= row.id < 0x214]
+    for k in range(6):
+        rows += log_fake.telemeter(log_fake.START + k + 0.995, k, 20, *((state, faults) if k == 2 else (1, 0)))
+    record = read_recording(log_fake.write(tmp_path / "a.log", sorted(rows, key=lambda row: row.time)), RIG)
+    assert record.skipped[reason] == 1
+    bad = np.isnan(record.channels[:, :15])
+    np.testing.assert_array_equal(np.flatnonzero(bad[2]), list(gone))
+    assert not np.delete(bad, 2, axis=0).any()
+    assert np.isnan(record.inputs["board"][2]) == (15 in [*gone] or faults == 1 << 15 or state != 1)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "Telemeter2.T07",
+            "Telemeter2.T7",
+            "channels.T07.signal: rig.dbc has no signal 'Telemeter2.T7'; did you mean 'Telemeter2.T07'?",
+        ),
+        (
+            'closes = "TelemeterStatus"',
+            'closes = "TelemeterStat"',
+            "log.closes: rig.dbc has no message 'TelemeterStat'; did you mean 'TelemeterStatus'?",
+        ),
+        ("TelState = Ok", "TelState = Okay", "log.scan_state: 'Okay' is no value of TelState; did you mean 'Ok'?"),
+        (
+            "DspHoldState = 0",
+            "DspHoldState is 0",
+            "channels.displacement.valid: 'DisplacementHold.DspHoldState is 0' is no condition; "
+            "expected for example 'Message.Signal = 0'",
+        ),
+        (
+            "DisplacementHold.DspHoldSeq",
+            "DisplacementDirect.DspDirectSeq",
+            "channels.displacement: DisplacementDirect and DisplacementHold are two messages; a reading comes from one",
+        ),
+        (
+            '"TelemeterStatus.TelScanCrc"',
+            '"Telemeter1.T01"',
+            "log.scan_crc: must be a signal of the closing message (TelemeterStatus), not of Telemeter1",
+        ),
+        ('dbc = "rig.dbc"', "", "log.dbc is missing: CAN frames need a DBC file"),
+        ('unit = "rpm"', 'unit = "1/min"', "inputs.speed.unit: '1/min' is no unit of it; use rpm or rad/s"),
+        (', signal = "Telemeter2.T07"', "", "channels.T07: 'signal' is missing: which signal of rig.dbc is it?"),
+    ],
+)
+def test_a_rig_file_that_does_not_fit(tmp_path: Path, old: str, new: str, message: str) -> None:
+    text = (RECORDINGS / "rig.toml").read_text()
+    assert old in text
+    (tmp_path / "rig.toml").write_text(text.replace(old, new))
+    path = log_fake.write(tmp_path / "a.log", log_fake.log(2))
+    with pytest.raises(SetupError) as error:
+        read_recording(path, load_rig(tmp_path))
+    assert str(error.value) == f"{tmp_path / 'rig.toml'}: {message}"
+
+
+def test_a_missing_or_broken_dbc(tmp_path: Path) -> None:
+    text = (RECORDINGS / "rig.toml").read_text()
+    (tmp_path / "rig.toml").write_text(text.replace('"rig.dbc"', '"mine.dbc"'))
+    path = log_fake.write(tmp_path / "a.log", log_fake.log(2))
+    with pytest.raises(SetupError, match=r"log\.dbc: no file 'mine\.dbc' in .* or .*drivers"):
+        read_recording(path, load_rig(tmp_path))
+    (tmp_path / "mine.dbc").write_text("BO_ what")
+    with pytest.raises(SetupError, match=r"mine\.dbc: cannot be read as a DBC: "):
+        read_recording(path, load_rig(tmp_path))
+
+
+SEVEN_DBC = """VERSION ""
+BU_: Logger
+BO_ 2566834688 Spindle: 8 Logger
+ SG_ Temp1 : 7|16@0- (0.1,0) [0|0] "degC" Logger
+ SG_ Temp2 : 23|16@0- (0.1,0) [0|0] "degC" Logger
+ SG_ Temp3 : 39|16@0- (0.1,0) [0|0] "degC" Logger
+ SG_ Temp4 : 55|16@0- (0.1,0) [0|0] "degC" Logger
+BO_ 257 Rest: 8 Logger
+ SG_ Temp5 : 7|16@0- (0.1,0) [0|0] "degC" Logger
+ SG_ Temp6 : 23|16@0- (0.1,0) [0|0] "degC" Logger
+ SG_ Temp7 : 39|16@0- (0.1,0) [0|0] "degC" Logger
+BO_ 258 Axis: 6 Logger
+ SG_ Place : 0|32@1- (0.001,0) [0|0] "mm" Logger
+BO_ 259 Motor: 4 Logger
+ SG_ Rate : 0|32@1- (1,0) [0|0] "rad/s" Logger
+VAL_ 257 Temp7 32767 "n/a" ;
+SIG_VALTYPE_ 259 Rate : 1;
+"""
+
+
+def test_seven_channels_on_another_dbc(tmp_path: Path) -> None:
+    (tmp_path / "seven.dbc").write_text(SEVEN_DBC)
+    signals = [f"Spindle.Temp{n}" for n in range(1, 5)] + [f"Rest.Temp{n}" for n in range(5, 8)]
+    channels = "\n".join(f'C{n} = {{ at_mm = {100 * n}, signal = "{s}" }}' for n, s in enumerate(signals, 1))
+    (tmp_path / "rig.toml").write_text(
+        'name = "seven"\ntick_s = 0.5\n[screw]\nfrom_mm = 0\nto_mm = 800\nouter_mm = 32\n'
+        "[nut]\nlength_mm = 80\ncentre_mm = 100\ndirection = 1\n"
+        f'[log]\ndbc = "seven.dbc"\ncloses = "Rest"\n[channels]\n{channels}\n[inputs]\n'
+        'position = { unit = "mm", signal = "Axis.Place", lo = 0, hi = 900 }\n'
+        'speed = { unit = "rad/s", signal = "Motor.Rate", lo = -400, hi = 400 }\n'
+    )
+    database = cantools.database.load_file(tmp_path / "seven.dbc")
+    with can.Logger(tmp_path / "run.blf") as log:
+        for k in range(40):
+            rows = [
+                ("Spindle", {f"Temp{n}": 20 + n + 0.1 * k for n in range(1, 5)}),
+                ("Axis", {"Place": 10.0 * k}),
+                ("Motor", {"Rate": -50.0}),
+                ("Rest", {"Temp5": 25.0, "Temp6": 26.0, "Temp7": 3276.7}),
+            ]
+            for j, (name, values) in enumerate(rows):
+                m = database.get_message_by_name(name)
+                log.on_message_received(
+                    can.Message(
+                        timestamp=1e9 + 0.5 * k + 0.001 * j,
+                        arbitration_id=m.frame_id,
+                        is_extended_id=m.is_extended_frame,
+                        data=m.encode(values),
+                    )
+                )
+    record = read_recording(tmp_path / "run.blf", load_rig(tmp_path))
+    assert len(record) == 40
+    np.testing.assert_allclose(record.channels[:, 0], 21 + 0.1 * np.arange(40))
+    assert record.skipped == {"n/a C7": 40}
+    np.testing.assert_allclose(record.omega[1:], 50)
+    np.testing.assert_allclose(record.coverage[1:].sum(axis=1), 80 / 800 * record.coverage.shape[1])

@@ -1,0 +1,141 @@
+"""Lab CSVs and truth files."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.logs.truth import read_truth
+from drivers.recordings import read_recording
+from estimator.errors import InputError
+from estimator.rig import Rig
+from estimator.rig_folder.rig_folder import load_rig
+
+ROD = """
+name = "heated rod"
+tick_s = 1.0
+[screw]
+from_mm = 0
+to_mm = 400
+outer_mm = 20
+[log]
+time_column = "t"
+[channels]
+A = { at_mm = 50, column = "left" }
+B = { at_mm = 350, hi = 90 }
+[inputs]
+heater = { unit = "W", column = "P/kW", scale = 1000, hi = 500 }
+ambient = {}
+"""
+
+
+@pytest.fixture
+def rod(tmp_path: Path) -> Rig:
+    (tmp_path / "rig.toml").write_text(ROD)
+    return load_rig(tmp_path)
+
+
+def table(path: Path, step: float, rows: int, iso: bool = False) -> Path:
+    begin = datetime(2026, 3, 1, 12, tzinfo=UTC)
+    times = [begin + timedelta(seconds=k * step) if iso else 100 + k * step for k in range(rows)]
+    cells = [f"{t.isoformat() if iso else t},{20 + k},{30 + k},{0.1},21,x" for k, t in enumerate(times)]
+    path.write_text("\n".join(["t,left,B,P/kW,ambient,remark", *cells, ""]))
+    return path
+
+
+@pytest.mark.parametrize("iso", [False, True])
+def test_a_row_a_tick(tmp_path: Path, rod: Rig, iso: bool) -> None:
+    record = read_recording(table(tmp_path / "a.csv", 1.0, 30, iso), rod)
+    np.testing.assert_allclose(record.time_s, np.arange(30))
+    np.testing.assert_array_equal(record.channels, np.transpose([20 + np.arange(30), 30 + np.arange(30)]))
+    np.testing.assert_array_equal(record.inputs["heater"], 100)
+    assert (record.omega == 0).all()
+    assert record.coverage.shape == (30, rod.screw.cells)
+    assert record.skipped == {"column not in the rig file remark": 1}
+
+
+def test_faster_rows_give_the_last_of_each_tick(tmp_path: Path, rod: Rig) -> None:
+    record = read_recording(table(tmp_path / "a.csv", 0.1, 155), rod)
+    np.testing.assert_allclose(np.diff(record.time_s), 1)
+    np.testing.assert_allclose(np.diff(record.channels[:, 0]), 10)
+
+
+def test_slower_rows_leave_ticks_without_measurement(tmp_path: Path, rod: Rig) -> None:
+    record = read_recording(table(tmp_path / "a.csv", 10.0, 6), rod)
+    np.testing.assert_allclose(record.time_s, np.arange(51))
+    np.testing.assert_array_equal(np.flatnonzero(np.isfinite(record.channels[:, 0])), np.arange(0, 51, 10))
+    np.testing.assert_array_equal(record.inputs["ambient"], 21)  # an input holds
+
+
+def test_what_is_no_number_or_out_of_range(tmp_path: Path, rod: Rig) -> None:
+    path = table(tmp_path / "a.csv", 1.0, 10)
+    lines = path.read_text().splitlines()
+    lines[3] = lines[3].replace(",22,", ",broken,")
+    lines[4] = lines[4].replace(",33,", ",999,")
+    lines[5] = lines[5].replace(",24,", ",,")
+    lines[6] += ",more"
+    lines[7] = "soon" + lines[7][3:]
+    path.write_text("\n".join([*lines, "110,2"]))
+    record = read_recording(path, rod)
+    assert record.skipped == {
+        "column not in the rig file remark": 1,
+        "no number A": 1,
+        "out of range B": 1,
+        "row with a wrong number of cells": 1,
+        "time is no number": 1,
+        "torn line": 1,
+    }
+    assert record.notes == (
+        "torn at line 12: it has no line end; read up to there",
+        "silent for 3.0 s at 4.000 s (line 9)",
+    )
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(record.channels[:, 0])), [2, 4, 5, 6])
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(record.channels[:, 1])), [3, 5, 6])
+
+
+def test_a_csv_that_is_none(tmp_path: Path, rod: Rig) -> None:
+    def complaint(text: str) -> str:
+        (tmp_path / "a.csv").write_text(text)
+        with pytest.raises(InputError) as error:
+            read_recording(tmp_path / "a.csv", rod)
+        return str(error.value).removeprefix(f"{tmp_path / 'a.csv'}: ")
+
+    assert complaint("") == "no time column 't' in the header (empty); name it in rig.toml as log.time_column"
+    assert (
+        complaint("T,left\n1,2\n")
+        == "no time column 't' in the header (T, left); name it in rig.toml as log.time_column"
+    )
+    assert complaint("t,ambient\n1,2\n") == "no column of any channel; expected left, B, P/kW, ambient"
+    assert complaint("t,left\n") == "0 usable rows; expected a header row, then seconds or ISO times and numbers"
+    assert complaint("t,left\nx,1\n").startswith("0 usable rows")
+
+
+def test_truth_beside_a_recording(tmp_path: Path) -> None:
+    path = tmp_path / "run.log"
+    file = tmp_path / "run.truth.csv"
+    assert read_truth(path) is None
+    file.write_text("time_s,elongation_um,T01\n0.0,0.0,0.0\n1.0,2.0,0.5\n")
+    truth = read_truth(path)
+    np.testing.assert_array_equal(truth.at(np.array([0.5, 3.0])), [1.0, np.nan])
+    np.testing.assert_array_equal(truth.channels["T01"], [0, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "cannot be read as a truth file"),
+        ("time_s,T01\n0,1\n1,1\n", "no column 'elongation_um'; expected time_s, elongation_um, T01, ..."),
+        ("time_s,elongation_um\n0,1\n1\n", "cannot be read as a truth file"),
+        ("time_s,elongation_um\n0,1\n1,x\n", "cannot be read as a truth file: could not convert string to float: 'x'"),
+        ("time_s,elongation_um\n0,1\n1,nan\n", "expected at least two rows, all of them numbers"),
+        ("time_s,elongation_um\n0,1\n2,1\n1,1\n", "time_s must rise (row 4)"),
+    ],
+)
+def test_a_malformed_truth(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "run.truth.csv").write_text(text)
+    with pytest.raises(InputError) as error:
+        read_truth(tmp_path / "run.log")
+    assert str(error.value).startswith(f"{tmp_path / 'run.truth.csv'}: {message}")

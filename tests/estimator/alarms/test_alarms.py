@@ -1,0 +1,106 @@
+"""Alarms: how often they are false, what they find, and when they end."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import poisson
+
+from estimator.alarms.alarms import Alarms, Stuck
+from estimator.alarms.window import NIS_ALLOWED, WINDOWS, Window, WindowTest
+from estimator.rig import Rig
+from estimator.step import Mode, Step
+
+SD = 0.05
+
+
+def step_of(rig: Rig, k: int, innovation: np.ndarray, nis: float, measured: np.ndarray | None = None) -> Step:
+    """A tick with these innovations; all channels fused unless NaN."""
+    m, fused, empty = len(rig.names), np.isfinite(innovation), np.empty(0)
+    return Step(
+        time_s=k * rig.tick_s, mode=Mode.UPDATE, elongation_um=0.0, sigma_um=0.1, open_loop_um=0.0, profile_C=empty,
+        profile_sd_K=empty, bodies_C=empty, error_at_table_um=0.0, error_at_table_sd_um=0.0, names=tuple(rig.names),
+        measured=innovation if measured is None else measured, predicted=np.zeros(m), innovation=innovation,
+        innovation_sd=np.full(m, SD), fused=fused, why=tuple("" if f else "not measured" for f in fused),
+        open_loop=np.zeros(m), nis=nis, nis_channels=int(fused.sum()),
+    )  # fmt: skip
+
+
+def lived(rig: Rig, ticks: int, bias_sd: float = 0.0, spread: float = 1.0, seed: int = 1, false_s: float = 3600.0):
+    """Alarms of a rig whose innovations are off by so much: (tick, begun, over)."""
+    dice, alarms = np.random.default_rng(seed), Alarms(rig, false_s)
+    for k in range(ticks):
+        scaled = spread * dice.standard_normal(len(rig.names)) + bias_sd
+        begun, over = alarms.step(step_of(rig, k, SD * scaled, float((scaled**2).sum())))
+        yield k, begun, over
+
+
+def test_false_alarms_are_no_more_than_stated(small):
+    """A rig that is off by the whole allowance; the rate is set to one an hour, so that there is one to count."""
+    hours = 8
+    ticks = int(hours * 3600 / small.tick_s)
+    off = max(window.bias for window in WINDOWS[1:])
+    count = sum(len(begun) for _, begun, _ in lived(small, ticks, bias_sd=off))
+    assert count <= poisson.isf(1e-4, hours)
+    spread = sum(len(begun) for _, begun, _ in lived(small, ticks, spread=np.sqrt(NIS_ALLOWED)))
+    assert spread <= poisson.isf(1e-4, hours)
+
+
+@pytest.mark.parametrize("window", WINDOWS, ids=["minute", "ten"])
+def test_one_window_alone_fails_as_often_as_it_says(small, window: Window):
+    """Bias at the edge of the allowance: the share of windows that fail is that of the normal quantile."""
+    test = WindowTest(small, window, false_s=20 * window.ticks * small.tick_s)
+    dice, failed, tried = np.random.default_rng(5), 0, 600
+    for _ in range(tried):
+        sums = window.bias + dice.standard_normal(len(small.names)) / np.sqrt(window.ticks)
+        test._count[:], test._sum[:] = window.ticks, sums * window.ticks
+        failed += int(test._biased().sum())
+    expected = tried * len(small.names) * test.share / 2
+    assert poisson.ppf(1e-4, expected) <= failed <= poisson.isf(1e-4, expected)
+
+
+def test_a_right_rig_raises_none(small):
+    assert not [alarm for _, begun, _ in lived(small, 20_000) for alarm in begun]
+
+
+def test_a_bias_is_found_named_and_passes(small):
+    alarms, dice = Alarms(small), np.random.default_rng(2)
+    told: list[tuple[int, str, str]] = []
+    for k in range(600):
+        scaled = dice.standard_normal(len(small.names))
+        scaled[1] += 4.0 if 130 <= k < 300 else 0.0
+        begun, over = alarms.step(step_of(small, k, SD * scaled, float((scaled**2).sum())))
+        told += [(k, "+", a.channel) for a in begun if a.kind == "bias" and a.over_s == WINDOWS[0].ticks * small.tick_s]
+        told += [(k, "-", a.channel) for a in over if a.kind == "bias" and a.over_s == WINDOWS[0].ticks * small.tick_s]
+    name = small.names[1]
+    assert told == [(179, "+", name), (359, "-", name)]
+
+
+def test_innovations_twice_too_large_are_found(small):
+    found = [(k, a) for k, begun, _ in lived(small, 200, spread=2.0, false_s=30 * 86400.0) for a in begun]
+    k, alarm = next((k, a) for k, a in found if a.kind == "nis")
+    assert k == 59
+    assert alarm.text == "the innovations are 1.9 times as large as they should be"
+    assert alarm.since_s == 0.0
+
+
+@pytest.mark.parametrize("step_C", [0.001, 0.25, 1.0])
+def test_a_coarse_sensor_is_not_stuck(step_C):
+    """A reading that drifts by 3 K, with noise of 10 mK, rounded."""
+    dice, stuck = np.random.default_rng(3), Stuck(1)
+    values = np.linspace(20.0, 23.0, 4000) + 0.01 * dice.standard_normal(4000)
+    found = [k for k, value in enumerate(values) if list(stuck.step(np.array([round(value / step_C) * step_C])))]
+    assert not found
+
+
+def test_a_fine_sensor_is_stuck_within_half_a_minute():
+    dice, stuck = np.random.default_rng(4), Stuck(2)
+    for k in range(400):
+        value = np.round(20 + 0.03 * dice.standard_normal(2), 2)
+        value[0] = value[0] if k < 300 else 19.99
+        found = list(stuck.step(value))
+        if found:
+            break
+    assert found == [(0, 19.99, 21)]
+    assert list(stuck.step(np.array([np.nan, 20.0]))) == [(0, 19.99, 21)]  # one reading missed says nothing
+    assert k == 321

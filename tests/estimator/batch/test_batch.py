@@ -1,0 +1,405 @@
+"""The batch engine against plain numpy: the joint Gaussian of all states, and a filter without padding."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from estimator.batch import batch
+from estimator.batch.batch import ahead, gram, loglike, open_loop, passes, score, smoothed
+from estimator.batch.system import System
+from estimator.state.gate import Gate
+
+T, N, MOVING, CHANNELS, REGIMES = 30, 11, 6, 6, 2
+SPAN = 4  # the channel with a dense row and an entry that varies
+
+
+def random_system(seed: int = 0, ticks: int = T) -> System:
+    """Two regimes; five constants, two of which walk; gaps, ticks without a reading, a channel without a model."""
+    rng = np.random.default_rng(seed)
+    F = np.array([0.8 * np.eye(MOVING) + 0.1 * rng.standard_normal((MOVING, MOVING)) for _ in range(REGIMES)])
+    root = 0.3 * rng.standard_normal((REGIMES, MOVING, MOVING))
+    Q = np.zeros((REGIMES, N, N))
+    Q[:, :MOVING, :MOVING] = root @ root.transpose(0, 2, 1)
+    Q[:, [7, 9], [7, 9]] = 0.01
+    b = np.zeros((ticks, N))
+    b[:, :MOVING] = rng.standard_normal((ticks, MOVING))
+    H = np.where(rng.random((CHANNELS, N)) < 0.25, rng.standard_normal((CHANNELS, N)), 0.0)
+    H[:, 0] = 1.0
+    H[SPAN] = rng.standard_normal(N)
+    y = 2.0 * rng.standard_normal((ticks, CHANNELS))
+    y[rng.random(y.shape) < 0.3] = np.nan
+    y[[0, 5, 6, ticks - 1]] = np.nan
+    R = rng.uniform(0.2, 2.0, (ticks, CHANNELS))
+    R[:, 2] = np.inf
+    R[3, 1] = np.inf
+    spans = np.zeros(CHANNELS)
+    spans[[SPAN, 1]] = 0.7, -0.4
+    start = rng.standard_normal((N, N))
+    return System(
+        y=y, regime=rng.integers(0, REGIMES, ticks), b=b, F=F, Q=Q, H=H, spans=spans, column=N - 2,
+        grown=rng.standard_normal(ticks), R=R, x0=rng.standard_normal(N), P0=start @ start.T / N + 0.1 * np.eye(N),
+        muted=rng.random(y.shape) < 0.1,
+    )  # fmt: skip
+
+
+def full(F: np.ndarray, n: int = N) -> np.ndarray:
+    whole = np.eye(n, dtype=F.dtype)
+    whole[: len(F), : len(F)] = F
+    return whole
+
+
+def rows(s: System, t: int) -> np.ndarray:
+    H = s.H + 0.0 * s.grown[t]
+    if s.column >= 0:
+        H[:, s.column] += s.spans * s.grown[t]
+    return H
+
+
+def used(s: System, t: int) -> np.ndarray:
+    use = np.isfinite(s.y[t].real) & np.isfinite(s.R[t].real)
+    return use if s.muted is None else use & ~s.muted[t]
+
+
+def plain(s: System, fuse: list[np.ndarray] | None = None) -> tuple[complex, list, list]:
+    """Log-likelihood, predicted and filtered (x, P) of every tick; of complex numbers too, for derivatives."""
+    x, P, total, before, after = s.x0, s.P0, 0.0, [], []
+    for t in range(len(s.y)):
+        F = full(s.F[s.regime[t]], len(x))
+        x, P = F @ x + s.b[t], F @ P @ F.T + s.Q[s.regime[t]]
+        before.append((x, P))
+        use = used(s, t) if fuse is None else fuse[t]
+        H = rows(s, t)[use]
+        S = H @ P @ H.T + np.diag(s.R[t, use])
+        e = s.y[t, use] - H @ x
+        K = np.linalg.solve(S, H @ P).T
+        total = total - 0.5 * (np.log(np.linalg.det(S)) + e @ np.linalg.solve(S, e) + len(e) * np.log(2 * np.pi))
+        x, P = x + K @ e, P - K @ S @ K.T
+        after.append((x, P))
+    return total, before, after
+
+
+def joint(s: System) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Mean and covariance of the states of all ticks in a row; rows, variances and values of all readings."""
+    ticks, size = s.b.shape
+    mean, cov = np.zeros((ticks, size)), np.zeros((ticks, size, ticks, size))
+    x, P = s.x0, s.P0
+    for t in range(ticks):
+        F = full(s.F[s.regime[t]], size)
+        x, P = F @ x + s.b[t], F @ P @ F.T + s.Q[s.regime[t]]
+        mean[t], cov[t, :, t] = x, P
+        for u in range(t):
+            cov[t, :, u] = F @ cov[t - 1, :, u]
+            cov[u, :, t] = cov[t, :, u].T
+    H, R, y = np.zeros((ticks, len(s.H), ticks, size)), s.R.copy(), s.y.copy()
+    for t in range(ticks):
+        H[t, :, t] = rows(s, t)
+        y[t, ~used(s, t)] = np.nan
+    flat = ticks * size
+    return mean.ravel(), cov.reshape(flat, flat), H.reshape(-1, flat), R.ravel(), y.ravel()
+
+
+def given(s: System, ticks: int) -> tuple[np.ndarray, np.ndarray, float]:
+    """Mean and covariance of all states given the readings of the first ticks, and log-likelihood of those."""
+    mean, cov, H, R, y = joint(s)
+    use = np.isfinite(y) & (np.arange(len(y)) < ticks * len(s.H))
+    H, R, e = H[use], R[use], y[use] - H[use] @ mean
+    S = H @ cov @ H.T + np.diag(R)
+    K = np.linalg.solve(S, H @ cov).T
+    value = -0.5 * (np.linalg.slogdet(S)[1] + e @ np.linalg.solve(S, e) + len(e) * np.log(2 * np.pi))
+    shape = s.b.shape
+    return (mean + K @ e).reshape(shape), (cov - K @ H @ cov).reshape(*shape, *shape), value
+
+
+@pytest.fixture
+def system():
+    return random_system()
+
+
+@pytest.fixture(params=["whole", "chunked"])
+def chunked(request, monkeypatch):
+    """Every test twice: all ticks at once, and in chunks of a few."""
+    if request.param == "chunked":
+        monkeypatch.setattr(batch, "BUDGET", 16_000)
+        monkeypatch.setattr(batch, "NEAR", 10_000)
+
+
+def collected(s: System, gate: Gate | None = None) -> dict[str, np.ndarray]:
+    chunks = list(passes(s, gate))
+    assert [c.ticks.start for c in chunks[1:]] == [c.ticks.stop for c in chunks[:-1]]
+    names = ("x", "P", "predicted", "sd", "fused", "nis", "loglike")
+    return {name: np.concatenate([getattr(c, name) for c in chunks]) for name in names}
+
+
+@pytest.mark.usefixtures("chunked")
+def test_filtered_is_the_joint_gaussian_given_the_past(system):
+    found = collected(system)
+    for t in range(T):
+        x, P, _ = given(system, t + 1)
+        assert found["x"][t] == pytest.approx(x[t], abs=1e-9)
+        assert found["P"][t] == pytest.approx(P[t, :, t], abs=1e-9)
+
+
+@pytest.mark.usefixtures("chunked")
+def test_predictions_compare_every_channel_whether_used_or_not(system):
+    found, (_, before, _) = collected(system), plain(system)
+    values = [0.0] + [given(system, t + 1)[2] for t in range(T)]
+    assert found["loglike"] == pytest.approx(np.diff(values), abs=1e-9)
+    for t, (x, P) in enumerate(before):
+        H, use = rows(system, t), used(system, t)
+        assert found["predicted"][t] == pytest.approx(H @ x, abs=1e-9)
+        assert found["sd"][t] == pytest.approx(np.sqrt(np.diag(H @ P @ H.T) + system.R[t]), abs=1e-9)
+        assert (found["fused"][t] == use).all()
+        e, S = (system.y[t] - H @ x)[use], (H @ P @ H.T)[np.ix_(use, use)] + np.diag(system.R[t, use])
+        expected = e @ np.linalg.solve(S, e) if use.any() else np.nan
+        assert found["nis"][t] == pytest.approx(expected, abs=1e-9, nan_ok=True)
+    assert np.isnan(found["nis"][[0, 5, 6, -1]]).all()
+    assert np.isinf(found["sd"][:, 2]).all()
+
+
+@pytest.mark.usefixtures("chunked")
+def test_loglike_is_that_of_all_readings_at_once(system):
+    assert loglike(system) == pytest.approx(given(system, T)[2], rel=1e-12)
+    assert score(system).loglike == pytest.approx(loglike(system), rel=1e-13)
+
+
+@pytest.mark.usefixtures("chunked")
+def test_smoothed_is_the_joint_gaussian_given_all(system):
+    x, P, _ = given(system, T)
+    found = smoothed(system, covariances=True)
+    assert found.x == pytest.approx(x, abs=1e-9)
+    assert found.cov == pytest.approx(np.array([P[t, :, t] for t in range(T)]), abs=1e-9)
+    assert found.var == pytest.approx(np.diagonal(found.cov, axis1=1, axis2=2), abs=1e-12)
+    assert smoothed(system).var == pytest.approx(found.var, abs=1e-12)
+
+
+@pytest.mark.usefixtures("chunked")
+def test_adjoint_is_the_score_for_an_impulse_and_N_its_variance(system):
+    rng = np.random.default_rng(5)
+    along = rng.standard_normal((3, N))
+    found, slopes = smoothed(system, along=along), score(system)
+    assert found.cov.shape == (0, N, N)
+    assert found.r == pytest.approx(slopes.b, abs=1e-11)
+    assert found.along_r == pytest.approx(slopes.b @ along.T, abs=1e-11)
+    _, cov, H, R, y = joint(system)
+    use = np.isfinite(y)
+    information = H[use].T @ np.linalg.solve(H[use] @ cov @ H[use].T + np.diag(R[use]), H[use])
+    for t in (0, 11, T - 1):  # an impulse in the inputs of tick t goes on through the ticks after it
+        impulse, response = np.eye(N), np.zeros((T, N, N))
+        for u in range(t, T):
+            impulse = impulse if u == t else full(system.F[system.regime[u]]) @ impulse
+            response[u] = impulse
+        flat = response.reshape(T * N, N)
+        variance = along @ flat.T @ information @ flat @ along.T
+        assert found.along_N[t] == pytest.approx(np.diag(variance), rel=1e-9, abs=1e-12)
+
+
+STEP = 1e-30
+
+
+def complex_slopes(s: System, name: str, symmetric: bool = False) -> np.ndarray:
+    """Derivative of the plain log-likelihood by every entry of a field, exact by an imaginary step."""
+    value = getattr(s, name)
+    result = np.zeros(value.shape)
+    for at in np.ndindex(value.shape):
+        if not np.isfinite(value[at]):
+            continue
+        changed = value.astype(complex)
+        changed[at] += 1j * STEP
+        if symmetric and at[-1] != at[-2]:
+            changed[(*at[:-2], at[-1], at[-2])] += 1j * STEP
+        result[at] = plain(replace(s, **{name: changed}))[0].imag / STEP
+    if symmetric:  # both entries were changed
+        result *= 0.5 * (1.0 + np.eye(result.shape[-1]))
+    return result
+
+
+@pytest.mark.usefixtures("chunked")
+@pytest.mark.parametrize("name", ["F", "b", "y", "R", "x0", "grown", "Q", "P0"])
+def test_score_by(system, name):
+    expected = complex_slopes(system, name, symmetric=name in ("Q", "P0"))
+    found = getattr(score(system), name)
+    assert found == pytest.approx(expected, rel=1e-6, abs=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.usefixtures("chunked")
+def test_score_by_the_wanted_rows(system):
+    expected = complex_slopes(system, "H")
+    wanted = np.isin(np.arange(CHANNELS), [0, SPAN, 2])
+    found = score(system, wanted)
+    assert found.H[wanted] == pytest.approx(expected[wanted], rel=1e-6, abs=1e-9 * np.abs(expected).max())
+    assert not found.H[~wanted].any()
+    assert found.grown == pytest.approx(score(system).grown, rel=1e-12)
+
+
+def test_without_a_varying_column_grown_is_nothing(system):
+    flat = replace(system, column=-1)
+    assert loglike(flat) == pytest.approx(loglike(replace(system, grown=np.zeros(T))), rel=1e-13)
+    assert not score(flat).grown.any()
+
+
+def effects(k: int, seed: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    B = rng.standard_normal((T, N, k))
+    B[:, MOVING:] = 0.0
+    return B, rng.standard_normal((T, CHANNELS, k)), rng.standard_normal((N, k))
+
+
+@pytest.mark.usefixtures("chunked")
+@pytest.mark.parametrize("k", [1, 7, 10])
+def test_gram_tells_what_refitting_would(system, k):
+    B, D, start = effects(k)
+    G = gram(system, lambda ticks: (B[ticks], D[ticks]), k, start)
+    assert G.shape == (1, k + 1, k + 1)
+    G = G[0]
+    rng = np.random.default_rng(1)
+    for a in (*0.1 * rng.standard_normal((3, k)), np.linalg.lstsq(G[:k, :k], G[:k, k], rcond=None)[0]):
+        changed = replace(system, b=system.b + B @ a, y=system.y - D @ a, x0=system.x0 + start @ a)
+        gain = G[:k, k] @ a - 0.5 * a @ G[:k, :k] @ a
+        assert loglike(changed) == pytest.approx(loglike(system) + gain, rel=1e-8)
+    assert G[k, k] == pytest.approx(np.nansum(collected(system)["nis"]), rel=1e-12)
+
+
+@pytest.mark.usefixtures("chunked")
+def test_gram_of_blocks_of_time(system):
+    B, D, _ = effects(4)
+    blocks = np.arange(T) // 7
+    parts = gram(system, lambda ticks: (B[ticks], D[ticks]), 4, blocks=blocks)
+    assert parts.shape == (blocks[-1] + 1, 5, 5)
+    assert parts.sum(axis=0) == pytest.approx(gram(system, lambda ticks: (B[ticks], D[ticks]), 4)[0], rel=1e-11)
+    nis = np.nan_to_num(collected(system)["nis"])
+    assert parts[:, 4, 4] == pytest.approx(np.bincount(blocks, nis), rel=1e-11)
+
+
+@pytest.mark.usefixtures("chunked")
+def test_gate_is_that_of_the_filter_tick_by_tick(system):
+    y = system.y.copy()
+    y[8:22, 0] = 60.0  # muted now and then, missing now and then, believed in the end
+    y[12, SPAN] = y[20, 3] = -80.0
+    system, gate = replace(system, y=y), Gate(sd=6.0, stubborn=3)
+    found, rejected, fuse = collected(system, gate), np.zeros(CHANNELS, dtype=int), []
+    x, P = system.x0, system.P0
+    for t in range(T):
+        F, H = full(system.F[system.regime[t]]), rows(system, t)
+        x, P = F @ x + system.b[t], F @ P @ F.T + system.Q[system.regime[t]]
+        sd = np.sqrt(np.diag(H @ P @ H.T) + system.R[t])
+        wild = np.abs(y[t] - H @ x) > gate.sd * sd
+        rejected = np.where(wild, rejected + 1, 0)
+        use = used(system, t) & ~(wild & (rejected <= gate.stubborn))
+        fuse.append(use)
+        K = np.linalg.solve(H[use] @ P @ H[use].T + np.diag(system.R[t, use]), H[use] @ P).T
+        x, P = x + K @ (y[t] - H @ x)[use], P - K @ H[use] @ P
+        assert found["x"][t] == pytest.approx(x, abs=1e-8)
+    assert (found["fused"] == np.array(fuse)).all()
+    assert not found["fused"][12, SPAN]
+    assert (~found["fused"] & [used(system, t) for t in range(T)]).sum() > 3
+    assert found["loglike"].sum() == pytest.approx(plain(system, fuse)[0], rel=1e-10)
+
+
+def test_ahead_and_open_loop(system):
+    _, _, after = plain(system)
+    starts, readings = ahead(system, steps=4, every=3)
+    assert starts.tolist() == list(range(0, T - 4, 3))
+    for start, found in zip(starts, readings):
+        x = after[start][0]
+        for t in range(start + 1, start + 5):
+            x = full(system.F[system.regime[t]]) @ x + system.b[t]
+        assert found == pytest.approx(rows(system, start + 4) @ x, abs=1e-11)
+    x, run = system.x0, open_loop(system)
+    for t in range(T):
+        x = full(system.F[system.regime[t]]) @ x + system.b[t]
+        assert run[t] == pytest.approx(x, abs=1e-12)
+    assert len(ahead(system, steps=T, every=1)[0]) == 0
+
+
+def test_no_ticks_at_all(system):
+    per_tick = ("y", "regime", "b", "grown", "R", "muted")
+    empty = replace(system, **{name: getattr(system, name)[:0] for name in per_tick})
+    assert loglike(empty) == 0.0
+    assert not score(empty).P0.any()
+    assert smoothed(empty, covariances=True).cov.shape == (0, N, N)
+    assert [len(chunk.x) for chunk in passes(empty)] == [0]
+    assert not gram(empty, lambda ticks: (np.zeros((0, N, 2)), np.zeros((0, CHANNELS, 2))), 2).any()
+    assert open_loop(empty).shape == (0, N)
+    assert len(ahead(empty, 3, 3)[0]) == 0
+
+
+def test_many_channels_and_entries_of_a_size_that_would_overflow():
+    rng = np.random.default_rng(2)
+    m = 90
+    y = 1e-4 * rng.standard_normal((5, m))
+    one = System(
+        y=y, regime=np.zeros(5, dtype=int), b=np.zeros((5, 1)), F=np.ones((1, 1, 1)), Q=np.full((1, 1, 1), 1e-9),
+        H=np.ones((m, 1)), spans=np.zeros(m), column=-1, grown=np.zeros(5), R=np.full((5, m), 1e-8), x0=np.zeros(1),
+        P0=np.full((1, 1), 1e-8),
+    )  # fmt: skip
+    assert loglike(one) == pytest.approx(given(one, 5)[2], rel=1e-10)
+    columns = np.ones((5, 1, 1)), np.zeros((5, m, 1))
+    assert gram(one, lambda ticks: (columns[0][ticks], columns[1][ticks]), 1)[0, 1, 1] == pytest.approx(
+        sum(chunk.nis.sum() for chunk in passes(one)), rel=1e-12
+    )
+
+
+def test_what_it_is_given_is_not_changed_and_may_be_read_only(system):
+    before = {name: np.array(value) for name, value in vars(system).items()}
+    expected, frozen = loglike(system), random_system()
+    for value in vars(frozen).values():
+        if isinstance(value, np.ndarray):
+            value.flags.writeable = False
+    assert loglike(frozen) == expected
+    score(frozen), smoothed(frozen), list(passes(frozen, Gate())), ahead(frozen, 3, 3), open_loop(frozen)
+    for name, value in before.items():
+        np.testing.assert_array_equal(value, getattr(frozen, name))
+
+
+def test_covariances_stay_symmetric_and_positive_over_a_million_ticks():
+    rng, ticks, n = np.random.default_rng(4), 1_000_000, 8
+    F = 0.999 * np.eye(7) + 0.001 * np.eye(7, k=1)
+    long = System(
+        y=np.where(rng.random((ticks, 3)) < 0.9, rng.standard_normal((ticks, 3)), np.nan),
+        regime=np.zeros(ticks, dtype=int), b=np.zeros((ticks, n)), F=F[None], Q=1e-6 * np.eye(n)[None],
+        H=np.eye(n)[[0, 3, 7]] + 0.1 * np.eye(n)[[1, 2, 6]], spans=np.array([0.0, 0.0, 1.0]), column=7,
+        grown=np.sin(np.arange(ticks) / 1000.0), R=np.full((ticks, 3), 1e-2), x0=np.zeros(n), P0=1e2 * np.eye(n),
+    )  # fmt: skip
+    for chunk in passes(long):
+        some = chunk.P[::97]
+        assert (some == some.transpose(0, 2, 1)).all()
+        assert np.linalg.eigvalsh(some).min() > 0.0
+        assert (chunk.sd[::97] ** 2 > 1e-2).all()
+
+
+def test_loglike_of_another_library(system):
+    # statsmodels 0.15.0, tsa.statespace.kalman_filter.KalmanFilter (conventional, its default), on this very system:
+    # initialize_known at F x0 + b and F P0 F' + Q of the first tick, transition and intercept of the next tick, unused
+    # readings NaN
+    assert loglike(random_system(seed=7, ticks=400)) == pytest.approx(-4237.980421226866, rel=1e-9)
+
+
+def test_it_works_where_nothing_can_be_written(tmp_path):
+    """A read-only install without a home: no cache, and nothing but a slower start."""
+    home = tmp_path / "estimator"
+    shutil.copytree(Path(batch.__file__).parents[1], home, ignore=shutil.ignore_patterns("__pycache__"))
+    (home / "batch" / "__pycache__").touch()  # nobody can make the folder now, root neither
+    program = "from estimator.batch import batch, kernels; print(kernels.forward.stats.cache_path, batch.is_cold())"
+    clean = {key: value for key, value in os.environ.items() if not key.startswith(("HOME", "XDG", "NUMBA"))}
+    clean |= {"HOME": "/proc/none", "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, env=clean, capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("None True\n", "")
+
+
+def test_compiled_once_and_known_to_be(system):
+    loglike(system), score(system), smoothed(system), list(passes(system)), ahead(system, 3, 3), open_loop(system)
+    B, D, _ = effects(1)
+    gram(system, lambda ticks: (B[ticks], D[ticks]), 1)
+    assert not batch.is_cold()
+    assert not batch.is_cold(passes, smoothed)
+    used = batch.kernels
+    for kernel in (used.forward, used.compare, used.smooth, used.score, used.columns, used._coast):
+        assert len(kernel.signatures) == 1

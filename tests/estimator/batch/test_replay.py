@@ -1,0 +1,276 @@
+"""The replay of a whole recording gives the numbers of the filter that takes it a tick at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.recordings import read_recording
+from estimator import filter as filtering
+from estimator.batch import replay as module
+from estimator.batch.replay import replay
+from estimator.effect import Effect, Param
+from estimator.effects.readings import Thermometers
+from estimator.filter import Filter
+from estimator.model import model_of
+from estimator.network import regime
+from estimator.record import Recording
+from estimator.rig import Channel, Rig, Signal
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
+from estimator.step import SERIES, Mode, Track
+from estimator.terms import Heat, Link, Store
+
+ROOT = Path(__file__).parents[3]
+PAPER, ROD = ROOT / "recordings", ROOT / "examples" / "heated_rod"
+SECONDS = 150
+SPIKE_K = 30.0
+
+
+def both(model, rig, recording, mute=None) -> Track:
+    """The filter's track, after every field of the replay has been found equal to it."""
+    slow, fast = Filter(model, rig, mute).run(recording), replay(model, rig, recording, mute)
+    assert (fast.bodies, fast.names) == (slow.bodies, slow.names)
+    np.testing.assert_array_equal(fast.x_mm, slow.x_mm)
+    for key in SERIES:
+        a, b = getattr(fast, key), getattr(slow, key)
+        assert a.shape == b.shape, key
+        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9, err_msg=key)
+    return slow
+
+
+@pytest.fixture(scope="module", params=["small", "paper"])
+def lived(request, driven, live) -> tuple:
+    """Model, rig and a recording with noise: a drive and some rest, air and board that warm up."""
+    names = ("small_model", "small", (0.0, 100.0)) if request.param == "small" else ("full", "rig", (0.0, 400.0))
+    model, rig = (request.getfixturevalue(name) for name in names[:2])
+    drive = driven(rig, SECONDS, (20, 90), stroke=names[2])
+    for name in ("ambient", "board"):
+        drive.inputs[name][:] = 22 + np.linspace(0, 3, SECONDS)
+    return model, rig, live(model, rig, drive, seed=1, process=True).recording
+
+
+def copy(run: Recording) -> Recording:
+    """The recording with arrays of its own, to break."""
+    own = {key: getattr(run, key).copy() for key in ("channels", "ages_s", "omega", "coverage")}
+    return replace(run, inputs={name: column.copy() for name, column in run.inputs.items()}, **own)
+
+
+def nothing(run: Recording) -> None:
+    pass
+
+
+def gaps(run: Recording) -> None:
+    run.channels[np.random.default_rng(0).random(run.channels.shape) < 0.4] = np.nan
+
+
+def whole_silent_ticks(run: Recording) -> None:
+    run.channels[1] = run.channels[40:60] = run.channels[-3:] = np.nan
+
+
+def late_readings(run: Recording) -> None:
+    run.ages_s[:] = np.random.default_rng(0).uniform(0, 1.5, run.ages_s.shape)
+
+
+def first_ticks_without_thermometer(run: Recording) -> None:
+    run.channels[:7, :-1] = np.nan
+    run.channels[2, -1] = 3.0
+
+
+def first_sample_without_displacement(run: Recording) -> None:
+    run.channels[:9, -1] = np.nan
+
+
+def a_channel_that_comes_later(run: Recording) -> None:
+    run.channels[:50, 2] = np.nan
+
+
+def lost_drive_and_inputs(run: Recording) -> None:
+    run.omega[40:43] = run.coverage[40:44] = run.inputs["position"][40:60] = np.nan
+    run.inputs["ambient"][:25] = run.inputs["bar"][:] = np.nan
+
+
+BREAKS = [
+    nothing, gaps, whole_silent_ticks, late_readings, first_ticks_without_thermometer,
+    first_sample_without_displacement, a_channel_that_comes_later, lost_drive_and_inputs,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("broken", BREAKS)
+def test_replay_is_the_filter_with(broken, lived):
+    model, rig, run = lived
+    run = copy(run)
+    broken(run)
+    track = both(model, rig, run)
+    assert len(track) == SECONDS
+    assert np.isfinite(track.elongation_um[-1])
+
+
+def test_a_tick_without_readings_coasts_and_a_start_without_thermometer_waits(lived):
+    model, rig, run = lived
+    run = copy(run)
+    first_ticks_without_thermometer(run)
+    run.channels[30] = np.nan
+    track = both(model, rig, run)
+    assert (track.mode[:7] == Mode.INIT).all()
+    assert np.isnan(track.elongation_um[:7]).all()
+    assert np.isnan(track.profile_C[:7]).all()
+    assert track.mode[30] == Mode.COASTING
+    assert np.isnan(track.nis[30])
+
+
+def test_a_spike_is_refused_and_one_that_stays_is_believed_at_the_same_tick(lived):
+    model, rig, run = lived
+    run = copy(run)
+    run.channels[30, 1] += SPIKE_K
+    run.channels[60:80, 2] += SPIKE_K
+    fused = both(model, rig, run).fused
+    assert not fused[30, 1]
+    assert fused[[29, 31], 1].all()
+    np.testing.assert_array_equal(np.flatnonzero(~fused[50:80, 2]) + 50, np.arange(60, 65))
+
+
+def test_a_spike_is_counted_anew_after_a_gap(lived):
+    model, rig, run = lived
+    run = copy(run)
+    run.channels[60:75, 2] += SPIKE_K
+    run.channels[63, 2] = np.nan
+    fused = both(model, rig, run).fused
+    np.testing.assert_array_equal(np.flatnonzero(~fused[50:75, 2]) + 50, np.arange(60, 69))
+
+
+def test_a_thermometer_that_was_off_from_the_first_sample_on(lived):
+    """The first sample counts among the ticks after which what stays is believed."""
+    model, rig, run = lived
+    run = copy(run)
+    run.channels[:, 1] += SPIKE_K
+    np.testing.assert_array_equal(np.flatnonzero(~both(model, rig, run).fused[:8, 1]), np.arange(5))
+
+
+def muted(*spans: tuple[int, float, float], channels: int) -> Callable[[float], np.ndarray]:
+    """Mute channel i between two times, for each (i, from, to)."""
+
+    def mute(time_s: float) -> np.ndarray:
+        out = np.zeros(channels, dtype=bool)
+        for i, lo, hi in spans:
+            out[i] |= lo <= time_s < hi
+        return out
+
+    return mute
+
+
+def test_muted_spans(lived):
+    """Also from the start on, of all channels at a time, and over a spike, which is counted while it is not fused."""
+    model, rig, run = lived
+    run = copy(run)
+    m = len(rig.names)
+    run.channels[100:108, 2] += SPIKE_K
+    spans = [(0, 0, 30), (m - 1, 50, 80), (2, 100, 103), *((i, 120, 125) for i in range(m))]
+    track = both(model, rig, run, muted(*spans, channels=m))
+    assert not track.fused[:29, 0].any()
+    assert track.fused[29, 0]
+    assert np.isfinite(track.innovation[:29, 0]).all()
+    assert not track.fused[49:79, -1].any()
+    np.testing.assert_array_equal(np.flatnonzero(~track.fused[90:115, 2]) + 90, [99, 100, 101, 102, 103, 104])
+    assert (track.mode[119:124] == Mode.COASTING).all()
+
+
+def test_a_channel_that_no_effect_reads_is_shown_but_never_fused(lived):
+    model, rig, run = lived
+    track = both(model - "displacement", rig, run)
+    assert not track.fused[:, -1].any()
+    assert np.isinf(track.innovation_sd[:, -1]).all()
+
+
+def test_a_recording_that_ends_at_its_first_reading_or_before(lived):
+    model, rig, run = lived
+    run = copy(run)
+    first_ticks_without_thermometer(run)
+    assert np.isfinite(both(model, rig, run.rows(slice(0, 8))).elongation_um).sum() == 1
+    assert both(model, rig, run.rows(slice(7, 8))).mode[0] != Mode.INIT
+    assert (both(model, rig, run.rows(slice(0, 5))).mode == Mode.INIT).all()
+
+
+def test_each_hears_of_the_ticks_done_up_to_the_last(lived):
+    model, rig, run = lived
+    heard = []
+    replay(model, rig, run, each=heard.append)
+    assert heard == sorted(heard)
+    assert heard[-1] == SECONDS
+
+
+def test_how_many_ticks_are_worked_out_at_a_time_does_not_matter(lived, monkeypatch):
+    model, rig, run = lived
+    monkeypatch.setattr(module, "ROWS", 7)
+    both(model, rig, run)
+
+
+class Heaters(Effect):
+    """Two heaters warm each other and the room.
+
+    C dT/dt = P Q - g (T - T_air) + g12 (T_other - T)
+    """
+
+    power = Param(0.008, "W/%", lo=0.0, hi=0.1, null=0.0)
+
+    def terms(self, p, u, rig):
+        for node in ("left", "right"):
+            yield Store(node, 6.0, noise=0.01)
+            yield Link(node, "ambient", 0.05)
+        yield Link("left", "right", 0.03)
+        yield Heat("left", p.power * u["Q1"])
+
+
+def test_a_rig_without_a_screw():
+    """Long enough for more than one part."""
+    channels = {"T1": Channel(node="left"), "T2": Channel(node="right")}
+    rig = Rig("two heaters", 10.0, channels, {"Q1": Signal(unit="%"), "ambient": Signal()})
+    model, ticks = model_of([Heaters, Thermometers]), module.ROWS + 500
+    warm = 50.0 * (np.arange(ticks) // 60 % 2)
+    none = np.zeros((ticks, 2))
+    inputs = {"Q1": warm, "ambient": np.full(ticks, 22.0)}
+    drive = Recording("heaters", 10.0 * np.arange(ticks), none, none, inputs, np.zeros(ticks), np.zeros((ticks, 0)))
+    run = replace(drive, channels=23 + 0.1 * np.random.default_rng(2).standard_normal((ticks, 2)))
+    run.channels[100:120, 1] = np.nan
+    track = both(model, rig, run)
+    assert track.bodies == ("left", "right")
+    assert (track.bodies_C[1:, 0] - track.bodies_C[1:, 1]).max() > 0.5
+    assert np.isnan(track.elongation_um).all()
+    assert track.profile_C.shape == (ticks, 0)
+
+
+def test_the_heated_rod():
+    rig = load_rig(ROD)
+    track = both(load_model(ROD / "model.toml"), rig, read_recording(ROD / "check.csv", rig))
+    assert track.fused.all()
+    assert np.isnan(track.error_at_table_um).all()
+
+
+@pytest.mark.parametrize("name", ["FS-20", "CS-10"])
+def test_a_recording_of_the_bus(name, rig):
+    run = read_recording(PAPER / f"{name}.blf", rig).rows(slice(0, 1500))
+    track = both(load_model(PAPER / "model.toml"), rig, run)
+    assert track.fused[:, :15].mean() > 0.95
+    assert track.fused[:, 15].sum() > 50
+    assert abs(track.error_at_table_um).max() > 5
+
+
+def test_regimes_that_were_forgotten_come_back_the_same(lived, monkeypatch):
+    """A machine that never does the same twice meets more regimes than memory holds."""
+    model, rig, recording = lived
+    kept = Filter(model, rig)
+    all_kept = [kept.step(sample) for sample in recording]
+    assert len(kept.forcing._solved) > 3
+    monkeypatch.setattr(filtering, "KEPT", 2)
+    monkeypatch.setattr(regime, "REMEMBERED", 2)
+    both(model, rig, recording)
+    monkeypatch.setattr(regime, "REMEMBERED", 500)
+    forgetful = Filter(model, rig)
+    for step, sample in zip(all_kept, recording, strict=True):
+        assert forgetful.step(sample).elongation_um == pytest.approx(step.elongation_um, abs=1e-12)
+        assert len(forgetful.forcing._solved) <= 3
+        assert len(forgetful._transitions) <= 2

@@ -1,0 +1,308 @@
+"""The battery bites: an effect that is wrong in one way fails the check of that, and says how."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from estimator.battery.battery import CHECKS, battery
+from estimator.battery.bench import without
+from estimator.effect import Effect, Param
+from estimator.effects import CATALOGUE
+from estimator.effects.local import spot
+from estimator.network import assemble
+from estimator.rig import Channel, Rig, Signal
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
+from estimator.terms import SCREW, Heat, Link, Read, Store
+
+
+class Jet(Effect):
+    """A jet of air cools one place.
+
+    q = -P around x = 350 mm
+    """
+
+    power = Param(5.0, "W", lo=-50.0, hi=50.0, null=0.0, source="a guess")
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, -p.power, over=spot(rig, 350.0, 30.0))
+
+
+class Visible(Jet):
+    """A jet that blows a little even where it should not.
+
+    q = -P - 0.1 W
+    """
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, -p.power - 0.1, over=spot(rig, 350.0, 30.0))
+
+
+class Unseen(Jet):
+    """A jet that misses the screw.
+
+    q = 0 P
+    """
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, 1e-9 * p.power)
+
+
+class Switched(Jet):
+    """A jet that is only there when it blows.
+
+    q = -P
+    """
+
+    def terms(self, p, u, rig):
+        if p.power != 0:
+            yield Heat(SCREW, -p.power, over=spot(rig, 350.0, 30.0))
+
+
+class Silent(Jet):
+    """A jet without a word.
+
+    q = -P
+    """
+
+    def terms(self, p, u, rig):
+        yield from ()
+
+
+class Absolute(Jet):
+    """A jet that cools whatever the sign.
+
+    q = -|P|
+    """
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, -np.abs(p.power), over=spot(rig, 350.0, 30.0))
+
+
+class Stored(Jet):
+    """A jet whose power goes through an array of real numbers.
+
+    q = -P
+    """
+
+    def terms(self, p, u, rig):
+        q = np.zeros((len(u), 1))
+        q[:] = -p.power * np.ones_like(q)
+        yield Heat(SCREW, q, over=spot(rig, 350.0, 30.0))
+
+
+class Compared(Jet):
+    """A jet that stops above 40 W.
+
+    q = -P where P < 40 W
+    """
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, -p.power if p.power < 40.0 else 0.0, over=spot(rig, 350.0, 30.0))
+
+
+class Rooted(Jet):
+    """A jet whose root is no number.
+
+    q = -P sqrt(-1)
+    """
+
+    power = Param(5.0, "W", lo=-50.0, hi=50.0, source="a guess")
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, -p.power * np.sqrt(np.array([[-1.0]])), over=spot(rig, 350.0, 30.0))
+
+
+class Spare(Jet):
+    """A jet with a parameter too many.
+
+    q = -P
+    """
+
+    width = Param(30.0, "mm", lo=5.0, hi=50.0, source="a guess")
+
+
+class Counting(Jet):
+    """A jet that blows harder each time that it is asked.
+
+    q = -P k
+    """
+
+    asked = count(1)
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, -p.power * next(self.asked), over=spot(rig, 350.0, 30.0))
+
+
+class Backwards(Jet):
+    """A surface that takes heat from what is colder.
+
+    q = -P (T - T_air) / K
+    """
+
+    power = Param(1.0, "W/K", lo=-5.0, hi=5.0, null=0.0, source="a guess")
+
+    def terms(self, p, u, rig):
+        yield Link(SCREW, "ambient", -p.power * spot(rig, 350.0, 30.0))
+
+
+class Elsewhere(Jet):
+    """A jet into a body that is not there.
+
+    q = -P
+    """
+
+    def terms(self, p, u, rig):
+        yield Heat("nutt", -p.power)
+
+
+class Misspelt(Jet):
+    """A jet with a slip of the pen.
+
+    q = -P
+    """
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, -p.pwer)
+
+
+class WithoutEquation(Jet):
+    """A jet without an equation."""
+
+
+class WithoutSentence(Jet):
+    """A jet whose sentence
+
+    q = -P goes on
+    """
+
+
+class WithoutUnits(Jet):
+    """A jet of which nothing is known.
+
+    q = -P
+    """
+
+    power = Param(5.0, "", null=-1e9)
+
+
+BROKEN = [
+    (Visible, "invisible at null", "with its parameters at null the readings are "),
+    (Unseen, "seen off null", "power = 5 leaves nothing in any reading"),
+    (Switched, "structure", "with power = 0 it yields other terms than by default"),
+    (Silent, "structure", "it yields no term"),
+    (Absolute, "derivative", "power: the complex step of q of term 1 is not its slope"),
+    (Stored, "derivative", "ComplexWarning: Casting complex values to real"),
+    (Compared, "derivative", "TypeError: '<' not supported between instances of 'complex' and 'float'"),
+    (Rooted, "derivative", "q of term 1 is no number at power = 4.9995"),
+    (Spare, "derivative", "width changes nothing"),
+    (Counting, "order", "readings change by "),
+    (Backwards, "heat is kept", "a link conducts backwards: its g is below 0"),
+    (Elsewhere, "fits the rig", "a Heat is in 'nutt', which no effect of the model stores; did you mean 'nut'?"),
+    (Misspelt, "fits the rig", "AttributeError: 'types.SimpleNamespace' object has no attribute 'pwer'"),
+    (WithoutEquation, "documented", "the docstring has no equation"),
+    (WithoutSentence, "documented", "the docstring's first line is no sentence of one line that ends with '.'"),
+    (WithoutUnits, "documented", "power has no unit; power has no source; power has no finite bounds: lo = -inf"),
+]
+ALSO = {  # what else is wrong with it then
+    Silent: {"seen off null", "derivative"},
+    Counting: {"derivative"},
+    WithoutUnits: {"invisible at null"},
+}
+
+
+def test_an_effect_that_is_right_passes(full, rig):
+    found = battery(Jet, full, rig)
+    assert [finding.check for finding in found] == list(CHECKS)
+    assert all(finding.ok and finding.detail == "" for finding in found)
+
+
+@pytest.mark.parametrize(("effect", "check", "detail"), BROKEN, ids=lambda v: getattr(v, "__name__", None))
+def test_a_broken_effect_fails_its_check(effect, check, detail, full, rig):
+    found = {finding.check: finding for finding in battery(effect, full, rig)}
+    assert not found[check].ok
+    assert detail in found[check].detail
+    assert {name for name, finding in found.items() if not finding.ok} == {check, *ALSO.get(effect, ())}
+
+
+def test_what_does_not_fit_the_rig_is_not_checked_further(full, rig):
+    assert [finding.check for finding in battery(Elsewhere, full, rig)] == ["documented", "fits the rig"]
+
+
+def test_a_leaking_link_is_found(full, rig, monkeypatch):
+    """The vocabulary has no link that loses heat; a mistake in the assembly would be one."""
+    link = assemble._link
+
+    def leaking(conductance, inflow, place, term):
+        link(conductance, inflow, place, term)
+        inflow *= 0.9
+
+    monkeypatch.setattr(assemble, "_link", leaking)
+    found = {finding.check: finding for finding in battery(CATALOGUE["still_air"], full, rig)}
+    assert found["heat is kept"].detail == "its links lose heat on the way"
+
+
+def test_the_model_may_have_the_effect_and_what_scales_it(every, rig):
+    assert set(every.effects) - set(without(every, "nut_friction").effects) == {
+        "nut_friction", "nut_speed_exponent", "friction_thinning", "churning",
+    }  # fmt: skip
+    assert all(finding.ok for finding in battery(CATALOGUE["nut_friction"], every, rig))
+
+
+def test_heat_into_a_body_that_the_model_lacks_need_not_be_seen(full, rig):
+    bare = full - "nut_body"
+    found = {finding.check: finding for finding in battery(CATALOGUE["nut_friction"], bare, rig)}
+    assert all(finding.ok for finding in found.values())
+    assert found["seen off null"].detail == "power_nut = 50 leaves nothing in any reading"
+
+
+class Cup(Effect):
+    """A cup cools in the air.
+
+    C dT/dt = -g (T - T_air)
+    """
+
+    g = Param(2.0, "W/K", lo=0.0, hi=9.0, null=0.0, source="a guess")
+
+    def terms(self, p, u, rig):
+        yield Store("cup", 50.0, 0.1)
+        yield Read("T1", {"cup": 1.0}, 0.02)
+        yield Link("cup", "ambient", p.g)
+
+
+class Kettle(Effect):
+    """A coil heats the cup.
+
+    q = share P
+    """
+
+    share = Param(0.9, "1", lo=0.0, hi=1.0, null=0.0, source="what the leads do not take away")
+
+    def terms(self, p, u, rig):
+        yield Heat("cup", p.share * u["coil"])
+
+
+def test_a_rig_without_a_screw_or_nut(full):
+    inputs = {"ambient": Signal(), "coil": Signal(unit="W", lo=0.0, hi=50.0)}
+    cup = Rig("cup", 5.0, {"T1": Channel(node="cup")}, inputs)
+    base = replace(full, effects={}, values={}) + Cup
+    assert [f.detail for f in battery(Kettle, base, cup) if not f.ok] == []
+    assert [f.detail for f in battery(Cup, base, cup) if not f.ok] == []
+
+
+@pytest.mark.parametrize("name", ["heated_rod", "seven_channels"])
+def test_the_examples_own_rigs(name):
+    folder = Path(__file__).parents[3] / "examples" / name
+    model, rig = load_model(folder / "model.toml"), load_rig(folder)
+    for effect in model.effects.values():
+        found = battery(type(effect), model, rig)
+        assert [f for f in found if not f.ok] == []
+        assert {f.detail for f in found} - {""} <= {
+            "board changes nothing",
+            "board = 0.02 leaves nothing in any reading",
+        }

@@ -1,0 +1,217 @@
+"""Fitting: parameters of a simulated recording are found again, from inputs and readings alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ballscrew.commands.fit import worse
+from estimator.accuracy.floor import Error
+from estimator.accuracy.horizon import errors
+from estimator.batch.coarse import coarse
+from estimator.batch.trial import Trial
+from estimator.effect import Effect, Param
+from estimator.errors import InputError, SetupError
+from estimator.fit.fit import fit
+from estimator.fit.open_loop_fit import follow
+from estimator.model import Value
+from estimator.terms import Heat
+
+TRUE = {"nut_friction.power": 66.0, "anchor_friction.power": 24.0, "thermometers.tau": 6.5}
+
+
+def only(model, *free: str):
+    """The model with these parameters free and all others fixed."""
+    return model.with_values({p: replace(v, fixed=p not in free) for p, v in model.values.items()})
+
+
+@pytest.fixture(scope="module")
+def drive(rig, driven):
+    return driven(rig, 400, (20, 240))
+
+
+@pytest.fixture(scope="module")
+def lived(rig, full, drive, live):
+    """A recording of a rig whose friction and lag differ from the defaults."""
+    return live(full.with_values(TRUE), rig, drive, seed=5).recording
+
+
+@pytest.fixture(scope="module")
+def found(rig, full, lived):
+    return fit(only(full, *TRUE), rig, [lived])
+
+
+def test_parameters_of_a_simulated_recording_are_found_again(found):
+    assert [f.path for f in found.parameters] == list(TRUE)
+    for f in found.parameters:
+        assert f.before != TRUE[f.path]
+        off = 0.04 if f.path == "thermometers.tau" else 0.005  # a lag suffers from the longer tick of a fit
+        assert f.value == pytest.approx(TRUE[f.path], rel=off), f.path
+        assert not f.at_bound
+    assert found.converged
+
+
+@pytest.mark.parametrize("seed", [5, 6, 7])
+def test_sd_is_no_smaller_than_the_scatter(seed, rig, full, drive, live):
+    """Also for a recording shorter than the ten minutes that count as one reading."""
+    powers = ("nut_friction.power", "anchor_friction.power")
+    for f in fit(only(full, *powers), rig, [live(full.with_values(TRUE), rig, drive, seed).recording]).parameters:
+        off = abs(f.value - TRUE[f.path])
+        assert off < 3 * f.sd, f.path
+        assert f.sd < 0.1 * f.value
+
+
+def test_the_error_left_is_the_sensors_scatter(found, rig, lived, full):
+    before, after = found.before["open_loop"], found.after["open_loop"]
+    assert before.temperature_K > 5 * after.temperature_K
+    assert before.elongation_um > 3 * after.elongation_um
+    true = errors([Trial(full, rig, lived)], full.with_values(TRUE))["open_loop"]
+    assert after.temperature_K == pytest.approx(true.temperature_K, rel=0.05)
+    assert after.temperature_K == pytest.approx(0.022, rel=0.1)
+    assert after.elongation_um == pytest.approx(0.15, rel=0.1)
+
+
+def test_a_fit_that_makes_the_elongation_worse_says_so(found):
+    assert not worse(found)
+    ahead, alone = Error(0.03, 0.14), Error(0.04, 0.15)
+    poor = replace(
+        found, before={"ahead": ahead, "open_loop": alone}, after={"ahead": Error(0.02, 0.26), "open_loop": alone}
+    )
+    (said,) = worse(poor)
+    assert said.startswith("the elongation became worse, 10 minutes ahead 0.14 -> 0.26 um")
+
+
+def test_a_model_that_misses_an_effect_is_trusted_less(rig, full, driven, live):
+    """Without the bearings ten blind minutes end more than a kelvin off: the filter must not believe the model."""
+    lived = live(full.with_values(TRUE), rig, driven(rig, 1500, (20, 900)), seed=5).recording
+    assert fit(only(full, *TRUE), rig, [lived]).raised == 1.0
+    poor = only(full - "anchor_friction" - "free_friction", "nut_friction.power")
+    left = fit(poor, rig, [lived])
+    assert left.after["open_loop"].temperature_K > 0.5
+    assert left.raised > 5
+    assert left.model["conduction.noise"] == pytest.approx(left.raised * full["conduction.noise"])
+
+
+def test_the_fitted_model_knows_what_it_was_fitted_to(found, rig, lived, full):
+    assert found.model.about == {"rig": rig.fingerprint(), "fitted_on": {"driven": lived.fingerprint}}
+    for f in found.parameters:
+        assert found.model.values[f.path] == Value(f.value, f.sd)
+    rest = set(full.values) - set(TRUE)
+    assert all(found.model[path] == full[path] for path in rest)
+
+
+def test_a_parameter_stops_at_its_bound_and_says_so(rig, full, lived, drive, live):
+    hot = live(full.with_values({"nut_friction.power": 400.0}), rig, drive).recording
+    (power,) = fit(only(full, "nut_friction.power"), rig, [hot]).parameters
+    assert power.at_bound
+    assert power.value == pytest.approx(300.0, abs=0.3)
+
+
+@pytest.mark.parametrize("rise", [1.0, 50.0])
+def test_a_prior_pulls_as_much_as_the_data_leave_open(rise, rig, full, driven, live):
+    """The data say 0.9 um/K, the table 0.3 +- 0.3; readings have 0.2 um, and 120 steps of 5 s count as one.
+
+    At rest, so that nothing else can be off.
+    """
+    probe = np.linspace(0, rise, 400)
+    rest = driven(rig, 400, (400, 400))
+    warm = replace(rest, inputs={**rest.inputs, "probe": 22 + probe})
+    recording = live(full.with_values({"displacement.probe": 0.9}), rig, warm).recording
+    found = follow(full, rig, [recording], ["displacement.probe"]).model["displacement.probe"]
+    steps = probe.reshape(80, 5).mean(axis=1)[1:]  # the first is the start
+    data, prior = len(steps) * steps.var() / 0.2**2 / 120, 1 / 0.3**2
+    assert found == pytest.approx((data * 0.9 + prior * 0.3) / (data + prior), abs=0.0005)
+
+
+def test_each_evaluation_is_told(rig, full, lived):
+    heard = []
+    fit(only(full, "thermometers.tau"), rig, [lived], lambda *told: heard.append(told))
+    alone = [(n, misfit) for stage, n, misfit in heard if stage == "open loop"]
+    likely = [(n, value) for stage, n, value in heard if stage == "likelihood"]
+    assert [n for n, _ in alone] == list(range(1, len(alone) + 1))
+    assert [n for n, _ in likely] == list(range(1, len(likely) + 1))
+    assert alone[-1][1] < alone[0][1]
+    assert likely[-1][1] >= likely[0][1]
+
+
+def test_a_model_without_free_parameters_cannot_be_fitted(rig, full, lived):
+    with pytest.raises(SetupError, match=r"^full: every parameter is fixed; nothing to fit$"):
+        fit(only(full), rig, [lived])
+
+
+def test_a_recording_without_a_thermometer_is_named(rig, full, lived):
+    silent = replace(lived, channels=lived.channels.copy(), name="FS-20.blf")
+    silent.channels[:, :15] = np.nan
+    with pytest.raises(InputError, match=r"^FS-20.blf: no thermometer was ever read; nothing to compare with a model$"):
+        fit(only(full, "thermometers.tau"), rig, [lived, silent])
+
+
+def test_gaps_and_spoilt_readings_of_one_channel_do_not_stop_a_fit(rig, full, lived):
+    gappy = replace(lived, channels=lived.channels.copy())
+    gappy.channels[:, 3] = np.nan
+    gappy.channels[100:200, 15] = np.nan
+    power = fit(only(full, "nut_friction.power", "thermometers.tau"), rig, [gappy]).parameters[0]
+    assert np.isfinite([power.value, power.sd]).all()
+    assert power.value == pytest.approx(66.0, rel=0.1)
+
+
+class Leak(Effect):
+    """Heat taken from the screw: q = -P."""
+
+    power = Param(5.0, "W", lo=0.0, null=0.0, source="ours")  # open upwards
+
+    def terms(self, p, u, rig):
+        yield Heat("screw", -p.power / rig.screw.cells)
+
+
+def test_a_users_own_parameter_is_fitted_like_the_others(rig, full, drive, live):
+    model = full + Leak
+    recording = live(model.with_values({"leak.power": 12.0}), rig, drive, seed=1).recording
+    (leak,) = fit(only(model, "leak.power"), rig, [recording]).parameters
+    assert leak.value == pytest.approx(12.0, abs=max(3 * leak.sd, 0.1))
+    assert not leak.at_bound
+
+
+@pytest.fixture(scope="module")
+def five(rig, lived):
+    """Five ticks in one."""
+    broken = replace(lived, channels=lived.channels.copy(), omega=lived.omega * np.linspace(0.5, 1, 400))
+    broken.channels[54, 6] = np.nan
+    broken.channels[60:65, 7] = np.nan
+    return broken, *coarse(broken, rig, 5)
+
+
+def test_a_longer_tick_keeps_the_heat_where_it_fell(five):
+    before, after, rig = five
+    assert rig.tick_s == 5.0
+    assert len(after) == 80
+    heat = (before.omega[:, None] * before.coverage).reshape(80, 5, -1).sum(axis=1)
+    np.testing.assert_allclose(5 * after.omega[:, None] * after.coverage, heat, rtol=1e-6, atol=1e-6)
+    assert heat.max() > 10
+
+
+def test_a_longer_tick_keeps_the_last_reading_and_its_age(five):
+    before, after, _ = five
+    np.testing.assert_array_equal(after.time_s, before.time_s[4::5])
+    np.testing.assert_array_equal(after.channels[:10, :15], before.channels[4:50:5, :15])
+    assert (after.channels[10, 6], after.ages_s[10, 6]) == (before.channels[53, 6], 1.0)
+    assert np.isnan(after.channels[12, 7])
+    assert after.ages_s[12, 7] == 0
+    last = [k for k in range(50, 55) if np.isfinite(before.channels[k, 15])][-1]
+    assert (after.channels[10, 15], after.ages_s[10, 15]) == (before.channels[last, 15], 54 - last)
+
+
+def test_a_longer_tick_means_its_inputs(rig, lived):
+    slow = replace(lived, inputs={**lived.inputs, "ambient": np.arange(400.0), "base": np.full(400, np.nan)})
+    slow.inputs["ambient"][:3] = np.nan
+    after, _ = coarse(slow, rig, 5)
+    np.testing.assert_allclose(after.inputs["ambient"][:3], [3.5, 7, 12])
+    assert np.isnan(after.inputs["base"]).all()
+
+
+def test_a_recording_shorter_than_the_longer_tick_stays_as_it_is(rig, lived):
+    short, same = coarse(lived.rows(slice(0, 4)), rig, 5)
+    assert len(short) == 4
+    assert same is rig

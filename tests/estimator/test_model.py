@@ -1,0 +1,206 @@
+"""Models: composed, kept as TOML, and refused in one line when they say something wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from estimator.effects import CATALOGUE, STRUCTURE
+from estimator.effects.air import StillAir
+from estimator.effects.nut import NutBody, NutFriction
+from estimator.errors import SetupError
+from estimator.filter import Filter
+from estimator.model import Value, model_of
+from estimator.rig_folder.model_toml import load_model, save_model
+
+OWN = '''
+from estimator.effect import Effect, Param
+from estimator.terms import Heat
+
+
+class CoolantJet(Effect):
+    """A jet of coolant takes heat from the middle of the screw.
+
+    q = -P
+    """
+
+    power = Param(25.0, "W", lo=0.0, hi=200.0, null=0.0, source="ours")
+
+    def terms(self, p, u, rig):
+        yield Heat("screw", -p.power / 20 * rig.screw.overlap(rig.screw.from_mm, rig.screw.to_mm))
+'''
+
+
+def written(folder: Path, text: str, own: str | None = None) -> Path:
+    """A model file, and a user's effects beside it."""
+    if own is not None:
+        (folder / "effects.py").write_text(own)
+    path = folder / "model.toml"
+    path.write_text(text)
+    return path
+
+
+def test_a_saved_model_is_read_back_unchanged(full, tmp_path):
+    changed = full.with_values({
+        "nut_friction.power": Value(71.25, 0.5), "still_air.h": Value(7.5, None, True), "anchor_friction.n": 1.5,
+        "rotating_convection.m": Value(0.7, 0.01, False), "thermometers.board": -1.25e-5,
+    })  # fmt: skip
+    save_model(changed, tmp_path / "m.toml")
+    again = load_model(tmp_path / "m.toml")
+    assert list(again.effects) == list(changed.effects)
+    assert again.values == changed.values
+    assert again.name == "m.toml"
+
+
+def test_what_it_was_fitted_to_and_own_effects_are_kept(tmp_path):
+    text = '[about]\nrig = "abc"\n\n[about.fitted_on]\n"FS-20.blf" = "123"\n\n[still_air]\nh = 6.0\n\n'
+    path = written(tmp_path, text + '[coolant_jet]\nuse = "effects.py:CoolantJet"\npower = {value = 30, sd = 2}\n', OWN)
+    model = load_model(path)
+    save_model(model, tmp_path / "again.toml")
+    again = load_model(tmp_path / "again.toml")
+    assert again.about == {"rig": "abc", "fitted_on": {"FS-20.blf": "123"}}
+    assert again.use == {"coolant_jet": "effects.py:CoolantJet"}
+    assert again.values == {"still_air.h": Value(6.0), "coolant_jet.power": Value(30.0, 2.0)}
+
+
+def test_a_saved_model_explains_itself(tmp_path):
+    save_model(model_of([StillAir]), tmp_path / "m.toml")
+    head, line = (tmp_path / "m.toml").read_text().strip().splitlines()
+    assert head == f"[still_air] # {StillAir.sentence()}"
+    assert line == "h = 8.0 # W/(m2 K)"
+
+
+def test_missing_parameters_have_their_defaults(tmp_path):
+    model = load_model(written(tmp_path, "[nut_friction]\npower = {value = 80}\n[still_air]\nh = {fixed = true}\n"))
+    assert model["nut_friction.power"] == 80
+    assert model["nut_friction.n"] == 1.0
+    assert model.values["nut_friction.noise"].fixed
+    assert model.values["still_air.h"] == Value(8.0, None, True)
+    assert {"nut_friction.power", "nut_friction.power_nut"} <= set(model.free())
+    assert not {"still_air.h", "nut_friction.n", "nut_friction.noise"} & set(model.free())
+
+
+FRICTION = "[nut_friction]\n"
+ERRORS = [
+    ("[nut_frictoin]\n", "no effect 'nut_frictoin'; did you mean 'nut_friction'?"),
+    (FRICTION + "powr = 3\n", "nut_friction has no 'powr'; did you mean 'power'?"),
+    ("[rotating_convection]\nqqq = 3\n", "rotating_convection has no 'qqq'; known: h, m"),
+    (FRICTION + "power = 301\n", "nut_friction.power = 301 W is outside 0 ... 300"),
+    (FRICTION + "power = nan\n", "nut_friction.power = nan W is outside 0 ... 300"),
+    (FRICTION + "power = {value = -1}\n", "nut_friction.power = -1 W is outside 0 ... 300"),
+    (FRICTION + 'power = "60"\n', "nut_friction.power: expected a number, got '60'"),
+    (FRICTION + "power = true\n", "nut_friction.power: expected a number, got True"),
+    (FRICTION + "power = {value = [1]}\n", "nut_friction.power: expected a number, got (1,)"),
+    (FRICTION + "power = {valeu = 3}\n", "nut_friction.power has no 'valeu'; did you mean 'value'?"),
+    (FRICTION + 'power = {sd = "x"}\n', "nut_friction.power.sd: expected a number, got 'x'"),
+    (FRICTION + "power = {fixed = 1}\n", "nut_friction.power.fixed: expected bool, got 1"),
+    ("nut_friction = 3\n", "'nut_friction' should be a table, one for each effect"),
+    ("about = 3\n[still_air]\n", "'about' is what a fit writes: a table, with a table 'fitted_on'"),
+    ("[about]\nfitted_on = 3\n[still_air]\n", "'about' is what a fit writes: a table, with a table 'fitted_on'"),
+    ('[jet]\nuse = "effects.py:CoolantJet"\n', "jet: the effect's name is 'coolant_jet'; call the table so"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), ERRORS)
+def test_what_a_model_file_gets_wrong_is_named(tmp_path, text, message):
+    path = written(tmp_path, text, OWN)
+    with pytest.raises(SetupError) as caught:
+        load_model(path)
+    assert str(caught.value) == f"{path}: {message}"
+
+
+def test_a_missing_or_malformed_file_is_named(tmp_path):
+    with pytest.raises(SetupError) as caught:
+        load_model(tmp_path / "none.toml")
+    assert str(caught.value) == f"{tmp_path / 'none.toml'}: no such file"
+    path = written(tmp_path, "[nut_friction\n")
+    with pytest.raises(SetupError) as caught:
+        load_model(path)
+    assert str(caught.value).startswith(f"{path}: not TOML: ")
+    with pytest.raises(SetupError) as caught:
+        load_model(tmp_path)
+    assert str(caught.value) == f"{tmp_path}: cannot be read: Is a directory"
+
+
+@pytest.mark.parametrize(
+    ("use", "own", "message"),
+    [
+        ("other.py:Jet", OWN, 'other.py: no such effect file; write use = "effects.py:ClassName"'),
+        ("effects.py", OWN, 'effects.py: no such effect file; write use = "effects.py:ClassName"'),
+        ("effects.py:CoolantJett", OWN, "effects.py has no effect 'CoolantJett'; did you mean 'CoolantJet'?"),
+        ("effects.py:Path", "from pathlib import Path\n", "effects.py has no effect 'Path'; known: "),
+        ("effects.py:Jet", "1 / 0\n", "effects.py: ZeroDivisionError: division by zero"),
+        ("effects.py:Jet", "import sys\nsys.exit(3)\n", "effects.py: SystemExit: 3"),
+        (
+            "effects.py:Jet",
+            "import no_such_thing\n",
+            "effects.py: ModuleNotFoundError: No module named 'no_such_thing'",
+        ),
+    ],
+)
+def test_what_an_effect_file_gets_wrong_is_named(tmp_path, use, own, message):
+    path = written(tmp_path, f'[jet]\nuse = "{use}"\n', own)
+    with pytest.raises(SetupError) as caught:
+        load_model(path)
+    assert str(caught.value) == f"{tmp_path}/{message}"
+
+
+def test_plus_and_minus_compose(full):
+    model = model_of([StillAir, NutFriction]).with_values({"still_air.h": 5.0})
+    more = model + NutBody
+    assert list(more.effects) == ["still_air", "nut_friction", "nut_body"]
+    assert more["still_air.h"] == 5.0
+    assert more["nut_body.capacity"] == 1500.0
+    less = more - "nut_friction"
+    assert list(less.effects) == ["still_air", "nut_body"]
+    assert {path.partition(".")[0] for path in less.values} == {"still_air", "nut_body"}
+    assert list(model.effects) == ["still_air", "nut_friction"]
+    with pytest.raises(SetupError, match=r"^model has no effect 'nut_frict'; did you mean 'nut_friction'\?$"):
+        model - "nut_frict"
+    assert (full - "nut_body").values.keys() < full.values.keys()
+
+
+def test_with_values_changes_a_copy(full):
+    other = full.with_values({"still_air.h": 3.0, "nut_friction.power": Value(9.0, 1.0, True)})
+    assert (other["still_air.h"], full["still_air.h"]) == (3.0, 8.0)
+    assert other.values["nut_friction.power"] == Value(9.0, 1.0, True)
+    assert "nut_friction.power" not in other.free()
+    assert other.param("still_air.h").unit == "W/(m2 K)"
+    with pytest.raises(SetupError, match=r"^full has no 'still_air.hh'; did you mean 'still_air.h'\?$"):
+        full.with_values({"still_air.hh": 3.0})
+
+
+def test_a_users_own_effect_works_in_a_model(tmp_path, small, small_model, driven, live):
+    small_model = small_model - "nut_body" - "still_air"  # what is taken out stays out
+    save_model(small_model, tmp_path / "model.toml")
+    text = (tmp_path / "model.toml").read_text() + '\n[coolant_jet]\nuse = "effects.py:CoolantJet"\npower = 15.0\n'
+    cooled = load_model(written(tmp_path, text, OWN))
+    assert cooled.effects["coolant_jet"].equation() == "q = -P"
+    recording = live(small_model, small, driven(small, 100, (5, 60), stroke=(0.0, 100.0))).recording
+    without = Filter(small_model, small).run(recording).open_loop_um
+    with_jet = Filter(cooled, small).run(recording).open_loop_um
+    watts = 15.0 * 99  # J taken in 99 s from 200 mm of 3799 J/K per metre; the span is 180 mm
+    lost = 12e-6 * watts / 3799 * 1e6 * 180 / 200
+    assert (without - with_jet)[-1] == pytest.approx(lost, rel=1e-3)
+    assert np.isfinite(with_jet).all()
+
+
+def test_an_own_effect_that_fails_is_named_with_its_file(tmp_path, small, driven, live, small_model):
+    broken = OWN.replace("-p.power / 20", "-p.pwer / 20")
+    save_model(small_model, tmp_path / "model.toml")
+    text = (tmp_path / "model.toml").read_text() + '\n[coolant_jet]\nuse = "effects.py:CoolantJet"\n'
+    model = load_model(written(tmp_path, text, broken))
+    recording = live(small_model, small, driven(small, 3)).recording
+    with pytest.raises(SetupError, match=r"^model.toml: coolant_jet \(effects.py:CoolantJet\): AttributeError: .*pwer"):
+        Filter(model, small).run(recording)
+
+
+def test_the_model_that_ships_is_readable():
+    model = load_model(Path(__file__).parents[2] / "recordings" / "model.toml")
+    assert {effect.name for effect in STRUCTURE} <= set(model.effects) <= set(CATALOGUE)
+    assert len(model.effects) == 12
+    assert set(model.about["fitted_on"]) == {"FS-20.blf", "FS-5.blf", "CS-10.blf", "ES-2.5.blf"}
+    for path, value in model.values.items():
+        assert model.param(path).lo <= value.value <= model.param(path).hi

@@ -1,0 +1,174 @@
+"""What is in the views of one or two models: read back with the reader of the format, no viewer needed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rerun as rr
+from PIL import Image
+from rerun.chunk import RrdReader
+
+from estimator.errors import InputError
+from estimator.record import Array
+from estimator.rig import Rig
+from tests.viz_read import fixed, rows, view_names
+from viz.comparison import bars
+from viz.comparison.bars import Bars, Series
+from viz.comparison.compared import Compared, HeatMap, Side
+from viz.comparison.comparison import save
+from viz.comparison.maps import HEAT, OPEN_LOOP, frame_of, map_of, scales_of
+from viz.drawing import paths
+from viz.drawing.frame import ROW, WIDTH
+from viz.drawing.moment import moment_of
+from viz.drawing.scale import DIVERGING, coloured
+from viz.viewer.printed import print_bars, print_maps
+
+SECONDS = 600
+MODELS = "base.toml", "better.toml"
+ERRORS = Bars(
+    "rms of temperatures [K]",
+    ["as given", "+ churning"],
+    [
+        Series("cross-validated", np.array([0.6, 0.1]), paths.CROSS_VALIDATED),
+        Series("held out", np.array([0.5, np.nan]), paths.HELD_OUT),
+    ],
+)
+
+
+def side(rig: Rig, off: float, bodies: tuple[str, ...] = ()) -> Side:
+    """A model that misses the second channel by `off` in the second half, and lacks 10 off W/m there at 75 mm."""
+    m = len(rig.names)
+    late = np.arange(SECONDS) >= SECONDS // 2
+    misfit = np.zeros((SECONDS, m))
+    misfit[:, 1], misfit[::2, 4] = off * late, np.nan
+    heat = np.zeros((10, 2))
+    heat[5:, 1] = 10 * off
+    body = np.full((10, len(bodies)), off)
+    lacks = HeatMap(np.arange(10) * 60.0, np.array([25.0, 75.0]), heat, bodies, body)
+    level = np.full((SECONDS, m), 22.0)
+    line = np.linspace(0.0, 10.0 - off, SECONDS)
+    time_s = np.arange(SECONDS) + 1.0
+    return Side(level - misfit, level, misfit / 10, line, np.full(SECONDS, 0.2), line, time_s, misfit, lacks)
+
+
+def compared(rig: Rig, name: str = "FS-20", sides: int = 2) -> Compared:
+    measured = np.full((SECONDS, len(rig.names)), 22.0)
+    readings = np.where(np.arange(SECONDS) % 3 == 0, np.linspace(0, 10, SECONDS), np.nan)
+    both = side(rig, 2.0), side(rig, -0.5)
+    return Compared(name, rig, np.arange(SECONDS) + 1.0, measured, readings, both[:sides])
+
+
+@pytest.fixture(scope="module")
+def saved(small: Rig, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Two recordings in one file, written in strict mode: a value that the format does not know raises."""
+    rr.set_strict_mode(True)
+    path = tmp_path_factory.mktemp("viz") / "two.rrd"
+    runs = [compared(small), compared(small, "CS 2.5")]
+    save(path, runs, MODELS, {"Errors": [ERRORS], "Channels": [ERRORS]}, "# By the caller")
+    yield path
+    rr.set_strict_mode(False)
+
+
+def pixels(path: Path, entity: str) -> Array:
+    """A picture (height, width, 3) as it was logged."""
+    form = fixed(path, entity, "Image:format")[0]
+    bytes_of = np.array(fixed(path, entity, "Image:buffer")[0], dtype=np.uint8)
+    return bytes_of.reshape(form["height"], form["width"], 3)
+
+
+def test_curves_of_a_thermometer_are_means_of_ten_seconds(saved: Path) -> None:
+    at = "/FS-20/compared/temperature/T2"
+    time_s, values = rows(saved, f"{at}/before", "Scalars:scalars")
+    assert time_s[:2].tolist() == [6.0, 16.0]
+    np.testing.assert_allclose(np.array(values)[[0, -1]], [[22.0, 22.0], [20.0, 22.0]])
+    np.testing.assert_allclose(rows(saved, f"{at}/after", "Scalars:scalars")[1][-1], [22.5, 22.0])
+    np.testing.assert_allclose(np.ravel(rows(saved, f"{at}/measured", "Scalars:scalars")[1]), 22.0)
+    names = fixed(saved, f"{at}/before", "SeriesLines:names")
+    assert names == ["before, open-loop [°C]", "before, filter [°C]"]
+
+
+def test_elongation_has_both_models_and_the_readings(saved: Path) -> None:
+    at = "/CS_2.5/compared/elongation"
+    for name, end in (("before", 8.0), ("after", 10.5)):
+        assert rows(saved, f"{at}/{name}/filter", "Measurements:values")[1][-1][0] == pytest.approx(end, abs=0.1)
+        assert rows(saved, f"{at}/{name}/open_loop", "Scalars:scalars")[1][-1][0] == pytest.approx(end, abs=0.1)
+    values = np.ravel(rows(saved, f"{at}/readings", "Scalars:scalars")[1])
+    assert (values.min(), values.max()) == (0.0, pytest.approx(10.0, abs=0.5))
+
+
+def test_maps_before_and_after_are_on_one_scale(saved: Path, small: Rig) -> None:
+    run = compared(small)
+    scales = scales_of([run])
+    assert scales[OPEN_LOOP] == (-2.0, 2.0)
+    assert scales[HEAT] == (-20.0, 20.0)
+    for what, row, values in ((OPEN_LOOP, 1, (2.0, -0.5)), (HEAT, 1, (20.0, -5.0))):
+        for name, one, value in zip(paths.SIDES, run.sides, values, strict=True):
+            found = map_of(run, one, what)
+            wide = frame_of(found, what).width // len(found.begins_s)
+            drawn = pixels(saved, f"/FS-20/compared/{what}/{name}/picture")[ROW // 2 :: ROW, wide // 2 :: wide]
+            assert drawn.shape[:2] == (len(found.rows), 10)
+            assert tuple(drawn[row, -1]) == tuple(coloured(value, scales[what], DIVERGING)[:3])
+            assert tuple(drawn[row, 0]) == DIVERGING[2]
+    assert fixed(saved, "/FS-20/compared/heat/after/channels", "Points2D:labels") == ["25 mm", "75 mm"]
+    assert fixed(saved, "/FS-20/compared/heat_key/labels", "Points2D:labels")[0] == "-20 W/m"
+
+
+def test_bars_begin_at_zero_and_carry_their_values(saved: Path) -> None:
+    drawn = pixels(saved, f"/{bars.at('Errors', 0)}/picture")
+    long = (drawn[ROW // 4] == paths.CROSS_VALIDATED).all(axis=-1)
+    assert long[0]
+    assert long.sum() == pytest.approx(WIDTH * 0.6 / ERRORS.end, abs=2)
+    assert not (drawn[ROW + ROW // 2 + 5 :] == paths.HELD_OUT).all(axis=-1).any()
+    assert fixed(saved, f"/{bars.at('Errors', 0)}/values", "Points2D:labels") == ["0.600 / 0.500", "0.100"]
+
+
+def test_every_view_says_its_unit_and_its_model(saved: Path) -> None:
+    names = view_names(saved)
+    assert len(names) == 1 + 2 + 2 * (3 + 6 + 2 + 4)
+    assert all("[" in name for name in names if name != "Summary")
+    assert "after: better.toml: thermometer − open-loop, mean of 1 min [K]" in names
+    assert "before: base.toml: heat missing, by place on the screw [W/m]" in names
+
+
+def test_summary_is_the_callers_and_the_end_is_the_moment(saved: Path) -> None:
+    assert fixed(saved, "/summary", "TextDocument:text") == ["# By the caller"]
+    assert moment_of(saved) == SECONDS
+
+
+def test_one_model_is_called_by_its_name(small: Rig, tmp_path: Path) -> None:
+    save(tmp_path / "one.rrd", [compared(small, sides=1)], MODELS[:1], {"Channels": [ERRORS]}, "")
+    names = view_names(tmp_path / "one.rrd")
+    assert "base.toml: thermometer − open-loop, mean of 1 min [K]" in names
+    legend = fixed(tmp_path / "one.rrd", "/FS-20/compared/temperature/T2/before", "SeriesLines:names")
+    assert legend == ["open-loop [°C]", "filter [°C]"]
+
+
+def test_heat_of_bodies_is_a_curve_and_nothing_known_leaves_no_empty_chunk(small: Rig, tmp_path: Path) -> None:
+    one = side(small, 1.0, ("nut",))
+    nothing = np.full((SECONDS, len(small.names)), np.nan)
+    no_place = HeatMap(one.heat.time_s, np.empty(0), np.empty((10, 0)), ("nut",), one.heat.W)
+    silent = Side(nothing, nothing, nothing, nothing[:, 0], nothing[:, 0], nothing[:, 0], one.misfit_time_s, nothing,
+                  no_place)  # fmt: skip
+    run = Compared("short", small, np.arange(SECONDS) + 1.0, nothing, nothing[:, 0], (silent,))
+    save(tmp_path / "short.rrd", [run], ["model"], {"Channels": [ERRORS]}, "")
+    chunks = RrdReader(tmp_path / "short.rrd").stream().to_chunks()
+    assert all(chunk.to_record_batch().num_rows for chunk in chunks)
+    assert "Heat that the model alone lacks in nut [W]" in view_names(tmp_path / "short.rrd")
+    assert not [name for name in view_names(tmp_path / "short.rrd") if "W/m" in name]
+
+
+def test_no_folder_is_said(small: Rig, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no folder"):
+        save(tmp_path / "nowhere" / "x.rrd", [compared(small)], MODELS, {"Errors": [ERRORS]}, "")
+
+
+def test_printed_maps_show_the_same_colours(small: Rig, tmp_path: Path) -> None:
+    print_maps(tmp_path / "maps.png", [compared(small)], MODELS, OPEN_LOOP)
+    print_bars(tmp_path / "bars.png", [ERRORS, ERRORS])
+    shades = {tuple(colour) for colour in np.asarray(Image.open(tmp_path / "maps.png").convert("RGB")).reshape(-1, 3)}
+    assert {paths.BACKGROUND, DIVERGING[2], DIVERGING[-1]} <= shades
+    shades = {tuple(colour) for colour in np.asarray(Image.open(tmp_path / "bars.png").convert("RGB")).reshape(-1, 3)}
+    assert {paths.CROSS_VALIDATED, paths.HELD_OUT} <= shades

@@ -1,0 +1,197 @@
+"""What is in a saved file: read back with the reader of the format, no viewer needed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rerun as rr
+from scipy.stats import chi2
+
+from estimator.errors import InputError
+from tests.viz_fake import fake_run
+from tests.viz_read import fixed, rows, view_names
+from viz.drawing import profile, screw
+from viz.drawing.moment import moment_of
+from viz.drawing.paths import distinct
+from viz.recorded import accuracy
+from viz.recorded.recorded import save
+from viz.recorded.run import Run, first_stop_s, scale_of
+
+SECONDS = 700
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return fake_run("FS-20", SECONDS)
+
+
+@pytest.fixture(scope="module")
+def saved(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Two runs in one file, written in strict mode: a value that the format does not know raises."""
+    rr.set_strict_mode(True)
+    path = tmp_path_factory.mktemp("viz") / "two.rrd"
+    save(path, [run, replace(run, name="CS 2.5")], "# Summary\n\ngiven by the caller")
+    yield path
+    rr.set_strict_mode(False)
+
+
+def test_filter_and_its_band_are_the_tracks(saved: Path, run: Run) -> None:
+    time_s, values = rows(saved, "/FS-20/elongation/filter", "Measurements:values")
+    variances = rows(saved, "/FS-20/elongation/filter", "Measurements:variances")[1]
+    np.testing.assert_allclose(time_s, run.track.time_s)
+    np.testing.assert_allclose(np.ravel(values), run.track.elongation_um)
+    np.testing.assert_allclose(np.sqrt(np.ravel(variances)), 2 * run.track.sigma_um)
+
+
+@pytest.mark.parametrize(
+    ("entity", "field", "columns"),
+    [
+        ("channels/temperature/1", "measured", slice(0, 8)),
+        ("channels/temperature/2", "measured", slice(8, 15)),
+        ("channels/innovation", "innovation", slice(0, 15)),
+    ],
+)
+def test_channels_are_the_tracks(saved: Path, run: Run, entity: str, field: str, columns: slice) -> None:
+    values = rows(saved, f"/FS-20/{entity}", "Scalars:scalars")[1]
+    np.testing.assert_allclose(np.array(values), getattr(run.track, field)[:, columns])
+
+
+def test_every_run_has_the_same_curves_below_its_own_name(saved: Path) -> None:
+    first = rows(saved, "/FS-20/elongation/models", "Scalars:scalars")[1]
+    second = rows(saved, "/CS_2.5/elongation/models", "Scalars:scalars")[1]
+    np.testing.assert_array_equal(first, second)
+
+
+def test_error_is_the_runs(saved: Path, run: Run) -> None:
+    values = rows(saved, "/FS-20/error/filter", "Measurements:values")[1]
+    np.testing.assert_allclose(np.ravel(values), run.errors_um["filter"])
+
+
+def test_profile_is_kept_every_ten_seconds_in_mm_and_degrees(saved: Path, run: Run) -> None:
+    time_s, strips = rows(saved, "/FS-20/profile/estimate", "LineStrips2D:strips")
+    assert set(np.diff(time_s)[1:]) == {10.0}
+    axes = profile.axes_of(run.rig, scale_of(run))
+    k = int(np.flatnonzero(run.track.time_s == time_s[30])[0])
+    mean, upper, lower = np.array(strips[30])
+    np.testing.assert_allclose(mean[:, 0], run.track.x_mm, atol=1e-3)
+    np.testing.assert_allclose(-mean[:, 1] / axes.y_unit, run.track.profile_C[k], atol=1e-4)
+    np.testing.assert_allclose((lower - upper)[:, 1] / axes.y_unit, 4 * run.track.profile_sd_K[k], atol=1e-4)
+
+
+def test_a_silent_thermometer_is_not_in_the_profile(saved: Path) -> None:
+    time_s, points = rows(saved, "/FS-20/profile/measured", "Points2D:positions")
+    assert {len(row) for t, row in zip(time_s, points, strict=True) if 610 <= t <= 639} == {14}
+    assert {len(row) for t, row in zip(time_s, points, strict=True) if t < 600} == {15}
+
+
+def test_screw_grows_away_from_its_anchor(saved: Path, run: Run) -> None:
+    time_s, scales = rows(saved, "/FS-20/screw/tube", "Transform3D:scale")
+    shifts = rows(saved, "/FS-20/screw/tube", "Transform3D:translation")[1]
+    k = int(np.flatnonzero(run.track.time_s == time_s[30])[0])
+    stretch = scales[30][0][0]
+    drawn_um = (stretch - 1) * 935.5e3 / screw.exaggeration(run.rig, scale_of(run))
+    assert drawn_um == pytest.approx(run.track.elongation_um[k], rel=1e-4)
+    assert 889.0 * stretch + shifts[30][0][0] == pytest.approx(889.0, abs=1e-2)
+
+
+def test_nut_stands_where_the_rig_says(saved: Path, run: Run) -> None:
+    time_s, places = rows(saved, "/FS-20/screw/nut", "Transform3D:translation")
+    k = int(np.flatnonzero(run.track.time_s == time_s[10])[0])
+    assert places[10][0][0] == pytest.approx(673.5 - run.recording.inputs["position"][k], abs=1e-3)
+
+
+def test_readings_are_drawn_apart(saved: Path, run: Run) -> None:
+    time_s, values = rows(saved, "/FS-20/elongation/readings", "Scalars:scalars")
+    assert 15 < len(time_s) < 80
+    at = np.searchsorted(run.track.time_s, time_s)
+    np.testing.assert_allclose(np.ravel(values), run.readings_um[at])
+
+
+def test_parallel_lines_go_through_the_extreme_errors(saved: Path, run: Run) -> None:
+    errors, unit = run.errors_um["filter"], accuracy.figure_of([run]).square.x_unit
+    for name, error in (("highest", errors.max()), ("lowest", errors.min()), ("equal", 0.0)):
+        sloping = np.array(fixed(saved, f"/accuracy/filter/{name}", "LineStrips2D:strips")[0]) / unit
+        np.testing.assert_allclose(-sloping[:, 1] - sloping[:, 0], error, atol=1e-3)
+    points = np.array(fixed(saved, "/accuracy/filter/runs/FS-20/square", "Points2D:positions")) / unit
+    drawn = -points[:, 1] - points[:, 0]
+    assert drawn.max() == pytest.approx(errors.max(), abs=1e-3)
+    assert drawn.min() == pytest.approx(errors.min(), abs=1e-3)
+
+
+def test_bands_are_in_the_table(saved: Path, run: Run) -> None:
+    text = fixed(saved, "/accuracy/bands", "TextDocument:text")[0]
+    for estimate in ("filter", "polyline"):
+        error = run.errors_um[estimate]
+        assert f"**{np.nanmax(error) - np.nanmin(error):.2f}**" in text
+    assert "| **all** | " in text
+    assert "reference: truth" in text
+
+
+def test_nis_has_the_bounds_of_its_window(saved: Path, run: Run) -> None:
+    bounds = rows(saved, "/FS-20/nis/bounds", "Scalars:scalars")[1]
+    ratios = rows(saved, "/FS-20/nis/window", "Scalars:scalars")[1]
+    second = slice(60, 120)
+    count = run.track.nis_channels[second].sum()
+    np.testing.assert_allclose(sorted(bounds[1]), chi2.ppf([0.025, 0.975], count) / count)
+    assert ratios[1][0] == pytest.approx(run.track.nis[second].sum() / count)
+
+
+def test_map_has_a_row_for_each_thermometer_and_closes_at_the_end(saved: Path) -> None:
+    time_s, heights = rows(saved, "/FS-20/residual/innovation", "Scalars:scalars")
+    np.testing.assert_array_equal(heights, np.tile(np.arange(1, 16), (len(time_s), 1)))
+    assert time_s[0] == 1.0
+    assert time_s[-1] == SECONDS
+    assert np.diff(time_s)[:-1] == pytest.approx(60.0)
+
+
+def test_events_tell_what_happened(saved: Path) -> None:
+    texts = [row[0] for row in rows(saved, "/FS-20/events", "TextLog:text")[1]]
+    assert "0:00:21  drive starts" in texts
+    assert "0:10:01  T07 not measured for 40 ticks" in texts
+    assert "0:00:01  the log ends in the middle of a frame" in texts
+    assert any(text.startswith("0:04:03  drive stops after 222 s at an elongation of ") for text in texts)
+
+
+def test_summary_is_the_callers(saved: Path) -> None:
+    assert "given by the caller" in fixed(saved, "/summary", "TextDocument:text")[0]
+
+
+def test_views_have_names_with_units(saved: Path) -> None:
+    names = view_names(saved)
+    assert len(names) == 4 + 2 * 15
+    assert "Elongation [µm]" in names
+    assert all("[" in name for name in names if name not in ("Summary", "Events"))
+
+
+def test_a_rig_without_screw_has_no_profile(run: Run, tmp_path: Path) -> None:
+    bare = replace(run, rig=replace(run.rig, screw=None, nut=None, supports={}))
+    save(tmp_path / "bare.rrd", [bare], "")
+    assert not [name for name in view_names(tmp_path / "bare.rrd") if "screw" in name.lower()]
+
+
+def test_a_run_without_reference_is_saved_all_the_same(run: Run, tmp_path: Path) -> None:
+    nothing = np.full(len(run.track), np.nan)
+    errors = {"filter": nothing, "polyline": nothing}
+    blind = replace(run, readings_um=nothing, reference_um=nothing, errors_um=errors, truth_C_rise=None)
+    save(tmp_path / "blind.rrd", [blind], "")
+    names = view_names(tmp_path / "blind.rrd")
+    assert "Elongation [µm]" in names
+    assert not [name for name in names if "Error" in name or "Accuracy" in name]
+
+
+def test_runs_of_one_name_stay_apart(run: Run) -> None:
+    assert [some.name for some in distinct([run, run, run])] == ["FS-20", "FS-20 (2)", "FS-20 (3)"]
+
+
+def test_no_folder_is_said(run: Run, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no folder"):
+        save(tmp_path / "nowhere" / "x.rrd", [run], "")
+
+
+def test_the_first_stop_is_the_moment_to_show(saved: Path, run: Run) -> None:
+    assert first_stop_s(run) == 243.0
+    assert moment_of(saved) == 243.0

@@ -1,0 +1,150 @@
+"""What is in the views of a tuning: read back with the reader of the format, no viewer needed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rerun as rr
+from rerun.chunk import RrdReader
+
+from estimator.errors import InputError
+from estimator.record import Array
+from tests.viz_read import fixed, rows, view_names
+from viz.drawing import paths
+from viz.drawing.frame import ROW, WIDTH
+from viz.drawing.moment import moment_of
+from viz.drawing.scale import DIVERGING
+from viz.tuning.figures import frame_of_map, shades_of, ticks_of_bars
+from viz.tuning.tuned import Side, Tuning
+from viz.tuning.tuning import Nis, save
+
+CHANNELS = ("T01", "T 2", "T03", "T04", "displacement")
+SECONDS = 400
+
+
+def side(seed: int, size: float) -> Side:
+    """White innovations `size` times as large as they should be; the last channel is read every third second."""
+    scaled = size * np.random.default_rng(seed).standard_normal((SECONDS, 5))
+    scaled[np.arange(SECONDS) % 3 > 0, 4] = np.nan
+    autocorrelation = np.full((5, 61), 0.01)
+    autocorrelation[:, 0], autocorrelation[1, 5], autocorrelation[4, 7] = 1.0, -0.5 * size, np.nan
+    return Side(scaled, autocorrelation)
+
+
+def tuning(name: str = "FS-20") -> Tuning:
+    return Tuning(name, np.arange(SECONDS) + 2.0, np.arange(61.0), side(0, 2.0), side(1, 1.0))
+
+
+NIS = Nis("NIS a tick ahead [1]", np.array([4.0, 0.25, 1.0, 2.0, np.nan]), np.array([1.0, 0.9, 1.1, 1.0, np.nan]))
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Two recordings in one file, written in strict mode: a value that the format does not know raises."""
+    rr.set_strict_mode(True)
+    path = tmp_path_factory.mktemp("viz") / "two.rrd"
+    save(path, CHANNELS, [tuning(), tuning("CS 2.5")], [NIS, replace(NIS, title="NIS, blind [1]")], "# By the caller")
+    yield path
+    rr.set_strict_mode(False)
+
+
+def pixels(path: Path, entity: str) -> Array:
+    """A picture (height, width, 3) as it was logged."""
+    form = fixed(path, entity, "Image:format")[0]
+    bytes_of = np.array(fixed(path, entity, "Image:buffer")[0], dtype=np.uint8)
+    return bytes_of.reshape(form["height"], form["width"], 3)
+
+
+@pytest.mark.parametrize(("name", "number"), [("before", 0), ("after", 1)])
+def test_innovations_are_the_callers(saved: Path, name: str, number: int) -> None:
+    scaled = [tuning().before, tuning().after][number].scaled
+    time_s, values = rows(saved, f"/FS-20/scaled/{name}/T_2/each", "Scalars:scalars")
+    np.testing.assert_allclose(time_s, tuning().time_s)
+    np.testing.assert_allclose(np.ravel(values), scaled[:, 1])
+    time_s, values = rows(saved, f"/CS_2.5/scaled/{name}/displacement/each", "Scalars:scalars")
+    assert len(time_s) == 134
+    np.testing.assert_allclose(np.ravel(values), scaled[::3, 4])
+
+
+def test_each_channel_has_its_lines_and_minute_means(saved: Path) -> None:
+    ends, bounds = rows(saved, "/FS-20/scaled/after/T01/bounds", "Scalars:scalars")
+    assert (ends.tolist(), bounds) == ([2.0, 401.0], [[2.0, -2.0]] * 2)
+    middles, means = rows(saved, "/FS-20/scaled/after/T01/mean", "Scalars:scalars")
+    assert middles[0] == 32.0
+    assert means[0][0] == pytest.approx(tuning().after.scaled[:60, 0].mean())
+
+
+def test_before_and_after_have_their_own_colours(saved: Path) -> None:
+    first, second = (fixed(saved, f"/FS-20/scaled/{n}/T01/each", "SeriesPoints:colors")[0] for n in ("before", "after"))
+    assert [first >> 24, first >> 16 & 255, first >> 8 & 255] == [*paths.BEFORE]
+    assert [second >> 24, second >> 16 & 255, second >> 8 & 255] == [*paths.AFTER]
+
+
+def test_the_map_has_a_row_for_each_channel_and_a_column_for_each_lag(saved: Path) -> None:
+    wide = frame_of_map(CHANNELS, np.arange(61.0)).width // 61
+    drawn = pixels(saved, "/FS-20/autocorrelation/before/picture")
+    assert drawn.shape == (5 * ROW, 61 * wide, 3)
+    cells = drawn[ROW // 2 :: ROW, wide // 2 :: wide]
+    assert {tuple(cell) for cell in cells[:, 0]} == {DIVERGING[-1]}
+    assert tuple(cells[1, 5]) == DIVERGING[0]
+    assert tuple(cells[4, 7]) == (28, 28, 30)
+    assert fixed(saved, "/FS-20/autocorrelation/before/channels", "Points2D:labels") == [*CHANNELS]
+    places = np.array(fixed(saved, "/FS-20/autocorrelation/before/x", "Points2D:positions"))
+    labels = fixed(saved, "/FS-20/autocorrelation/before/x", "Points2D:labels")
+    np.testing.assert_allclose(places[:, 0], wide * (np.array(labels, dtype=float) + 0.5))
+
+
+def test_colours_reach_to_what_is_no_chance() -> None:
+    assert shades_of(side(0, 0.0).autocorrelation) == (-0.2, 0.2)
+    strong = np.full((5, 61), 0.45)
+    assert shades_of(strong) == (-0.5, 0.5)
+
+
+def test_bars_go_from_one_to_nis(saved: Path) -> None:
+    drawn = pixels(saved, "/bars/0/picture")
+    assert ticks_of_bars(NIS.before, NIS.after).tolist() == [0.2, 0.5, 1, 2, 5]
+    per_log = WIDTH / np.log(5 / 0.2)
+    for row, value in enumerate([4.0, 0.25, 1.0, 2.0]):
+        orange = np.flatnonzero((drawn[row * ROW + 10] == paths.BEFORE).all(axis=-1))
+        ends = sorted([np.log(1 / 0.2) * per_log, np.log(value / 0.2) * per_log])
+        assert [orange[0], orange[-1]] == pytest.approx(ends, abs=1.0)
+    blue = np.flatnonzero((drawn[1 * ROW + 30] == paths.AFTER).all(axis=-1))
+    assert len(blue) == pytest.approx(-np.log(0.9) * per_log, abs=2.0)
+    assert (drawn[4 * ROW :] == paths.BACKGROUND).all()
+
+
+def test_bars_of_nothing_and_of_too_much_still_have_a_scale() -> None:
+    nothing = np.full(3, np.nan)
+    assert ticks_of_bars(nothing, nothing).tolist() == [0.5, 1, 2]
+    assert ticks_of_bars(np.array([0.0]), np.array([1e9]))[[0, -1]] == pytest.approx([1e-3, 5e3])
+
+
+def test_views_stand_side_by_side_and_say_what_they_show(saved: Path) -> None:
+    names = view_names(saved)
+    assert len(names) == 3 + 2 * (3 + 2 * 5)
+    assert "T 2 before: innovation over its sd [1], with ±2 and the mean of each minute" in names
+    assert "Autocorrelation of the innovations after [1]" in names
+    assert all("[1]" in name for name in names if name != "Summary")
+
+
+def test_summary_is_the_callers_and_the_end_is_the_moment(saved: Path) -> None:
+    assert fixed(saved, "/summary", "TextDocument:text") == ["# By the caller"]
+    assert moment_of(saved) == 401.0
+
+
+def test_a_silent_channel_and_a_single_tick_leave_no_empty_chunk(tmp_path: Path) -> None:
+    nothing = Side(np.full((1, 5), np.nan), np.full((5, 13), np.nan))
+    short = Tuning("short", np.array([5.0]), 5.0 * np.arange(13), nothing, nothing)
+    save(tmp_path / "short.rrd", CHANNELS, [short], [NIS], "")
+    chunks = RrdReader(tmp_path / "short.rrd").stream().to_chunks()
+    assert all(chunk.to_record_batch().num_rows for chunk in chunks)
+    assert len(view_names(tmp_path / "short.rrd")) == 2 + 3 + 2 * 5
+
+
+def test_no_folder_is_said(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no folder"):
+        save(tmp_path / "nowhere" / "x.rrd", CHANNELS, [tuning()], [NIS], "")

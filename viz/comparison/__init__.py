@@ -1,0 +1,1 @@
+"""Views of two models beside each other."""

@@ -1,0 +1,72 @@
+"""What is compared: two sides, each what one model says of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from estimator.record import Array
+from estimator.rig import Rig
+from viz.drawing import columns
+from viz.drawing.columns import Indices
+
+
+@dataclass(frozen=True)
+class HeatMap:
+    """Heat that would repair a model alone, at n times.
+
+    time_s   (n,);  places_mm  (x,) on the screw;  W_m  (n, x)
+    bodies   names of what is not a place;  W  (n, bodies)
+    """
+
+    time_s: Array
+    places_mm: Array
+    W_m: Array
+    bodies: Sequence[str]
+    W: Array
+
+
+@dataclass(frozen=True)
+class Side:
+    """One model on one recording of K ticks.
+
+    open_loop, predicted, innovation   (K, m) what channels read by the model alone, and a tick ahead by the filter
+    elongation_um, sigma_um, open_loop_um  (K,) by the filter, with its sd, and by the model alone
+    misfit   reading minus the model alone at times of its own, (n,) and (n, m); a zero without meaning taken out
+    """
+
+    open_loop: Array
+    predicted: Array
+    innovation: Array
+    elongation_um: Array
+    sigma_um: Array
+    open_loop_um: Array
+    misfit_time_s: Array
+    misfit: Array
+    heat: HeatMap
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One recording of K ticks under one model, or two: before and after.
+
+    name         shown as the title of its tab
+    measured     (K, m);   readings_um  (K,) displacement joined to the start, NaN where there is none
+    """
+
+    name: str
+    rig: Rig
+    time_s: Array
+    measured: Array
+    readings_um: Array
+    sides: tuple[Side, ...]
+
+    @property
+    def thermometers(self) -> Indices:
+        """Columns of the thermometers among the channels, in order."""
+        return columns.thermometers(self.rig)
+
+    @property
+    def lengths(self) -> Indices:
+        """Columns of the others."""
+        return columns.lengths(self.rig)

@@ -1,0 +1,111 @@
+"""Entity paths, names and colours: the one place where saved and live views get them from."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, TypeVar
+
+from estimator.rig import Rig
+from viz.drawing import paths
+
+Named = TypeVar("Named", bound=Any)  # a dataclass with a name
+
+APPLICATION = "ballscrew"
+TIMELINE = "time"
+
+SUMMARY = "summary"
+ACCURACY = "accuracy"
+BANDS = "accuracy/bands"
+
+PROFILE = "profile"
+ELONGATION = "elongation"
+ERROR = "error"
+SCREW = "screw"
+SURPRISE_MAP = "residual/innovation"
+SURPRISE_BAR = "residual_bar/innovation"
+MODEL_MAP = "residual/open_loop"
+MODEL_BAR = "residual_bar/open_loop"
+WHITENESS = "whiteness"
+NIS = "nis"
+TEMPERATURES = "channels/temperature"
+INNOVATIONS = "channels/innovation"
+DISPLACEMENT = "channels/displacement"
+EVENTS = "events"
+STATUS = "status"
+MOMENT = "moment"
+
+BARS = "bars"
+COMPARED = "compared"
+SIDES = ("before", "after")
+AUTOCORRELATION = "autocorrelation"
+
+LEGEND_ENTRIES = 12  # a longer legend would scroll
+
+Colour = tuple[int, int, int]
+
+BACKGROUND: Colour = (16, 16, 18)
+GRID: Colour = (62, 62, 66)
+TEXT: Colour = (200, 200, 200)
+FILTER: Colour = (90, 170, 255)
+BAND: Colour = (40, 72, 128)
+BAND_EDGE: Colour = (70, 130, 220)
+OPEN_LOOP: Colour = (120, 210, 130)
+POLYLINE: Colour = (240, 130, 60)
+READING: Colour = (250, 220, 60)
+REFERENCE: Colour = (240, 240, 240)
+MEASURED: Colour = (255, 180, 60)
+LEFT_OUT: Colour = (225, 90, 90)
+BEFORE: Colour = (240, 130, 60)
+AFTER: Colour = (90, 170, 255)
+CROSS_VALIDATED: Colour = (120, 210, 130)
+HELD_OUT: Colour = (250, 220, 60)
+BOUND: Colour = (150, 150, 155)
+METAL: Colour = (92, 94, 102)
+NUT: Colour = (200, 200, 80)
+RUNS: tuple[Colour, ...] = (
+    (90, 170, 255), (240, 130, 60), (120, 210, 130), (250, 220, 60), (220, 110, 200), (90, 220, 220),
+    (255, 130, 130), (170, 150, 255), (190, 220, 90), (240, 240, 240), (205, 150, 100), (140, 160, 175),
+)  # fmt: skip
+
+
+def root(name: str) -> str:
+    """Where the entities of a run begin: its name, in characters that a path needs no escapes for."""
+    return re.sub(r"[^A-Za-z0-9_.-]+", "_", name)
+
+
+def scaled(above: str, side: str, channel: str) -> str:
+    """Where the scaled innovations of a channel are: `above` a run's root, side "before" or "after"."""
+    return f"{above}/scaled/{side}/{root(channel)}"
+
+
+def compared(above: str, what: str, *parts: str) -> str:
+    """Where views of two models on a run begin: `above` the run's root; parts such as a side or a channel."""
+    return "/".join([above, COMPARED, what, *map(root, parts)])
+
+
+def channel_names(rig: Rig, unit: str) -> list[str]:
+    """Legend entries of the thermometers: name, place and unit."""
+    named = [(name, rig.channels[name].at_mm) for name in rig.thermometers]
+    return [f"{name} [{unit}]" if at is None else f"{name} at {at:g} mm [{unit}]" for name, at in named]
+
+
+def thermometer_groups(rig: Rig) -> dict[str, slice]:
+    """Where the temperatures of each plot go: as few plots of equal size as leave every legend whole."""
+    count = len(rig.thermometers)
+    plots = -(-count // LEGEND_ENTRIES)
+    size = -(-count // max(plots, 1))
+    return {f"{TEMPERATURES}/{i + 1}": slice(i * size, min((i + 1) * size, count)) for i in range(plots)}
+
+
+def distinct(runs: Sequence[Named]) -> list[Named]:
+    """The runs with names that lead to different paths: a name met before gets a number."""
+    found: dict[str, Named] = {}
+    for run in runs:
+        name, number = run.name, 1
+        while paths.root(name) in found:
+            number += 1
+            name = f"{run.name} ({number})"
+        found[paths.root(name)] = replace(run, name=name)
+    return list(found.values())

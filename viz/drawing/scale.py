@@ -1,0 +1,95 @@
+"""Ranges and colour maps, all taken from the data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from estimator.record import Array
+
+Range = tuple[float, float]
+Colours = NDArray[np.uint8]
+
+WARM = ((70, 90, 225), (60, 185, 205), (135, 210, 95), (250, 220, 70), (250, 135, 45), (225, 40, 45))
+DIVERGING = ((150, 215, 255), (45, 115, 220), (34, 34, 38), (215, 85, 30), (255, 210, 100))
+
+
+@dataclass(frozen=True)
+class BodyScale:
+    """Ranges of profile and screw."""
+
+    temperature_C: Range
+    elongation_um: Range
+
+
+def lasting(time_s: Array) -> Range:
+    """First and last time, at least a second apart: the viewer does not bear an axis without length."""
+    begin, end = float(time_s[0]), float(time_s[-1])
+    return begin, max(end, begin + 1.0)
+
+
+def extent_of(*arrays: Array) -> Range:
+    """Lowest and highest of all values that are known."""
+    values = np.concatenate([np.asarray(array, dtype=float).ravel() for array in arrays])
+    values = values[np.isfinite(values)]
+    return (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+
+
+def widened(extent: Range, least: float) -> Range:
+    """The extent, or as much as `least` around its middle: noise shall not fill a plot."""
+    more = max(least - (extent[1] - extent[0]), 0.0) / 2
+    return extent[0] - more, extent[1] + more
+
+
+def step_of(span: float, pieces: int = 5) -> float:
+    """Distance between ticks, 1, 2 or 5 times a power of ten, for about `pieces` of them."""
+    raw = max(span, 1e-9) / pieces
+    power = 10.0 ** np.floor(np.log10(raw))
+    return float(power * next(m for m in (1, 2, 5, 10) if m * power >= raw * 0.999))
+
+
+def rounded(extent: Range, pieces: int = 12) -> Range:
+    """The extent rounded outwards to whole ticks."""
+    step = step_of(extent[1] - extent[0], pieces)
+    lo, hi = np.floor(extent[0] / step + 1e-9) * step, np.ceil(extent[1] / step - 1e-9) * step
+    return float(lo), float(hi if hi > lo else lo + step)
+
+
+def ticks_of(extent: Range, pieces: int = 5) -> Array:
+    """Tick places inside an extent."""
+    step = step_of(extent[1] - extent[0], pieces)
+    first = np.ceil(extent[0] / step - 1e-9)
+    return np.arange(first, np.floor(extent[1] / step + 1e-9) + 1) * step + 0.0  # no -0
+
+
+def symmetric(values: Array) -> Range:
+    """A range around zero that holds 99 % of the values, its end 1, 2 or 5 times a power of ten."""
+    sizes = np.abs(values[np.isfinite(values)])
+    end = step_of(float(np.quantile(sizes, 0.99)), 1) if len(sizes) else 1.0
+    return -end, end
+
+
+def minutes(time_s: Array, values: Array, width_s: float = 60.0, first_s: float | None = None) -> tuple[Array, Array]:
+    """Means over windows of a minute: begins of the windows (n,) and means (n, columns); NaN where all is.
+
+    The first window begins at `first_s`, by default at the first time.
+    """
+    first_s = float(time_s[0]) if first_s is None else first_s
+    window = np.floor((time_s - first_s) / width_s).astype(int)
+    count, total = np.zeros((2, window[-1] + 1, values.shape[1]))
+    np.add.at(count, window, np.isfinite(values))
+    np.add.at(total, window, np.nan_to_num(values))
+    mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
+    return first_s + np.arange(len(mean)) * width_s, mean
+
+
+def coloured(values: ArrayLike, extent: Range, anchors: tuple[tuple[int, int, int], ...] = WARM) -> Colours:
+    """Colours (..., 4) of values on a map; what is beyond the extent takes its end, NaN the background's grey."""
+    place = (np.asarray(values, dtype=float) - extent[0]) / (extent[1] - extent[0])
+    at = np.clip(place, 0.0, 1.0) * (len(anchors) - 1)
+    channels = [np.interp(at, np.arange(len(anchors)), [anchor[i] for anchor in anchors]) for i in range(3)]
+    colours = np.stack([*channels, np.full(at.shape, 255.0)], axis=-1)
+    colours[~np.isfinite(place)] = (28, 28, 30, 255)
+    return colours.astype(np.uint8)

@@ -1,0 +1,147 @@
+"""Views of a run that goes on: served to viewers, kept in a file, or both.
+
+Viewers come and go as they like, the disk may fill up and the server may die: none of it stops whoever shows the ticks.
+"""
+
+from __future__ import annotations
+
+import shutil
+import uuid
+from pathlib import Path
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from estimator.errors import BallscrewError, InputError, SetupError
+from estimator.record import Sample
+from estimator.rig import Rig
+from estimator.step import Step
+from viz.drawing import paths
+from viz.drawing.events import Event
+from viz.drawing.views import Everything, Sliding, Span
+from viz.live.body import frame_of
+from viz.live.layout import blueprint
+from viz.live.outlet import Outlet
+from viz.live.rows import Rows
+from viz.viewer.address import LOOPBACK, port_at
+
+SERVED_S = 0.2  # of wall time between batches: five a second look smooth
+KEPT_S = 60.0  # the same for the file: what a crash loses; shorter batches make the file larger
+RESERVE = 64 << 20  # bytes to be left on the disk: the stream could not be ended any more once a write has failed
+
+
+class LiveViews:
+    """Profile, elongation, residuals and alarms as they come.
+
+    url      what a viewer connects to, "" without a server
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        title: str,
+        *,
+        port: int | None,
+        bind: str = LOOPBACK,
+        save: Path | None = None,
+        window_s: float = 3600.0,
+        memory: str = "256MiB",
+    ) -> None:
+        """Serve on `bind` at `port` (0: any free one, None: no server), keep everything in `save`.
+
+        window_s  what the time axes show, s
+        memory    what the server keeps for viewers that come late; the oldest goes first
+        """
+        if window_s <= 0:
+            raise SetupError(f"window of {window_s:g} s: must be longer than 0")
+        self.url = ""
+        self._rig, self._title, self._id, self._window_s = rig, title, uuid.uuid4(), window_s
+        self._outlets: list[Outlet] = []
+        try:
+            if port is not None:
+                self._serve(bind, port_at(bind, port), memory)
+            if save is not None:
+                self._keep(Path(save))
+        except BallscrewError:
+            self.close()
+            raise
+
+    def show(self, sample: Sample, step: Step) -> None:
+        """Show one tick, before the filter's start too; returns at once."""
+        for outlet in self._outlets:
+            outlet.tick(sample, step)
+
+    def say(self, time_s: float, text: str, level: str = "INFO") -> None:
+        """Log what happened at `time_s`, s; level is INFO, WARN or ERROR."""
+        for outlet in self._outlets:
+            outlet.event(Event(time_s, text, level))
+
+    def status(self, markdown: str) -> None:
+        """Show how things stand now."""
+        for outlet in self._outlets:
+            outlet.status(markdown)
+
+    @property
+    def trouble(self) -> str:
+        """One line on what did not get out, "" while all is well."""
+        return "; ".join(outlet.trouble for outlet in self._outlets if outlet.trouble)
+
+    def flush(self) -> None:
+        """Send what waits, and wait a moment for it."""
+        for outlet in self._outlets:
+            outlet.flush()
+
+    def close(self) -> None:
+        """Send what waits, end the file with its footer, and stop the server."""
+        for outlet in self._outlets:
+            outlet.close()
+
+    def _serve(self, bind: str, port: int, memory: str) -> None:
+        rec = self._stream()
+        pages = [f"http://{bind}:*"]  # whose scripts may read the stream: those that this address serves
+        try:
+            sink = rr.GrpcServerSink(bind, port, server_memory_limit=memory, cors_allow_origin=pages)
+            rec.set_sinks(sink)
+            rec.flush(timeout_sec=5.0)
+        except (RuntimeError, ValueError) as error:
+            raise SetupError(f"{bind}:{port}: no live views ({error}; memory limit {memory})") from error
+        self.url = sink.uri
+        self._begin(rec, Sliding(self._window_s))
+        self._outlets.append(Outlet(self.url, rec, self._rows(rec, newest=True), SERVED_S))
+
+    def _keep(self, path: Path) -> None:
+        if not path.parent.is_dir():
+            raise InputError(f"{path}: there is no folder {path.parent}")
+        rec, layout = self._stream(), self._layout(Everything())
+        try:
+            rec.save(path, default_blueprint=layout)
+        except RuntimeError as error:
+            raise InputError(f"{path}: cannot be written ({error})") from error
+        self._begin(rec, Everything())
+        rows = self._rows(rec, newest=False)
+        self._outlets.append(Outlet(str(path), rec, rows, KEPT_S, lambda: _full(path.parent)))
+
+    def _stream(self) -> rr.RecordingStream:
+        rec = rr.RecordingStream(paths.APPLICATION, recording_id=self._id)
+        rec.set_log_time_enabled(False)
+        return rec
+
+    def _begin(self, rec: rr.RecordingStream, span: Span) -> None:
+        rec.send_blueprint(self._layout(span), make_active=True, make_default=True)
+        rec.send_recording_name(self._title)
+
+    def _layout(self, span: Span) -> rrb.Blueprint:
+        frame = frame_of(self._rig) if self._rig.screw is not None else None
+        return blueprint(paths.root(self._title), self._rig, frame, span)
+
+    def _rows(self, rec: rr.RecordingStream, newest: bool) -> Rows:
+        return Rows(rec, paths.root(self._title), self._rig, newest, self._window_s)
+
+
+def _full(folder: Path) -> str:
+    """Why nothing can be written now, "" if it can."""
+    try:
+        free = shutil.disk_usage(folder).free
+    except OSError as error:
+        return f"the disk does not answer ({error.strerror})"
+    return "" if free > RESERVE else f"the disk is nearly full, less than {RESERVE / 1e6:.0f} MB are left"

@@ -1,0 +1,82 @@
+"""Maps and tests of the innovations in a live stream: a minute at a time, each sent when it is over."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+import rerun as rr
+
+from estimator.record import Array
+from estimator.rig import Rig
+from viz.drawing import paths, residuals
+from viz.drawing.axes import colour_bar
+from viz.drawing.residuals import MAPS, WINDOW_S, Misfit
+from viz.drawing.scale import DIVERGING, coloured, minutes
+from viz.live.room import room, send_room
+from viz.live.scale import Decades
+
+COLOURS = -1.0, 1.0  # ends of the scale of decades
+SHORT_S = 1e-3  # a stripe ends so much before the next begins: two rows of one time confuse the viewer's colours
+NIS_RANGE = 0.0, 2.0  # at least
+
+
+class Minutes:
+    """The open minute of a stream; those before have been sent."""
+
+    def __init__(self, rec: rr.RecordingStream, root: str, rig: Rig) -> None:
+        self._rec, self._root = rec, root
+        self._open: Misfit | None = None
+        self._begin_s = np.nan  # of the first minute that has not been sent
+        self._scale: Decades | None = None
+        residuals.style(rec, root, rig)
+        room(rec, f"{root}/{paths.NIS}", *residuals.NIS)
+
+    def send(self, ticks: Misfit) -> None:
+        """Take ticks, and send the minutes that are over."""
+        if self._open is None:
+            self._open, self._begin_s = ticks, float(ticks.time_s[0])
+        else:
+            self._open = _joined(self._open, ticks)
+        minute = np.floor((self._open.time_s - self._begin_s) / WINDOW_S)
+        over = int(np.searchsorted(minute, minute[-1]))
+        if over:
+            self._close(_rows(self._open, slice(0, over)))
+            self._open = _rows(self._open, slice(over, None))
+
+    def end(self) -> None:
+        """Send the open minute as it is."""
+        if self._open is not None:
+            self._close(self._open)
+            self._open = None
+
+    def _close(self, ticks: Misfit) -> None:
+        residuals.send_tests(self._rec, self._root, ticks, self._begin_s)
+        if self._scale is None and np.isfinite(ticks.innovation_sd).any():
+            self._scale = self._scaled(ticks.innovation_sd)
+        for at, values in ticks.mapped().items():
+            begins, means = minutes(ticks.time_s, values, first_s=self._begin_s)
+            stripes = np.append(begins, begins[-1] + WINDOW_S - SHORT_S)
+            means = np.concatenate([means, means[-1:]])
+            shades = self._scale.shares(means) if self._scale else np.full_like(means, np.nan)
+            residuals.send_map(self._rec, f"{self._root}/{at}", stripes, shades, COLOURS)
+        residuals.send_bounds(self._rec, self._root, begins + WINDOW_S / 2)
+        send_room(self._rec, f"{self._root}/{paths.NIS}", begins[-1], NIS_RANGE)
+        self._begin_s = begins[-1] + WINDOW_S
+
+    def _scaled(self, sd: Array) -> Decades:
+        """The scale of both maps, which holds from now on."""
+        scale = Decades.of(sd)
+        shades = coloured(np.linspace(*COLOURS, 64), COLOURS, DIVERGING)
+        for bar in MAPS.values():
+            colour_bar(self._rec, f"{self._root}/{bar}", shades, scale.labels("K"))
+        return scale
+
+
+def _joined(before: Misfit, after: Misfit) -> Misfit:
+    pairs = [(getattr(before, field.name), getattr(after, field.name)) for field in fields(Misfit)]
+    return Misfit(*(np.concatenate(pair) for pair in pairs))
+
+
+def _rows(ticks: Misfit, which: slice) -> Misfit:
+    return Misfit(*(getattr(ticks, field.name)[which] for field in fields(Misfit)))

@@ -1,0 +1,62 @@
+"""Ranges of live views: nobody knows what will come, so they grow with it.
+
+A range that grows takes a share more than it must, so that axes are drawn anew a few times in a run, not all the time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.record import Array
+from viz.drawing.scale import Range, extent_of, rounded, step_of, widened
+
+AHEAD = 0.2  # of the range, taken more where it grows
+PIECES = 10  # ends are whole ticks of about so many
+
+
+class Growing:
+    """A range that holds all values so far, `least` wide at first, its ends rounded outwards."""
+
+    def __init__(self, least: float) -> None:
+        self._least = least
+        self._extent: Range | None = None
+
+    def hold(self, values: Iterable[Array]) -> Range | None:
+        """Take values in, some of which may be unknown; returns the range, None while nothing is known."""
+        known = np.concatenate([np.ravel(each) for each in values])
+        known = known[np.isfinite(known)]
+        if len(known) and self._extent is None:
+            self._extent = rounded(widened(extent_of(known), self._least), PIECES)
+        elif len(known) and self._extent is not None:
+            (lo, hi), (low, high) = self._extent, extent_of(known)
+            more = AHEAD * (max(hi, high) - min(lo, low))
+            if low < lo or high > hi:
+                self._extent = rounded((low - more if low < lo else lo, high + more if high > hi else hi), PIECES)
+        return self._extent
+
+
+@dataclass(frozen=True)
+class Decades:
+    """A fixed scale for the colours of a map: what is drawn already has its colours, so its range cannot grow.
+
+    Within +-finest the colour is that of 0; each of the two decades above has half of the way to the end.
+    """
+
+    finest: float
+
+    @classmethod
+    def of(cls, sd: Array) -> Decades:
+        """For means of values that scatter by `sd`, some of which may be unknown."""
+        return cls(step_of(float(np.nanmedian(sd)) / 10, 1))
+
+    def shares(self, values: Array) -> Array:
+        """Where values stand on the scale, -1 ... 1 and beyond."""
+        return np.sign(values) * np.log10(np.maximum(np.abs(values), self.finest) / self.finest) / 2
+
+    def labels(self, unit: str) -> list[str]:
+        """What stands at equal distances along the scale, lowest first."""
+        small, large = (f"{self.finest * ratio:g} {unit}" for ratio in (10.0, 100.0))
+        return [f"-{large}", f"-{small}", f"±{self.finest:g} {unit}", f"+{small}", f"+{large}"]

@@ -1,0 +1,112 @@
+"""A run: one recording with everything that was estimated from it, ready to be shown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.step import Track
+from viz.drawing import columns
+from viz.drawing.columns import Flags, Indices
+from viz.drawing.scale import BodyScale, Range, extent_of, lasting, minutes, rounded, symmetric, widened
+
+AT_REST = 0.5  # rad/s
+JUDGED = ("filter", "polyline")  # the estimates that see the thermometers
+
+
+@dataclass(frozen=True)
+class Run:
+    """One reviewed recording of K ticks.
+
+    name            shown as the title of its tab
+    polyline_um     (K,) elongation by the polyline through the thermometers
+    readings_um     (K,) displacement readings joined to the start, um; NaN where there is none
+    reference_um    (K,) what the estimates are judged by; NaN where there is none
+    reference_name  what the reference is: "truth", "readings"
+    errors_um       (K,) reference minus estimate for "filter" and "polyline"; where the reference is a reading that the
+                    filter used, its error is that of the prediction before it
+    error_sd_um     (K,) the filter's own standard deviation of its error
+    truth_C_rise    (K, thermometers) true temperature rise at the thermometers, K; None where it is not known
+    """
+
+    name: str
+    rig: Rig
+    recording: Recording
+    track: Track
+    polyline_um: Array
+    readings_um: Array
+    reference_um: Array
+    reference_name: str
+    errors_um: Mapping[str, Array]
+    error_sd_um: Array
+    truth_C_rise: Array | None = None
+
+    def judged_um(self, estimate: str) -> Array:
+        """The estimate that the reference was compared with, (K,) um."""
+        return self.reference_um - self.errors_um[estimate]
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether there is a reference at all."""
+        return bool(np.isfinite(self.reference_um).any())
+
+    @property
+    def thermometers(self) -> Indices:
+        """Columns of the thermometers among the channels, in order."""
+        return columns.thermometers(self.rig)
+
+    @property
+    def on_screw(self) -> Indices:
+        """Columns of the thermometers that have a place on the screw."""
+        return columns.on_screw(self.rig)
+
+    @property
+    def places_mm(self) -> Array:
+        """Places of those thermometers, mm."""
+        return columns.places_mm(self.rig)
+
+    @property
+    def turning(self) -> Flags:
+        """(K,) whether the screw turned in the tick."""
+        return np.asarray(np.nan_to_num(self.recording.omega) > AT_REST)
+
+    @property
+    def stops_s(self) -> Array:
+        """Times at which the drive stopped, s."""
+        ends = np.flatnonzero(self.turning[:-1] & ~self.turning[1:]) + 1
+        return self.track.time_s[ends]
+
+
+def first_stop_s(run: Run) -> float:
+    """The moment that shows most at a glance: the whole second after the first stop; without a stop the middle."""
+    stops = run.stops_s
+    return float(np.ceil(stops[0] if len(stops) else np.nanmedian(run.track.time_s)))
+
+
+@dataclass(frozen=True)
+class Scale(BodyScale):
+    """Ranges of one run's views: what the data needs, rounded outwards."""
+
+    time_s: Range
+    error_um: Range | None  # None: nothing to judge the estimates by
+    innovation_K: Range
+    open_loop_K: Range
+
+
+def scale_of(run: Run) -> Scale:
+    """Ranges that hold a whole run."""
+    track, heat = run.track, run.thermometers
+    lengths = (track.elongation_um, track.open_loop_um, run.polyline_um, run.readings_um, run.reference_um)
+    measured = track.measured[:, heat]
+    return Scale(
+        time_s=lasting(track.time_s),
+        temperature_C=rounded(widened(extent_of(measured, track.profile_C), 1.0)),
+        elongation_um=rounded(widened(extent_of(*lengths), 1.0)),
+        error_um=rounded(extent_of(*(run.errors_um[name] for name in JUDGED))) if run.is_judged else None,
+        innovation_K=symmetric(minutes(track.time_s, track.innovation[:, heat])[1]),
+        open_loop_K=symmetric(minutes(track.time_s, measured - track.open_loop[:, heat])[1]),
+    )

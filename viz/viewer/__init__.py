@@ -1,0 +1,1 @@
+"""The viewer, native or in a browser, and pictures from it."""

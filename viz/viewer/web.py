@@ -1,0 +1,164 @@
+"""The live views in a browser: the web viewer that came with the package, cut off from everything but the stream.
+
+Its stock page asks for fonts, for its own new versions, and reports its use. Here the page comes without those links,
+under a policy by which the browser connects it to the live stream and to nothing else.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+import tempfile
+import threading
+import time
+import urllib.error
+import urllib.request
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote, urlsplit
+
+from estimator.errors import SetupError
+from viz.viewer.address import LOOPBACK, free_port, port_at
+from viz.viewer.viewer import START_S, start
+
+FILES = {  # what there is, and what it is
+    "/": "text/html; charset=utf-8",
+    "/re_viewer.js": "text/javascript",
+    "/re_viewer_bg.wasm": "application/wasm",
+    "/favicon.ico": "image/x-icon",
+}
+STREAM = re.compile(r"rerun\+http://([\w.-]+:\d+)/proxy")
+OUTSIDE = re.compile(rb"<link\b[^>]*https?://[^>]*>")
+INLINE = re.compile(rb"<script>(.*?)</script>", re.DOTALL)
+CHUNK = 1 << 20
+
+
+class WebPage:
+    """A page that shows the stream at `url`, served on `bind` at `port` (0: any free one).
+
+    address   what to open in a browser
+    """
+
+    def __init__(self, url: str, *, port: int = 0, bind: str = LOOPBACK) -> None:
+        stream = STREAM.fullmatch(url)
+        if not stream:
+            raise SetupError(f"{url}: not a live stream; expected rerun+http://ADDRESS:PORT/proxy")
+        port = port_at(bind, port)
+        self._folder = tempfile.TemporaryDirectory(prefix="ballscrew-web-")
+        try:
+            page = _fetch(url, Path(self._folder.name))
+            self._server = _Server(bind, port, Path(self._folder.name), policy(page, f"http://{stream[1]}"))
+        except BaseException:
+            self._folder.cleanup()
+            raise
+        shown = f"url={quote(url, safe='')}&persist=0&hide_welcome_screen=1&theme=dark"
+        self.address = f"http://{bind}:{port}/?{shown}"
+        threading.Thread(target=self._server.serve_forever, name="web page", daemon=True).start()
+
+    def close(self) -> None:
+        """Stop serving."""
+        self._server.shutdown()
+        self._server.server_close()
+        self._folder.cleanup()
+
+
+def policy(page: bytes, stream: str) -> str:
+    """The Content-Security-Policy of a page: its own files and scripts, and connections to `stream` only."""
+    hashes = [base64.b64encode(hashlib.sha256(script).digest()).decode() for script in INLINE.findall(page)]
+    scripts = " ".join(f"'sha256-{each}'" for each in hashes)
+    return "; ".join(
+        [
+            "default-src 'none'",
+            f"script-src 'self' 'wasm-unsafe-eval' {scripts}",
+            "style-src 'unsafe-inline'",
+            "img-src 'self' data: blob:",
+            f"connect-src 'self' {stream}",
+            "base-uri 'none'",
+            "form-action 'none'",
+            "frame-ancestors 'none'",
+        ]
+    )
+
+
+class _Server(ThreadingHTTPServer):
+    """Serves the files in a folder and nothing else, to whoever asks for this very address."""
+
+    def __init__(self, bind: str, port: int, folder: Path, rules: str) -> None:
+        super().__init__((bind, port), _Handler)
+        self.host, self.folder = f"{bind}:{port}", folder
+        self.headers = {
+            "Content-Security-Policy": rules,
+            "X-Content-Type-Options": "nosniff",
+            "X-DNS-Prefetch-Control": "off",
+            "Referrer-Policy": "no-referrer",
+            "Cache-Control": "no-store",
+        }
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server: _Server
+    timeout = 30.0
+
+    def do_GET(self) -> None:
+        """Answer with a file."""
+        path = urlsplit(self.path).path
+        if self.headers["Host"] != self.server.host:  # another site's name that was made to lead here
+            self.send_error(HTTPStatus.MISDIRECTED_REQUEST)
+        elif path not in FILES:
+            self.send_error(HTTPStatus.NOT_FOUND)
+        else:
+            self._send(_file(self.server.folder, path), FILES[path])
+
+    def _send(self, file: Path, kind: str) -> None:
+        self.send_response(HTTPStatus.OK)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(file.stat().st_size))
+        self.end_headers()
+        with file.open("rb") as source:
+            while piece := source.read(CHUNK):
+                self.wfile.write(piece)
+
+    def end_headers(self) -> None:
+        """Every answer, an error too, is under the policy."""
+        for name, value in self.server.headers.items():
+            self.send_header(name, value)
+        super().end_headers()
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """The terminal is the command's."""
+
+
+def _file(folder: Path, path: str) -> Path:
+    return folder / (path.strip("/") or "index.html")
+
+
+def _fetch(url: str, folder: Path) -> bytes:
+    """Take the files from the package, whose program can only serve them; returns the page without links to others."""
+    port = free_port()
+    program = start(["--serve-web", "--web-viewer-port", str(port), url], free_port())
+    try:
+        for path in FILES:
+            _file(folder, path).write_bytes(_get(f"http://{LOOPBACK}:{port}{path}"))
+    finally:
+        program.terminate()
+        program.wait(10)
+    index = _file(folder, "/")
+    page = OUTSIDE.sub(b"", index.read_bytes())
+    index.write_bytes(page)
+    return page
+
+
+def _get(address: str) -> bytes:
+    direct = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+    end = time.monotonic() + START_S
+    while True:
+        try:
+            with direct.open(address, timeout=START_S) as answer:
+                return bytes(answer.read())
+        except (urllib.error.URLError, ConnectionError) as error:
+            if time.monotonic() > end or isinstance(error, urllib.error.HTTPError):
+                raise SetupError(f"the web viewer of the package does not answer ({error})") from error
+            time.sleep(0.1)  # not up yet
