@@ -15,10 +15,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from filelock import BaseFileLock
+
 from drivers.budget import Budget
 from drivers.logs.candump_line import line_of
 from drivers.received import Received
-from drivers.recorder.folder_lock import FolderLock
+from drivers.recorder.folder_lock import lock_folder
 from drivers.recorder.part import Part, utc
 from estimator.errors import SetupError
 
@@ -188,10 +190,10 @@ class Recorder:
             self.notes.append(sentence)
 
 
-def _lock(folder: Path) -> FolderLock:
+def _lock(folder: Path) -> BaseFileLock:
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return FolderLock(folder)
+        return lock_folder(folder)
     except OSError as error:
         raise SetupError(f"{folder}: cannot record there: {error.strerror}; name another folder") from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import subprocess
@@ -322,3 +323,16 @@ def test_a_folder_that_cannot_be_used_is_one_line(tmp_path: Path) -> None:
 def test_two_recorders_of_one_process_do_not_share_a_folder_either(tmp_path: Path) -> None:
     with Recorder(tmp_path, {}), pytest.raises(SetupError, match="already records there"):
         Recorder(tmp_path, {})
+
+
+def test_a_folder_whose_disk_knows_no_locks_is_recorded_into(tmp_path: Path) -> None:
+    fcntl = pytest.importorskip("fcntl")
+    with (
+        mock.patch.object(fcntl, "flock", side_effect=OSError(errno.ENOLCK, "No locks available")),
+        Recorder(tmp_path, {}) as recorder,
+    ):
+        recorder.write(frame())
+    assert recorder.frames == 1
+    with Recorder(tmp_path, {}) as again:
+        again.write(frame(1))
+    assert again.frames == 1
