@@ -26,7 +26,7 @@ from benchmarks.cases import FIRST_SEED, PLANTED, RUNS, STRANGERS, TAKEN_OUT, Ca
 from benchmarks.handed_over import record
 from benchmarks.measure import alone, say
 from drivers.recordings import read_recording
-from drivers.virtual_rig import simulate
+from drivers.virtual_rig import simulate, write
 from drivers.virtual_rig.machine.heaters import local_place
 from estimator.accuracy.floor import Error
 from estimator.accuracy.horizon import open_loop_only, overall
@@ -105,7 +105,7 @@ def _recording(name: str, rig: Rig, plant: dict[str, float], case: Case, number:
     run = simulate(name, seed=case.seed, plant=plant)
     if case.frames:
         with tempfile.TemporaryDirectory() as folder:
-            return read_recording(run.write(Path(folder) / f"{name}.log"), rig)
+            return read_recording(write(run, Path(folder) / f"{name}.log"), rig)
     return record(run, rig, *(case.wrong if number == 2 else (1.0, 1.0)))
 
 

@@ -33,7 +33,7 @@ from drivers.frames import Tally
 from drivers.logs.candump import read_candump
 from drivers.logs.truth import read_truth
 from drivers.recordings import read_joined, read_recording
-from drivers.virtual_rig import simulate
+from drivers.virtual_rig import frame_table, simulate, write
 from estimator.accuracy.review import review
 from estimator.batch.replay import replay
 from estimator.rig_folder.model_toml import load_model
@@ -136,11 +136,11 @@ def cooldown() -> list[Row]:
     with tempfile.TemporaryDirectory() as name, hub() as port:
         folder = Path(name)
         run = simulate("FS-20", seed=5, cycles=1)
-        recording = read_recording(run.write(folder / "run.log"), rig)
+        recording = read_recording(write(run, folder / "run.log"), rig)
         truth = read_truth(folder / "run.log")
         assert truth is not None
         with monitor(port, folder, "--speed-up", str(RIG_SPEED_UP)), connected(port) as bus:
-            play(bus, timed(run.frames()), RIG_SPEED_UP)
+            play(bus, timed(frame_table(run).messages()), RIG_SPEED_UP)
             time.sleep(2.0)
         lines = [line for line in lines_of(folder) if not line["provisional"]]
     told = review(recording, rig, model, truth.at(recording.time_s))

@@ -16,7 +16,7 @@ from pathlib import Path
 import can
 import numpy as np
 
-from drivers.virtual_rig import simulate
+from drivers.virtual_rig import frame_table, simulate
 from estimator.record import Array
 
 RECORDINGS = Path(__file__).parents[1] / "recordings"
@@ -66,7 +66,7 @@ def connected(port: int) -> can.BusABC:
 
 def rig_frames(seconds: float, **options: object) -> Iterator[Timed]:
     """Frames of the rig with the time at which each is due, s from the first."""
-    return timed(simulate("FS-20", seed=5, seconds=seconds, **options).frames())
+    return timed(frame_table(simulate("FS-20", seed=5, seconds=seconds, **options)).messages())
 
 
 def timed(messages: Iterable[can.Message]) -> Iterator[Timed]:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from ballscrew.cli import main
-from drivers.virtual_rig import simulate
+from drivers.virtual_rig import simulate, write
 from estimator.effects import CATALOGUE
 from estimator.effects.air import StillAir
 from estimator.effects.length import Displacement
@@ -204,4 +204,4 @@ def ballscrew(*words: object) -> tuple[int, str, str]:
 @pytest.fixture(scope="session")
 def fs20_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """FS-20 of the virtual rig, first drive and some of its stop, as a CAN log with its truth beside it."""
-    return simulate("FS-20", cycles=1, seconds=420.0).write(tmp_path_factory.mktemp("fs20") / "FS-20.log")
+    return write(simulate("FS-20", cycles=1, seconds=420.0), tmp_path_factory.mktemp("fs20") / "FS-20.log")

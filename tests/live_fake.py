@@ -9,7 +9,7 @@ import numpy as np
 
 from drivers.decode.checks import crc16_ccitt_false, frame_checksum
 from drivers.received import Received
-from drivers.virtual_rig import simulate
+from drivers.virtual_rig import frame_table, simulate
 
 TELEMETERS = range(0x210, 0x214)
 STATUS, DRIVE = 0x214, 0x230
@@ -19,8 +19,8 @@ Change = Callable[[bytearray, float], None]
 
 def rig_frames(seconds: float, seed: int = 7, **options: object) -> Frames:
     """What the rig sends, FS-20 from its start."""
-    run = simulate("FS-20", seed=seed, seconds=seconds, **options)
-    return [Received(round(m.timestamp, 6), m.arbitration_id, False, bytes(m.data)) for m in run.frames()]
+    sent = frame_table(simulate("FS-20", seed=seed, seconds=seconds, **options)).messages()
+    return [Received(round(m.timestamp, 6), m.arbitration_id, False, bytes(m.data)) for m in sent]
 
 
 def since(frames: Frames, frame: Received) -> float:

@@ -13,7 +13,7 @@ from ballscrew.terminal import Terminal, duration
 from drivers.bus.bus import FAILURES, BusAddress
 from drivers.bus.bus import bus_options as options_of
 from drivers.logs.log_writer import check_format
-from drivers.virtual_rig import Run, play, simulate
+from drivers.virtual_rig import Run, play, simulate, write
 from estimator.errors import SetupError
 
 HOURS = {"h": 3600.0, "min": 60.0, "s": 1.0}
@@ -120,7 +120,7 @@ def _strength(word: str) -> tuple[str, float]:
 
 def _write(terminal: Terminal, run: Run, path: Path) -> dict[str, Any]:
     try:
-        run.write(path)
+        write(run, path)
     except ValueError as error:
         raise SetupError(f"{path}: {error}") from error
     length, growth = float(run.truth.time_s[-1]), float(run.truth.elongation_um.max())

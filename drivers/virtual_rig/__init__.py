@@ -4,8 +4,10 @@ It stands for the real machine, so it shares nothing with the code that is judge
 """
 
 from drivers.virtual_rig.experiments import EXPERIMENTS
+from drivers.virtual_rig.frames.frames import frame_table
 from drivers.virtual_rig.frames.player import play
+from drivers.virtual_rig.frames.recording import write
 from drivers.virtual_rig.run import Run
 from drivers.virtual_rig.simulation import simulate
 
-__all__ = ["EXPERIMENTS", "Run", "play", "simulate"]
+__all__ = ["EXPERIMENTS", "Run", "frame_table", "play", "simulate", "write"]

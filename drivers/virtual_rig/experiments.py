@@ -5,13 +5,13 @@ import math
 
 from drivers.virtual_rig.machine.motion import Stroke
 
+# Table positions between which the table moves, mm
 PATTERNS = {"FS": (0.0, 400.0), "CS": (130.0, 243.0), "ES": (202.0, 315.0)}
-"""Table positions between which the table moves, mm"""
 SPEEDS = ("20", "10", "5", "2.5")
 EXPERIMENTS = tuple(f"{pattern}-{speed}" for pattern in PATTERNS for speed in SPEEDS)
 
+# m/min; beyond the fastest, the short strokes hold no constant speed long enough for a peak to be held
 SLOWEST, FASTEST = 1.0, 25.0
-"""m/min; beyond the fastest, the short strokes hold no constant speed long enough for a peak to be held"""
 
 
 def stroke(name: str) -> Stroke:

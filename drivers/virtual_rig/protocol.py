@@ -6,22 +6,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.machine.geometry import ANCHOR_BEARING_MM, OMEGA_20, SPAN_MM
-from drivers.virtual_rig.machine.heat import Rig, step_middles
+from drivers.virtual_rig.machine.heat import ThermalRig, step_middles
 from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
-from drivers.virtual_rig.machine.screw import CELL_MM, EXPANSION, growth_weights
+from drivers.virtual_rig.machine.screw import CELL_MM, growth_weights
 from drivers.virtual_rig.sensors.jig import jig
 from drivers.virtual_rig.sensors.probes import OVER_RANGE, Gauge, Probes, Reading
 from drivers.virtual_rig.sensors.truth import Profile, Truth
 
 REST_S = 20.0
-TARGET_UM = 49.5
-"""seen by the operator; the table then finishes its stroke"""
+TARGET_UM = 49.5  # seen by the operator; the table then finishes its stroke
 PROFILE_S = 60
 
-Progress = Callable[[float, float], None]
-"""Called each rig minute with the rig time (s) and the elongation (um)."""
+Progress = Callable[[float, float], None]  # called each rig minute with the rig time (s) and the elongation (um)
 
 
 @dataclass(frozen=True)
@@ -34,10 +31,12 @@ class Plan:
     seconds: float | None
 
 
-class Session:
+class Experiment:
     """One run under way: the rig, the operator's eye on the held readings, and what has happened so far."""
 
-    def __init__(self, rig: Rig, probes: Probes, travel: Travel, expansion: float, draw: np.random.Generator) -> None:
+    def __init__(
+        self, rig: ThermalRig, probes: Probes, travel: Travel, expansion: float, draw: np.random.Generator
+    ) -> None:
         self.rig, self.probes, self.travel, self.draw = rig, probes, travel, draw
         self.motor_growth = growth_weights(ANCHOR_BEARING_MM, SPAN_MM[1], expansion)
         self.free_growth = growth_weights(SPAN_MM[0], ANCHOR_BEARING_MM, expansion)
@@ -134,8 +133,3 @@ class Session:
         """Stroke centres (m,) and what was held there."""
         columns = np.array(self.held, dtype=float).reshape(-1, 4).T
         return columns[0], Reading(columns[1], columns[2], columns[3].astype(int))
-
-
-def session(seed: int, run: str, rig: Rig, probes: Probes, travel: Travel, expansion_error: float) -> Session:
-    """A run about to begin."""
-    return Session(rig, probes, travel, EXPANSION * (1.0 + expansion_error), dice(seed, run, "hold"))

@@ -1,17 +1,13 @@
-"""One finished run: what was true, what was measured, and its frames."""
+"""One finished run: what was true, what was measured, and what the drive said."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
-import can
 import numpy as np
 
 from drivers.virtual_rig.dice import dice
-from drivers.virtual_rig.frames import frames, recording
-from drivers.virtual_rig.machine import motor
 from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
+from drivers.virtual_rig.sensors.drive import DriveSignals, drive_signals
 from drivers.virtual_rig.sensors.environment import Environment
 from drivers.virtual_rig.sensors.probes import Reading
 from drivers.virtual_rig.sensors.truth import Profile, Truth
@@ -33,16 +29,6 @@ class Measured(NamedTuple):
     board: np.ndarray
     direct: Reading
     environment: Environment
-
-
-class DriveSignals(NamedTuple):
-    """The drive's own signals, each (n,)"""
-
-    time_s: np.ndarray
-    position_mm: np.ndarray
-    speed_rpm: np.ndarray
-    current_a: np.ndarray
-    moving: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -70,16 +56,6 @@ class Run:
 
     def drive(self, time_s: np.ndarray) -> DriveSignals:
         """The drive's signals at any ascending instants; the current's noise is drawn for these instants."""
-        moves = self.motion(time_s)
         torque = self.truth.nut_torque + self.truth.bearing_torque
         friction = np.interp(time_s, self.truth.time_s, torque)
-        amperes = motor.current(moves, friction, dice(self.seed, self.name, "motor"))
-        return DriveSignals(time_s, moves.position_mm, moves.speed_rpm, amperes, moves.moving)
-
-    def frames(self) -> Iterator[can.Message]:
-        """All frames in order of time, stamped with a fixed epoch plus the rig's time."""
-        return frames.messages(frames.table(self))
-
-    def write(self, path: str | Path) -> Path:
-        """Write the frames in the format of the suffix, and the truth beside them as NAME.truth.csv."""
-        return recording.write(self, Path(path))
+        return drive_signals(time_s, self.motion(time_s), friction, dice(self.seed, self.name, "motor"))

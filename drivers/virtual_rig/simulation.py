@@ -4,12 +4,13 @@ from collections.abc import Collection, Mapping
 
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.experiments import stroke
-from drivers.virtual_rig.machine.heat import Rig
+from drivers.virtual_rig.machine.heat import ThermalRig
 from drivers.virtual_rig.machine.heaters import Heaters, heaters
 from drivers.virtual_rig.machine.motion import Travel
 from drivers.virtual_rig.machine.planted import BASE, Strengths, strengths
+from drivers.virtual_rig.machine.screw import EXPANSION
 from drivers.virtual_rig.machine.weather import weather
-from drivers.virtual_rig.protocol import Plan, Progress, Session, session
+from drivers.virtual_rig.protocol import Experiment, Plan, Progress
 from drivers.virtual_rig.run import Holds, Measured, Run
 from drivers.virtual_rig.sensors import environment, telemeter
 from drivers.virtual_rig.sensors.probes import freeze_delay_s, probes
@@ -37,16 +38,18 @@ def simulate(
     from run to run.
     """
     strength = strengths(plant, without)
-    travel = Travel(stroke(name))
     sources = heaters(seed, strength)
-    rig = Rig(strength, weather(seed, name, strength), sources)
-    under_way = session(seed, name, rig, probes(seed, strength), travel, EXPANSION_ERROR * strength["expansion_error"])
-    under_way.run(Plan(max_drive_s, stop_s, cycles, seconds), progress)
-    return _finished(name, seed, strength, sources, under_way)
+    rig = ThermalRig(strength, weather(seed, name, strength), sources)
+    expansion = EXPANSION * (1.0 + EXPANSION_ERROR * strength["expansion_error"])
+    travel, draw = Travel(stroke(name)), dice(seed, name, "hold")
+    experiment = Experiment(rig, probes(seed, strength), travel, expansion, draw)
+    experiment.run(Plan(max_drive_s, stop_s, cycles, seconds), progress)
+    return _finished(name, seed, strength, sources, experiment)
 
 
-def _finished(name: str, seed: int, strength: Strengths, sources: Heaters, under_way: Session) -> Run:
-    truth = Truth.of(under_way.rows)
+def _finished(name: str, seed: int, strength: Strengths, sources: Heaters, experiment: Experiment) -> Run:
+    truth = Truth.of(experiment.rows)
+    centres, reading = experiment.readings
     sensors = telemeter.telemeter(seed, strength)
     return Run(
         name=name,
@@ -54,27 +57,21 @@ def _finished(name: str, seed: int, strength: Strengths, sources: Heaters, under
         planted={effect: s for effect, s in strength.items() if s != float(effect in BASE)},
         places=sources.places | sensors.places,
         truth=truth,
-        profile=under_way.profile,
-        measured=_measured(name, seed, sensors, truth, under_way),
-        holds=_holds(under_way),
-        travel=under_way.travel,
+        profile=experiment.profile,
+        measured=_measured(name, seed, sensors, truth, experiment),
+        holds=Holds(centres, centres + freeze_delay_s(experiment.travel.stroke), reading),
+        travel=experiment.travel,
     )
 
 
-def _measured(name: str, seed: int, sensors: Telemeter, truth: Truth, under_way: Session) -> Measured:
+def _measured(name: str, seed: int, sensors: Telemeter, truth: Truth, experiment: Experiment) -> Measured:
     draw = dice(seed, name, "telemeter")
-    motion = under_way.travel.at(truth.time_s)
+    motion = experiment.travel.at(truth.time_s)
     moved = motion.moving.cumsum() > 0
     return Measured(
         time_s=truth.time_s,
         channels=sensors.read(truth.channels, truth.board, moved, draw),
         board=telemeter.quantised(truth.board + sensors.noise * draw.standard_normal(truth.board.shape)),
-        direct=under_way.probes.direct(truth.gauge, motion, dice(seed, name, "direct")),
+        direct=experiment.probes.direct(truth.gauge, motion, dice(seed, name, "direct")),
         environment=environment.read(truth.environment, seed, name),
     )
-
-
-def _holds(under_way: Session) -> Holds:
-    centres, reading = under_way.readings
-    delay = freeze_delay_s(under_way.travel.stroke)
-    return Holds(centres, centres + delay, reading)

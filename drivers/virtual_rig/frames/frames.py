@@ -5,27 +5,24 @@ what cantools encodes from the DBC.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import can
 import numpy as np
+from crccheck.crc import Crc8SaeJ1850, Crc16CcittFalse
+from numpy.typing import ArrayLike
 
-from drivers.virtual_rig.frames.crc import crc8_j1850, crc16_ccitt_false
+from drivers.virtual_rig.run import Run
 from drivers.virtual_rig.sensors.probes import Reading
 
-if TYPE_CHECKING:
-    from drivers.virtual_rig.run import Run
-
-EPOCH_S = 1_700_000_000.0
-"""Time stamp of the first frame"""
+EPOCH_S = 1_700_000_000.0  # time stamp of the first frame
 TELEMETER_IDS = (0x210, 0x211, 0x212, 0x213)
 STATUS_ID = 0x214
 HOLD_ID, DIRECT_ID = 0x220, 0x221
 DRIVE_ID = 0x230
 ENVIRONMENT_IDS = (0x240, 0x241)
 DRIVE_HZ = 100
-GAP_S = 0.0003
-"""between the frames of one tick; a frame lasts 0.25 ms at 500 kbit/s"""
+GAP_S = 0.0003  # between the frames of one tick; a frame lasts 0.25 ms at 500 kbit/s
 STANDSTILL, MOVING = 1, 2
 COUNTER = 15
 
@@ -37,8 +34,13 @@ class FrameTable(NamedTuple):
     id: np.ndarray
     data: np.ndarray
 
+    def messages(self) -> Iterator[can.Message]:
+        """The frames as python-can's messages, stamped with a fixed epoch plus the rig's time."""
+        for t, frame_id, data in zip(self.time_s.tolist(), self.id.tolist(), self.data, strict=True):
+            yield can.Message(EPOCH_S + t, frame_id, is_extended_id=False, data=data.tobytes())
 
-def table(run: "Run") -> FrameTable:
+
+def frame_table(run: Run) -> FrameTable:
     """Frames of all units, in order of time; of each tick the telemeter's status comes last."""
     ticks = run.measured.time_s
     units = [
@@ -60,15 +62,7 @@ def status_times(ticks: np.ndarray) -> np.ndarray:
     return ticks + 8 * GAP_S
 
 
-def messages(frames: FrameTable) -> Iterator[can.Message]:
-    """The frames as python-can's messages, stamped with absolute time."""
-    for t, frame_id, payload in zip(frames.time_s.tolist(), frames.id.tolist(), frames.data, strict=True):
-        yield can.Message(
-            timestamp=EPOCH_S + t, arbitration_id=frame_id, is_extended_id=False, data=payload.tobytes(), dlc=8
-        )
-
-
-def _telemeter(run: "Run", start: np.ndarray) -> FrameTable:
+def _telemeter(run: Run, start: np.ndarray) -> FrameTable:
     """Four frames of four temperatures, then the status with its counters and checksums."""
     degrees = np.column_stack([run.measured.channels, run.measured.board])
     scan = _int16(degrees / 0.01)
@@ -76,19 +70,14 @@ def _telemeter(run: "Run", start: np.ndarray) -> FrameTable:
     status = np.zeros((len(scan), 8), dtype=np.uint8)
     status[:, 1] = (number % COUNTER) | (1 << 4)
     status[:, 2:4] = _little(number & 0xFFFF, 2)
-    status[:, 6:8] = _little(crc16_ccitt_false(scan), 2)
-    status[:, 0] = _checked(STATUS_ID, status)
+    status[:, 6:8] = _little([Crc16CcittFalse.calc(row.tobytes()) for row in scan], 2)
+    head = STATUS_ID.to_bytes(2, "little")
+    status[:, 0] = [Crc8SaeJ1850.calc(head + row[1:].tobytes()) for row in status]
     blocks = [scan[:, 8 * k : 8 * k + 8] for k in range(4)] + [status]
     return _stacked([start + k * GAP_S for k in range(5)], (*TELEMETER_IDS, STATUS_ID), blocks)
 
 
-def _checked(frame_id: int, data: np.ndarray) -> np.ndarray:
-    """Checksum over the identifier (low, high byte) and data bytes 1 to 7: (n,)"""
-    head = np.tile(np.array([frame_id & 0xFF, frame_id >> 8], dtype=np.uint8), (len(data), 1))
-    return crc8_j1850(np.hstack([head, data[:, 1:]]))
-
-
-def _environment(run: "Run", start: np.ndarray) -> FrameTable:
+def _environment(run: Run, start: np.ndarray) -> FrameTable:
     degrees = _int16(np.column_stack(run.measured.environment) / 0.01)
     second = np.zeros((len(degrees), 8), dtype=np.uint8)
     second[:, :6] = degrees[:, 8:]
@@ -105,7 +94,7 @@ def _displacement(frame_id: int, time_s: np.ndarray, reading: Reading) -> FrameT
     return _stacked([time_s], (frame_id,), [data])
 
 
-def _drive(run: "Run") -> FrameTable:
+def _drive(run: Run) -> FrameTable:
     signals = run.drive(_drive_times(run))
     state = np.where(signals.moving, MOVING, STANDSTILL)
     current = np.clip(np.round(signals.current_a / 0.01), -2048, 2047).astype(np.int64) & 0xFFF
@@ -117,7 +106,7 @@ def _drive(run: "Run") -> FrameTable:
     return _stacked([signals.time_s], (DRIVE_ID,), [data])
 
 
-def _drive_times(run: "Run") -> np.ndarray:
+def _drive_times(run: Run) -> np.ndarray:
     """Each second, and each 10 ms from a drive's start until it has just ended."""
     ticks = run.measured.time_s
     fast = [
@@ -132,7 +121,7 @@ def _int16(values: np.ndarray) -> np.ndarray:
     return np.round(values).astype("<i2").view(np.uint8).reshape(len(values), -1)
 
 
-def _little(values: np.ndarray, width: int) -> np.ndarray:
+def _little(values: ArrayLike, width: int) -> np.ndarray:
     """The low bytes of each value, lowest first: (n, width)"""
     return np.ascontiguousarray(values, dtype="<i8").view(np.uint8).reshape(-1, 8)[:, :width]
 

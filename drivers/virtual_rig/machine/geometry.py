@@ -6,17 +6,14 @@ CHANNEL_SPACING_MM = (72.5, 54.5, 144.0, 144.0, 144.0, 144.0, 84.0, 30.0, 30.0, 
 CHANNEL_MM = np.concatenate(([0.0], np.cumsum(CHANNEL_SPACING_MM)))
 CHANNELS = CHANNEL_MM.size
 
-SPAN_MM = (44.5, 980.0)
-"""The two discs between which the elongation is measured."""
+SPAN_MM = (44.5, 980.0)  # the two discs between which the elongation is measured
 
-SCREW_MM = (-60.0, 1030.0)
-"""The screw's own ends: the telemeter's head sits on the first, the coupling on the second."""
+SCREW_MM = (-60.0, 1030.0)  # the ends of the screw: the telemeter's head sits on the first, the coupling on the second
 
 FREE_BEARING_MM = 72.5
 ANCHOR_BEARING_MM = 889.0
 
-NUT_ZERO_MM = 673.5
-"""Nut centre at table position 0; the nut moves towards the free end as the position grows."""
+NUT_ZERO_MM = 673.5  # nut centre at table position 0; the nut moves towards the free end as the position grows
 NUT_LENGTH_MM = 175.0
 
 LEAD_MM = 12.0
@@ -34,5 +31,4 @@ def omega_at(speed_m_min: float) -> float:
     return 2.0 * np.pi * speed_m_min / 60.0 / (LEAD_MM * 1e-3)
 
 
-OMEGA_20 = omega_at(20.0)
-"""The reference speed of every speed law, rad/s."""
+OMEGA_20 = omega_at(20.0)  # the reference speed of every speed law, rad/s

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from drivers.virtual_rig.machine import air, bearings, nut, screw
+from drivers.virtual_rig.machine import air, nut, screw
+from drivers.virtual_rig.machine.bearings import ANCHOR, FREE
 from drivers.virtual_rig.machine.flows import Around, Parts, Temperatures, advance
 from drivers.virtual_rig.machine.geometry import CHANNEL_MM, OMEGA_20, nut_centre_mm
 from drivers.virtual_rig.machine.heaters import Heaters
@@ -10,9 +11,7 @@ from drivers.virtual_rig.machine.motion import TableMotion
 from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.weather import Weather
 
-MOVING_STEPS = 20
-RESTING_STEPS = 10
-"""Steps of a 1 s tick: 50 ms while the nut moves, 100 ms while it stands."""
+MOVING_STEPS, RESTING_STEPS = 20, 10  # of a 1 s tick: 50 ms while the nut moves, 100 ms while it stands
 
 
 def parts(strength: Strengths, start_degc: float) -> Parts:
@@ -20,15 +19,15 @@ def parts(strength: Strengths, start_degc: float) -> Parts:
     return Parts(
         screw.steel(strength["conduction"]),
         nut.nut(strength, start_degc),
-        bearings.anchor_bearing(strength, start_degc),
-        bearings.free_bearing(strength, start_degc),
+        ANCHOR.bearing(strength, start_degc),
+        FREE.bearing(strength, start_degc),
         air.surface(strength),
         OMEGA_20,
     )
 
 
-class Rig:
-    """The thermal rig at one instant; `tick` carries it over one second."""
+class ThermalRig:
+    """The rig at one instant; `tick` carries it over one second."""
 
     def __init__(self, strength: Strengths, weather: Weather, heaters: Heaters) -> None:
         self.weather = weather

@@ -9,13 +9,11 @@ from drivers.virtual_rig.machine.geometry import OMEGA_20, SCREW_MM
 from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.screw import overlap
 
-MOTOR_W = 15.0
-"""through the coupling into the last 40 mm of the screw, while driving"""
+MOTOR_W = 15.0  # through the coupling into the last 40 mm of the screw, while driving
 MOTOR_MM = 40.0
 LOCAL_W = 1.5
 LOCAL_DRIVING_W = 2.0
-RUBBING_W = 6.0
-"""at 20 m/min"""
+RUBBING_W = 6.0  # at 20 m/min
 CHIPS_W = 1.5
 BLAST_W = -8.0
 BLAST_S = 300.0

@@ -7,8 +7,7 @@ import numpy as np
 
 from drivers.virtual_rig.machine.geometry import LEAD_MM
 
-ACCELERATION = 2000.0
-"""mm/s2 at the stroke ends"""
+ACCELERATION = 2000.0  # mm/s2 at the stroke ends
 
 
 @dataclass(frozen=True)

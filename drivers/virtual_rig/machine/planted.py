@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 
 Strengths = Mapping[str, float]
 
+# Effects of the rig as it stands (strength 1), and what their strength scales.
 BASE = {
     "conduction": "scales the conductivity along the screw",
     "still_air": "scales the convection to still air, 3.6 W/(m2 K)",
@@ -19,8 +20,8 @@ BASE = {
     "thermometers": "scales noise, offsets, lag and board drift of the channels; 0 is a perfect thermometer",
     "displacement": "scales wobble, noise, hold error, probe, bar and inertia errors; 0 is a perfect reading",
 }
-"""Effects of the rig as it stands (strength 1), and what their strength scales."""
 
+# Effects that are absent (strength 0) unless planted, and what strength 1 is.
 PLANTED = {
     "nut_speed_exponent": "+0.2 on the nut's heat ~ omega^1, heat at 20 m/min unchanged",
     "bearing_speed_exponent": "+0.25 on the bearings' heat exponent, heat at 20 m/min unchanged",
@@ -44,7 +45,6 @@ PLANTED = {
     "parked_chips": "1.5 W into 30 mm of screw at a place chosen by the seed, at rest after the first motion",
     "stop_blast": "8 W out of 30 mm of screw at a place chosen by the seed after each stop, fading with 300 s",
 }
-"""Effects that are absent (strength 0) unless planted, and what strength 1 is."""
 
 
 def strengths(plant: Mapping[str, float] | None, without: Collection[str]) -> dict[str, float]:

@@ -8,18 +8,13 @@ from drivers.virtual_rig.machine.flows import Screw
 from drivers.virtual_rig.machine.geometry import BORE_RADIUS_M, OUTER_RADIUS_M, SCREW_MM
 
 CELLS = 436
-CONDUCTIVITY = 46.0
-"""W/(m K), SCM420"""
-VOLUMETRIC_HEAT = 7850.0 * 470.0
-"""J/(m3 K)"""
-EXPANSION = 12.0e-6
-"""1/K"""
-LAYER_RADIUS_M = 0.014
-"""Where the bore layer ends and the outer layer begins."""
+CONDUCTIVITY = 46.0  # W/(m K), SCM420
+VOLUMETRIC_HEAT = 7850.0 * 470.0  # J/(m3 K)
+EXPANSION = 12.0e-6  # 1/K
+LAYER_RADIUS_M = 0.014  # where the bore layer ends and the outer layer begins
 
 CELL_M = (SCREW_MM[1] - SCREW_MM[0]) * 1e-3 / CELLS
-CELL_MM = SCREW_MM[0] + (np.arange(CELLS) + 0.5) * CELL_M * 1e3
-"""Centres of the cells, mm."""
+CELL_MM = SCREW_MM[0] + (np.arange(CELLS) + 0.5) * CELL_M * 1e3  # centres of the cells, mm
 
 
 def ring_area(inner: float, outer: float) -> float:

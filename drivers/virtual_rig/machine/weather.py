@@ -10,12 +10,9 @@ from drivers.virtual_rig.machine.geometry import CHANNEL_MM
 from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.screw import CELL_MM
 
-DRIFT_PER_HOUR = 1.0
-"""K/h of base_drift, which the thermometers of air and base do not see"""
-GRADIENT = 1.5
-"""K at either end of the channels"""
-ALONG = CELL_MM / (CHANNEL_MM[-1] / 2.0) - 1.0
-"""-1 at channel 1, +1 at channel 15: (CELLS,)"""
+DRIFT_PER_HOUR = 1.0  # K/h of base_drift, which the thermometers of air and base do not see
+GRADIENT = 1.5  # K at either end of the channels
+ALONG = CELL_MM / (CHANNEL_MM[-1] / 2.0) - 1.0  # -1 at channel 1, +1 at channel 15: (CELLS,)
 
 
 @dataclass(frozen=True)

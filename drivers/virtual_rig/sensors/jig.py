@@ -3,16 +3,12 @@
 import math
 from dataclasses import dataclass
 
-PROBE_FOLLOWS = 0.5
-"""share of the bearing seats' rise that reaches the probes beside them"""
+PROBE_FOLLOWS = 0.5  # share of the bearing seats' rise that reaches the probes beside them
 PROBE_S = 600.0
-BAR_FOLLOWS = 0.4
-"""share of the screw's mean rise that reaches the bar along it"""
+BAR_FOLLOWS = 0.4  # share of the screw's mean rise that reaches the bar along it
 BAR_S = 1500.0
-BOARD_SELF_HEATING = 6.0
-"""K above the air, at rest"""
-BOARD_WHILE_TURNING = 10.0
-"""K more at 20 m/min, from the rotary head"""
+BOARD_SELF_HEATING = 6.0  # K above the air, at rest
+BOARD_WHILE_TURNING = 10.0  # K more at 20 m/min, from the rotary head
 BOARD_S = 900.0
 
 

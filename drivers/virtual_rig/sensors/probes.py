@@ -13,26 +13,18 @@ from drivers.virtual_rig.machine.screw import AREA_M2
 
 RANGE_UM = 50.0
 OK, UNDER_RANGE, OVER_RANGE = 0, 1, 2
-START_UM = (10.0, 1.0)
-"""gaps set before the run at the motor and the free side"""
-WOBBLE_UM = (0.5, 0.6)
-"""once a turn, amplitude of each sum"""
-NOISE_UM = 0.1
-"""sd of the elongation read"""
-HOLD_ERROR_UM = 0.19
-"""largest loss of a held peak"""
+START_UM = (10.0, 1.0)  # gaps set before the run at the motor and the free side
+WOBBLE_UM = (0.5, 0.6)  # once a turn, amplitude of each sum
+NOISE_UM = 0.1  # sd of the elongation read
+HOLD_ERROR_UM = 0.19  # largest loss of a held peak
 PROBE_UM_PER_K = 0.4
-BAR_UM_PER_K = 0.47
-"""super-Invar, 0.5e-6 1/K over 935.5 mm"""
-EXTRA = 2.0
-"""planted: probes or bar expand by twice their own coefficient more"""
-YIELD_UM_PER_K = 0.54
-"""planted: the anchor's support moves the motor-side probes as it warms"""
+BAR_UM_PER_K = 0.47  # super-Invar, 0.5e-6 1/K over 935.5 mm
+EXTRA = 2.0  # planted: probes or bar expand by twice their own coefficient more
+YIELD_UM_PER_K = 0.54  # planted: the anchor's support moves the motor-side probes as it warms
 TABLE_KG = 250.0
 YOUNG_PA = 206e9
 TAPE_MM = 18.0
-HOLD_TURNS = 1.3
-"""The peak hold opens at the tape's edge and is frozen 1.3 turns later."""
+HOLD_TURNS = 1.3  # the peak hold opens at the tape's edge and is frozen 1.3 turns later
 
 
 class Gauge(NamedTuple):

@@ -14,17 +14,14 @@ OFFSET_K = 0.025
 LAG_S = 8.0
 LAG_SPREAD_S = 2.0
 SHORTEST_LAG_S, LONGEST_LAG_S = 4.0, 12.0
-BOARD_DRIFT = 0.003
-"""K per K of board temperature rise"""
+BOARD_DRIFT = 0.003  # K per K of board temperature rise
 STEP_K = 0.01
 
 EXTRA_LAG_S = 15.0
-EXTRA_BOARD_DRIFT = 0.05
-"""K per K, planted"""
+EXTRA_BOARD_DRIFT = 0.05  # K per K, planted
 FAULTY_OFFSET_K = 0.3
 FAULTY_GAIN = 0.05
-WARM_CHANNELS = (2, 4, 5, 6, 12)
-"""Channels that warm in every experiment: a wrong gain shows there."""
+WARM_CHANNELS = (2, 4, 5, 6, 12)  # channels that warm in every experiment: a wrong gain shows there
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from ballscrew.monitor.monitor import Moment, Monitor
 from drivers.decode.checks import frame_checksum
 from drivers.received import Received
 from drivers.recordings import read_recording
-from drivers.virtual_rig import simulate
+from drivers.virtual_rig import simulate, write
 from estimator.batch.replay import replay
 from estimator.step import Mode
 from tests.live_fake import DRIVE, STATUS, TELEMETERS, Frames, changed, channel, dropped, rig_frames, since
@@ -75,7 +75,7 @@ def spike(value: int, time_s: float) -> int:
 def test_live_is_review(paper, plain, tmp_path):
     """Frame by frame the same estimates as from a log of the same frames."""
     rig, model = paper
-    log = simulate("FS-20", seed=7, seconds=END_S).write(tmp_path / "a.log")
+    log = write(simulate("FS-20", seed=7, seconds=END_S), tmp_path / "a.log")
     track = replay(model, rig, read_recording(log, rig))
     live = np.array([[m.step.elongation_um, m.step.sigma_um, m.step.error_at_table_um] for m in plain])
     assert len(live) == len(track)

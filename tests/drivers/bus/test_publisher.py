@@ -14,13 +14,13 @@ from ballscrew.monitor.monitor import Monitor
 from drivers.bus import publisher as publishing
 from drivers.bus.publisher import Publisher
 from drivers.received import Received
-from drivers.virtual_rig.frames.crc import crc8_j1850
 from estimator.alarms.trust import Trust
 from estimator.errors import SetupError
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.step import Mode, Step
 from tests.live_fake import rig_frames
+from tests.log_fake import crc
 
 RECORDINGS = Path(__file__).parents[3] / "recordings"
 GOOD = Trust((), False, False, False)
@@ -87,7 +87,7 @@ def test_counters_run_and_checksums_are_right(rig, step):
     assert [f.data[1] & 15 for f in frames[1::2]] == [*range(15), 0, 1]
     for frame in frames:
         key = bytes([frame.arbitration_id & 255, frame.arbitration_id >> 8])
-        assert frame.data[0] == crc8_j1850(np.frombuffer(key + bytes(frame.data[1:]), np.uint8)[None])[0]
+        assert frame.data[0] == crc(key + bytes(frame.data[1:]), 0x1D, 8, 0xFF, 0xFF)
 
 
 def test_what_is_not_to_be_relied_on_is_invalid(rig, dbc, step):
