@@ -11,7 +11,7 @@ from scipy.optimize import OptimizeResult, minimize
 from ballscrew.threads import threads
 from benchmarks.accuracy import FOLDER
 from benchmarks.measure import Row, say, table
-from benchmarks.shipped import Judged
+from benchmarks.shipped import Judged, stepped
 from drivers.recordings import read_recording
 from estimator.batch.trial import Trial
 from estimator.fit.fit import Fit, fit
@@ -75,7 +75,7 @@ def _naive(model: Model, fitted: Model, rig: Rig, recordings: Sequence[Recording
     began, total = time.process_time(), 0.0
     for recording in recordings:
         judged = Judged(model, rig)
-        judged.run(recording)
+        stepped(judged, recording)
         total += judged.loglike
     seconds = time.process_time() - began
     ours = sum(Trial(model, rig, recording).loglike(model) for recording in recordings)

@@ -11,7 +11,7 @@ from benchmarks.peers import gaussian
 from drivers.recordings import read_recording
 from estimator.batch import batch
 from estimator.batch.trial import Trial
-from estimator.filter import Comparison, Filter
+from estimator.filter import Filter
 from estimator.record import Array, Recording
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
@@ -28,11 +28,17 @@ class Judged(Filter):
 
     loglike = 0.0
 
-    def _update(self, reading: Array, compared: Comparison, R: Array) -> float:
-        nis = super()._update(reading, compared, R)
-        if self.started and np.isfinite(nis):
-            self.loglike += gaussian(self._kf.y, self._kf.S)
+    def _update(self, reading: Array, fuse: Array, H: Array, R: Array) -> float:
+        nis = super()._update(reading, fuse, H, R)
+        if np.isfinite(nis):
+            self.loglike += gaussian(self._filterpy.y, self._filterpy.S)
         return nis
+
+
+def stepped(filter_: Filter, recording: Recording) -> None:
+    """All ticks, one after the other, as live takes them."""
+    for sample in recording:
+        filter_.step(sample)
 
 
 def trial_of(name: str) -> tuple[Trial, Recording]:
@@ -50,11 +56,11 @@ def markdown() -> str:
     jobs = own_jobs(system) | {
         "posed": lambda: trial.loglike(model),
         "passes": lambda: list(batch.passes(system, GATE)),
-        "filter": lambda: Filter(model, trial.rig).run(recording),
+        "filter": lambda: stepped(Filter(model, trial.rig), recording),
         **{f"free {p}": lambda p=p: score(trial, model, free[:p]) for p in FREE},
     }
     times, ticks, by_hand = interleaved(jobs, ROUNDS), len(system.y), Judged(model, trial.rig)
-    by_hand.run(recording)
+    stepped(by_hand, recording)
     apart = abs(by_hand.loglike - batch.loglike(system)) / abs(by_hand.loglike)
     rows = [
         Row("log-likelihood, relative difference from the filterpy filter's", f"{apart:.1e}", apart, 1e-9),

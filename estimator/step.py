@@ -1,4 +1,4 @@
-"""What the filter says: a Step for each tick, one ChannelStep for each channel, whatever the sensor."""
+"""What the filter says: a Step for each tick, a Track for a whole recording; every channel alike."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from estimator.record import Array
+from estimator.record import Array, Recording
 
 
 class Mode(IntEnum):
@@ -19,19 +19,6 @@ class Mode(IntEnum):
     UPDATE = 2
     COASTING = 3
     INVALID = 14
-
-
-@dataclass(frozen=True, slots=True)
-class ChannelStep:
-    """One channel at one tick: degC and K, or um for the displacement. `why` says why it was not fused."""
-
-    channel: str
-    measured: float
-    predicted: float
-    innovation: float
-    innovation_sd: float
-    fused: bool
-    why: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,20 +57,7 @@ class Step:
     open_loop: Array
     nis: float
     nis_channels: int
-    position_mm: float = float("nan")
-
-    def channel(self, name: str) -> ChannelStep:
-        """One channel of this step."""
-        i = self.names.index(name)
-        return ChannelStep(
-            name,
-            float(self.measured[i]),
-            float(self.predicted[i]),
-            float(self.innovation[i]),
-            float(self.innovation_sd[i]),
-            bool(self.fused[i]),
-            self.why[i],
-        )
+    position_mm: float
 
 
 @dataclass(frozen=True)
@@ -107,6 +81,7 @@ class Track:
     profile_sd_K: Array
     bodies_C: Array
     error_at_table_um: Array
+    error_at_table_sd_um: Array
     measured: Array
     predicted: Array
     innovation: Array
@@ -116,6 +91,17 @@ class Track:
     nis: Array
     nis_channels: Array
     position_mm: Array
+
+    @classmethod
+    def waiting(cls, names: tuple[str, ...], rows: Recording) -> Track:
+        """Ticks before any thermometer has been read: nothing to say but what was measured."""
+        K, m = len(rows), len(names)
+        said = {name: np.full(K, np.nan) for name in SERIES}
+        said |= {name: np.full((K, m), np.nan) for name in ("predicted", "innovation", "innovation_sd", "open_loop")}
+        said |= {name: np.empty((K, 0)) for name in ("profile_C", "profile_sd_K", "bodies_C")}
+        said |= {"time_s": rows.time_s, "measured": rows.channels, "fused": np.zeros((K, m), dtype=bool)}
+        said |= {"mode": np.full(K, Mode.INIT), "nis_channels": np.zeros(K, dtype=int)}
+        return cls(np.empty(0), (), names, **said)
 
     @classmethod
     def of(cls, steps: Sequence[Step], x_mm: Array, bodies: tuple[str, ...]) -> Track:
@@ -129,6 +115,12 @@ class Track:
         last = parts[-1]
         series = {key: np.concatenate([_widened(getattr(p, key), getattr(last, key)) for p in parts]) for key in SERIES}
         return cls(last.x_mm, last.bodies, last.names, **series)
+
+    def step(self, k: int, why: tuple[str, ...]) -> Step:
+        """Tick k, with the reasons for which channels were not fused."""
+        row = {key: getattr(self, key)[k] for key in SERIES}
+        said = {key: value if value.ndim else value.item() for key, value in row.items()}
+        return Step(**(said | {"mode": Mode(said["mode"])}), names=self.names, why=why)
 
     def __len__(self) -> int:
         return len(self.time_s)

@@ -21,6 +21,7 @@ from estimator.effects.length import Displacement
 from estimator.effects.nut import NutBody, NutFriction
 from estimator.effects.readings import Thermometers
 from estimator.effects.screw import Conduction
+from estimator.filter import Filter
 from estimator.inputs.inputs import Inputs
 from estimator.inputs.start import Start
 from estimator.model import Model, Value, model_of
@@ -31,6 +32,7 @@ from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.state.open_loop import OpenLoop
 from estimator.state.prior import BODY_SD_K
+from estimator.step import Track
 from estimator.terms import Term
 
 PAPER = Path(__file__).parents[1] / "recordings"
@@ -189,6 +191,13 @@ def _live(
 def live() -> Callable[..., Lived]:
     """live(model, rig, drive, seed, process, expansion): what the channels would read if the model were the truth."""
     return _live
+
+
+def stepped(filter_: Filter, recording: Recording) -> Track:
+    """All ticks of a recording, one step after the other, as live takes them."""
+    steps = [filter_.step(sample) for sample in recording]
+    view = filter_.run.view if filter_.run else None
+    return Track.of(steps, view.x_mm if view else np.empty(0), view.bodies if view else ())
 
 
 def ballscrew(*words: object) -> tuple[int, str, str]:

@@ -10,7 +10,7 @@ from estimator.filter import Filter
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
-from tests.conftest import at_defaults
+from tests.conftest import at_defaults, stepped
 from viz.recorded.run import Run
 
 CELLS = 49
@@ -28,7 +28,7 @@ def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig |
     elongation = rig.screw.expansion * np.trapezoid(truth - truth[0], place, axis=1) * 1e3
     rise = np.stack([np.interp(_places(rig), place, row - truth[0]) for row in truth])
     recording = _recording(name, rig, time_s, turning, truth[0, 0] + rise, elongation, dice)
-    track = Filter(at_defaults(), rig).run(recording)
+    track = stepped(Filter(at_defaults(), rig), recording)
     measured = track.measured[:, :15]
     polyline = rig.screw.expansion * np.trapezoid(measured - measured[0], _places(rig), axis=1) * 1e3
     errors = {"filter": elongation - track.elongation_um, "polyline": elongation - polyline}

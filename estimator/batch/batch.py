@@ -39,7 +39,6 @@ def is_cold(*functions: Callable[..., Any]) -> bool:
         score: (forward, kernels.score),
         gram: (kernels.columns,),
         ahead: (kernels.compare, kernels._coast),
-        open_loop: (kernels._coast,),
     }
     return not all(_is_compiled(kernel) for function in functions or needs for kernel in needs[function])
 
@@ -128,11 +127,6 @@ def ahead(system: System, steps: int, every: int) -> tuple[Array, Array]:
     if system.column >= 0:
         readings += (x[:, system.column] * system.grown[starts + steps])[:, None] * system.spans
     return starts, readings
-
-
-def open_loop(system: System) -> Array:
-    """The mean after each tick, (T, n), from x0 on without readings."""
-    return _run(system, slice(None), system.x0)
 
 
 def _run(system: System, ticks: slice, x: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,20 +10,16 @@ import numpy as np
 from estimator.batch import batch
 from estimator.batch.coarse import coarse, serves
 from estimator.batch.nominal import Nominal, nominal
-from estimator.batch.system import System
+from estimator.batch.system import Chunk, System
 from estimator.errors import InputError
-from estimator.filter import Filter
 from estimator.model import Model
-from estimator.network.assemble import Layout, Readings
 from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.state.gate import FIRST_SD_K, GATE, Mute
-from estimator.state.prior import prior
-from estimator.state.state import Augmented
-from estimator.terms import Term
+from estimator.state.gate import GATE, Mute, unmuted
+from estimator.state.run import begin, first_start
+from estimator.state.state import State
 
-Estimate = tuple[Array, Array]
 FLOATING = 10.0  # a zero so many times less known than one reading has no meaning of its own
 
 
@@ -37,7 +33,7 @@ class Posed:
     """
 
     forcing: Forcing
-    state: Augmented
+    state: State
     heat: Array
     outside: Array
     offset: Array
@@ -51,7 +47,7 @@ class Trial:
     Two things are asked once, of the model that the trial is made with, or likelihoods could not be compared: which
     readings the filter's gate refuses (`gated`), and how large the lags are by which readings scatter more (`lag`).
 
-    wild          (m,) 1 where the first sample was beyond the gate already
+    run           the run as it began;  begin: the first tick after that, with which `rest` begins
     floating      channels whose zero has no meaning: open loop it is the mean of the misfit
     unread_zeros  channels whose unknown zero the first sample did not tell
     """
@@ -59,40 +55,39 @@ class Trial:
     def __init__(
         self, model: Model, rig: Rig, recording: Recording, mute: Mute | None = None, gated: bool = True
     ) -> None:
-        first = Filter(model, rig, mute)
-        begin = 0
-        while not first.started:
-            if begin == len(recording):
-                raise InputError(f"{recording.name}: no thermometer was ever read; nothing to compare with a model")
-            step = first.step(recording.sample(begin))
-            begin += 1
-        if begin == len(recording):
+        mute = mute or unmuted(rig)
+        begun = first_start(recording, rig, mute)
+        if begun is None:
+            raise InputError(f"{recording.name}: no thermometer was ever read; nothing to compare with a model")
+        at, start = begun
+        if at + 1 == len(recording):
             raise InputError(f"{recording.name}: nothing was recorded after the first thermometer reading")
-        self.rig, self.recording, self.begin = rig, recording, begin
-        self.first, self.rest = recording.sample(begin - 1), recording.rows(slice(begin, None))
-        self._fused_first, self.wild = step.fused, first.rejected
-        self._forcing = Forcing(model, rig, first.forcing.start)
-        self.drive = self._forcing.read(recording.rows(slice(begin - 1, None)))
-        mute = mute or (lambda _: np.zeros(len(rig.names), dtype=bool))
+        self.rig, self.recording, self.begin = rig, recording, at + 1
+        self.run = begin(model, rig, recording.sample(at), start, mute(recording.time_s[at]))
+        self.rest = recording.rows(slice(self.begin, None))
+        self._forcing = Forcing(model, rig, start)
+        self.drive = self._forcing.read(recording.rows(slice(at, None)))
         self.muted = np.array([mute(t) for t in self.rest.time_s])
         readings = self._forcing.readings
         self.floating = np.flatnonzero(readings.zero_sd > FLOATING * readings.sd)
-        self.unread_zeros = [i for i in np.flatnonzero(readings.zero_sd) if not step.fused[i]]
+        self.unread_zeros = [i for i in np.flatnonzero(readings.zero_sd) if not self.run.first.fuse[i]]
         self.lag = np.zeros_like(self.rest.channels)
         self.lag = self.pose(model).run.lag
         if gated:
-            fused = np.concatenate([chunk.fused for chunk in batch.passes(self.pose(model).system, GATE, self.wild)])
+            fused = np.concatenate([chunk.fused for chunk in self.filtered(self.pose(model))])
             self.muted |= ~fused & np.isfinite(self.rest.channels)
 
     def pose(self, model: Model) -> Posed:
         """The model as a linear system."""
         forcing = self._forcing.with_model(model)
         ticks = forcing.ticks(self.drive)
-        readings, state = forcing.readings, Augmented(forcing.readings, self.rig.expansion_tolerance)
-        x0, P0 = self.first_estimate(readings, forcing.terms, forcing.place, ticks.offset[0])
+        readings, state = forcing.readings, State(forcing.readings, self.rig.expansion_tolerance)
+        x0, P0 = self.run.estimate(readings, forcing.terms, forcing.place, ticks.offset[0])
         F, response = forcing.response(ticks)
         regime, response, n = ticks.regime[1:], response[1:], state.n
-        run = nominal(x0[:n], F, regime, response, readings, readings.growth, self.rest.ages_s, self.rig.tick_s)
+        run = nominal(
+            x0[state.temperatures], F, regime, response, readings, readings.growth, self.rest.ages_s, self.rig.tick_s
+        )
         system = System(
             y=self.rest.channels - ticks.offset[1:] - run.lag - run.late,
             muted=self.muted,
@@ -102,7 +97,7 @@ class Trial:
             Q=np.array([state.transition(forcing.transition(r), self.rig.tick_s).Q for r in range(len(F))]),
             H=state.rows(0.0),
             spans=state.spans,
-            column=state.size - 2,
+            column=state.expansion,
             grown=run.grown,
             R=readings.sd**2 + (readings.lag_noise * self.lag) ** 2,
             x0=x0,
@@ -110,17 +105,13 @@ class Trial:
         )
         return Posed(forcing, state, ticks.heat[1:], ticks.outside[1:], ticks.offset, run, system)
 
+    def filtered(self, posed: Posed) -> Iterator[Chunk]:
+        """The ticks after the first as the filter leaves them, by the gate that the online filter has."""
+        return batch.passes(posed.system, GATE, self.run.first.rejected)
+
     def loglike(self, model: Model) -> float:
         """Log-likelihood of the readings after the first sample, given that one."""
         return batch.loglike(self.pose(model).system)
-
-    def first_estimate(self, readings: Readings, terms: Sequence[Term], place: Layout, offset: Array) -> Estimate:
-        """Estimate after the first sample, whose readings have this offset (m,); complex where the readings are."""
-        start = self._forcing.start
-        inputs = {name: value - start.zero_K[name] for name, value in self.first.inputs.items()}
-        state = Augmented(readings, self.rig.expansion_tolerance)
-        R = readings.sd**2 + FIRST_SD_K**2
-        return state.first(prior(start, terms, place, inputs), self.first.channels - offset, R, self._fused_first)
 
 
 def open_loop_misfit(trial: Trial, posed: Posed) -> Array:

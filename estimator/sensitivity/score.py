@@ -50,7 +50,7 @@ def _slopes(trial: Trial, posed: Posed, rows: Array) -> tuple[float, Tangent]:
     x0 = s.x0.copy()
     x0[:n] += back.start
     walk = np.zeros(len(rows))
-    for channel, i in posed.state.zeros.items():
+    for channel, i in posed.state.zero_of.items():
         walk[channel] = s.Q[:, i, i].sum() * trial.rig.tick_s
     variance, lag_variance = s.R.sum(axis=0), (s.R * trial.lag**2).sum(axis=0)
     reads = system.spans != 0  # one channel at most where it matters: its own share of dL/dgrown is all of it

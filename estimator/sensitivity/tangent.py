@@ -98,7 +98,7 @@ def _readings(trial: Trial, posed: Posed, moved: Readings, offset: Array) -> Rea
     known = np.isfinite(moved.sd)
     variance = np.where(known, np.where(known, moved.sd, 1.0) ** 2, 1.0)
     first = posed.offset[0] + 1j * STEP * offset
-    x0, P0 = trial.first_estimate(moved, posed.forcing.terms, posed.forcing.place, first)
+    x0, P0 = trial.run.estimate(moved, posed.forcing.terms, posed.forcing.place, first)
     every = (
         moved.rows,
         moved.growth,

@@ -18,7 +18,7 @@ SMOOTH_MM = 200.0
 
 
 def prior(start: Start, terms: Sequence[Term], place: Layout, inputs: Mapping[str, float]) -> tuple[Array, Array]:
-    """Mean (n,) and covariance (n, n) of the states before the first reading.
+    """Mean (n,) and covariance (n, n) of the temperatures before the first reading, by inputs as first measured.
 
     Along the screw the profile is the level plus a smooth deviation as large as the spread of the thermometers
     (a Gaussian process with 200 mm correlation length), so that the first readings interpolate between themselves.
@@ -32,7 +32,7 @@ def prior(start: Start, terms: Sequence[Term], place: Layout, inputs: Mapping[st
     for term in terms:
         if isinstance(term, Store) and term.node in place.bodies:
             i = place.state(term.node)
-            reading = inputs.get(term.start, np.nan) if term.start else np.nan
+            reading = inputs.get(term.start, np.nan) - start.zero_K[term.start] if term.start else np.nan
             mean[i] = reading if np.isfinite(reading) else start.level_C
             cov[i, i] = (BODY_SD_K if np.isfinite(reading) else UNKNOWN_BODY_SD_K) ** 2
     return mean, cov

@@ -1,12 +1,103 @@
-"""The estimate in the terms of a person."""
+"""The estimate in the terms of a person, of one tick or of thousands: live and after the fact by the same lines."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from estimator.record import Array
+from estimator.inputs.inputs import Held
+from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.step import Mode
+from estimator.state.gate import Innovation
+from estimator.state.run import Run, variances
+from estimator.step import Mode, Track
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """K ticks as a filter leaves them.
+
+    x, P       (K, size), (K, size, size) after the tick
+    predicted  (K, m) readings as expected before any of the tick was used; sd (K, m) of a reading around it
+    fused      (K, m) bool;   nis (K,)
+    alone      (K, m) readings by the model alone, from the first estimate of temperatures on
+    grown_um   (K,)   growth of the span since the start by the model alone
+    """
+
+    x: Array
+    P: Array
+    predicted: Array
+    sd: Array
+    fused: Array
+    nis: Array
+    alone: Array
+    grown_um: Array
+
+    @classmethod
+    def of_tick(cls, x: Array, P: Array, compared: Innovation, nis: float, alone: Array, grown_um: float) -> Estimates:
+        """One tick, as the online filter has it."""
+        one = x, P, compared.predicted, compared.sd, compared.fuse, nis, alone, grown_um
+        return cls(*(np.asarray(each)[None] for each in one))
+
+
+class Reporter:
+    """Turns estimates of one run into tracks, in order of time: a position that is late is the one of before."""
+
+    def __init__(self, run: Run) -> None:
+        self._rig, self._view, self._state, self._run = run.forcing.rig, run.view, run.state, run
+        self._zeros = run.state.channel_zeros(run.x)
+        self._position = Held()
+
+    def first(self, rows: Recording) -> Track:
+        """The tick with which the run began."""
+        run, first = self._run, self._run.first
+        alone = run.forcing.readings.rows @ run.x[run.state.temperatures] + run.offset
+        return self.track(rows, Estimates.of_tick(run.x, run.P, first, np.nan, alone, 0.0))
+
+    def track(self, rows: Recording, estimates: Estimates) -> Track:
+        """The next ticks: what was measured, and what is estimated of it."""
+        view, state, x, P, fused = self._view, self._state, estimates.x, estimates.P, estimates.fused
+        um = 1.0 if view.has_span else np.nan  # without a screw nothing grows
+        z, P_z = x[:, state.temperatures], P[:, state.temperatures, state.temperatures]
+        elongation = state.elongation(estimates.grown_um)
+        position = self._position.held(rows.inputs.get("position", np.full(len(rows), np.nan)))
+        table, table_sd = self._table_error(position, x, P)
+        return Track(
+            view.x_mm,
+            view.bodies,
+            self._rig.names,
+            time_s=rows.time_s,
+            mode=modes(fused, self._rig),
+            elongation_um=um * (elongation * x).sum(axis=1),
+            sigma_um=um * np.sqrt(variances(elongation[:, None], P)[:, 0]),
+            open_loop_um=um * estimates.grown_um,
+            profile_C=z @ view.profile.T,
+            profile_sd_K=np.sqrt(variances(view.profile, P_z)),
+            bodies_C=z[:, view.at_bodies],
+            error_at_table_um=table,
+            error_at_table_sd_um=table_sd,
+            measured=rows.channels,
+            predicted=estimates.predicted,
+            innovation=rows.channels - estimates.predicted,
+            innovation_sd=estimates.sd,
+            fused=fused,
+            open_loop=estimates.alone + self._zeros,
+            nis=estimates.nis,
+            nis_channels=fused.sum(axis=1),
+            position_mm=position,
+        )
+
+    def _table_error(self, position_mm: Array, x: Array, P: Array) -> tuple[Array, Array]:
+        """Growth between the anchor bearing and the nut's centre since the start, and its sd: (K,) um each.
+
+        growth (1 + e), e the error of the expansion coefficient;   var = w' P w + growth^2 var(e)
+        """
+        state, weights = self._state, self._view.table_error(position_mm)
+        at, e = state.temperatures, state.expansion
+        growth = (weights * (x[:, at] - self._run.x[at])).sum(axis=1)
+        variance = variances(weights[:, None], P[:, at, at])[:, 0] + growth**2 * P[:, e, e]
+        return growth * (1.0 + x[:, e]), np.sqrt(variance)
 
 
 def modes(fused: Array, rig: Rig) -> Array:
@@ -14,8 +105,3 @@ def modes(fused: Array, rig: Rig) -> Array:
     thermometers = np.isin(rig.names, rig.thermometers)
     warm, other = fused[..., thermometers].any(axis=-1), fused[..., ~thermometers].any(axis=-1)
     return np.where(other, Mode.UPDATE, np.where(warm, Mode.PREDICT, Mode.COASTING))
-
-
-def variances(rows: Array, P: Array) -> Array:
-    """Diagonal of rows P rows', never below 0."""
-    return np.maximum(((rows @ P) * rows).sum(axis=1), 0.0)

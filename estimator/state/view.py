@@ -20,11 +20,12 @@ class View:
 
     growth   (n,) um/K of the measured span; zeros where the model has no screw (`has_span`)
     x_mm     (x,) places of the profile; `profile` (x, n) its weights
+    bodies   nodes of one temperature, which stand `at_bodies` among the temperatures
     """
 
     def __init__(self, rig: Rig, place: Layout, terms: Sequence[Term]) -> None:
         self.rig, self.place, self._terms = rig, place, terms
-        self.bodies = place.bodies
+        self.bodies, self.at_bodies = place.bodies, slice(len(place.knots_mm), place.size)
         screw = rig.screw if SCREW in place.nodes else None
         self._screw = screw
         self.has_span = screw is not None

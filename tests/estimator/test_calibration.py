@@ -12,6 +12,7 @@ import pytest
 from scipy.stats import chi2
 
 from estimator.filter import Filter
+from tests.conftest import stepped
 
 
 def outcomes(small, model, driven, live, seeds: int, seconds: int):
@@ -22,7 +23,7 @@ def outcomes(small, model, driven, live, seeds: int, seconds: int):
     expansion = small.expansion_tolerance * np.random.default_rng(7).standard_normal(seeds)
     for seed in range(seeds):
         lived = live(model, small, drive, seed, process=True, expansion=expansion[seed])
-        track = Filter(model, small).run(lived.recording)
+        track = stepped(Filter(model, small), lived.recording)
         errors.append(((track.elongation_um - lived.elongation_um) / np.maximum(track.sigma_um, 1e-9))[late])
         nis, count = nis + np.nansum(track.nis[1:]), count + track.nis_channels[1:].sum()
     return np.array(errors), nis, int(count)
@@ -65,7 +66,7 @@ def test_a_filter_that_believes_too_little_noise_is_found_out(small, exact, driv
     nis, count = 0.0, 0
     for seed in range(5):
         lived = live(exact, small, drive, seed, process=True)
-        track = Filter(exact.with_values({"conduction.noise": 0.5}), small).run(lived.recording)
+        track = stepped(Filter(exact.with_values({"conduction.noise": 0.5}), small), lived.recording)
         nis, count = nis + np.nansum(track.nis[1:]), count + track.nis_channels[1:].sum()
     assert nis > chi2.ppf(0.999, count)
 
@@ -75,6 +76,6 @@ def test_a_coefficient_believed_too_well_is_found_out(small, exact, driven, live
     drive, late = driven(small, 90, (10, 60), stroke=(0.0, 100.0)), []
     for seed in range(5):
         lived = live(exact, small, drive, seed, process=True, expansion=0.1)
-        track = Filter(exact, known_to(small, 0.0)).run(lived.recording)
+        track = stepped(Filter(exact, known_to(small, 0.0)), lived.recording)
         late.append((track.elongation_um - lived.elongation_um)[40:] / track.sigma_um[40:])
     assert np.mean(late) < -1

@@ -10,6 +10,7 @@ import pytest
 from estimator.filter import Filter
 from estimator.record import Recording
 from estimator.step import Mode, Step
+from tests.conftest import stepped
 
 SECONDS = 150
 STEPWISE = {f.name for f in fields(Step)} - {"names", "why", "error_at_table_sd_um"}
@@ -25,7 +26,7 @@ def run(rig, full, driven, live) -> Recording:
 
 @pytest.fixture(scope="module")
 def track(rig, full, run):
-    return Filter(full, rig).run(run)
+    return stepped(Filter(full, rig), run)
 
 
 def copy(run: Recording) -> Recording:
@@ -73,7 +74,7 @@ BREAKS = [silent_telemeter, missing_channels, scattered_gaps, missing_drive, mis
 def test_step_by_step_equals_the_run(rig, full, run, broken):
     log = copy(run)
     broken(log)
-    whole, live = Filter(full, rig).run(log), Filter(full, rig)
+    whole, live = stepped(Filter(full, rig), log), Filter(full, rig)
     steps = [live.step(sample) for sample in log]
     for name in STEPWISE:
         values = [getattr(step, name) for step in steps]
@@ -85,19 +86,19 @@ def test_step_by_step_equals_the_run(rig, full, run, broken):
 def test_a_gap_never_reaches_the_state(rig, full, run, broken):
     log = copy(run)
     broken(log)
-    track = Filter(full, rig).run(log)
+    track = stepped(Filter(full, rig), log)
     begun = track.mode != Mode.INIT
     assert begun.sum() >= SECONDS - 8
     np.testing.assert_array_equal(track.fused[begun], np.isfinite(log.channels[begun]))
     assert np.isfinite(track.profile_C[begun]).all()
-    assert abs(track.elongation_um - Filter(full, rig).run(run).elongation_um)[begun].max() < 1.5
+    assert abs(track.elongation_um - stepped(Filter(full, rig), run).elongation_um)[begun].max() < 1.5
 
 
 def test_any_subset_of_channels_is_enough_to_start(rig, full, run):
     for used in ([0], [15, 4], [3, 9, 14], list(range(16))):
         log = copy(run)
         log.channels[:, [i for i in range(16) if i not in used]] = np.nan
-        track = Filter(full, rig).run(log)
+        track = stepped(Filter(full, rig), log)
         assert (track.nis_channels[1:] <= len(used)).all()
         assert track.nis_channels.max() == len(used)
         assert abs(track.elongation_um[-1] - track.open_loop_um[-1]) < 4 * track.sigma_um[-1]
@@ -121,7 +122,7 @@ def test_it_starts_at_the_first_sample_with_a_thermometer(rig, full, run):
 def test_modes_say_what_the_estimate_rests_on(rig, full, run):
     log = copy(run)
     log.channels[60:65, :15] = np.nan
-    mode = Filter(full, rig).run(log).mode
+    mode = stepped(Filter(full, rig), log).mode
     read = np.isfinite(log.channels[:, 15])
     expected = np.where(read, 2, 1)
     expected[60:65] = np.where(read[60:65], 2, 3)
@@ -134,9 +135,8 @@ def test_a_spike_is_reported_and_not_fused(rig, full, run, track):
     log.channels[100, 6] += 40
     filter_ = Filter(full, rig)
     steps = [filter_.step(sample) for sample in log]
-    spike = steps[100].channel("T07")
-    assert (spike.fused, spike.why) == (False, "implausible jump")
-    assert spike.innovation == pytest.approx(40, abs=0.5)
+    assert (steps[100].fused[6], steps[100].why[6]) == (False, "implausible jump")
+    assert steps[100].innovation[6] == pytest.approx(40, abs=0.5)
     assert sum("implausible jump" in step.why for step in steps) == 1
     assert max(abs(step.elongation_um - whole) for step, whole in zip(steps, track.elongation_um, strict=True)) < 0.05
 
@@ -144,14 +144,14 @@ def test_a_spike_is_reported_and_not_fused(rig, full, run, track):
 def test_a_step_that_stays_is_taken_after_five_ticks(rig, full, run):
     log = copy(run)
     log.channels[100:, 6] += 40
-    fused = Filter(full, rig).run(log).fused[95:, 6]
+    fused = stepped(Filter(full, rig), log).fused[95:, 6]
     np.testing.assert_array_equal(fused[:12], [True] * 5 + [False] * 5 + [True] * 2)
 
 
 def test_one_good_reading_ends_the_count_of_bad_ones(rig, full, run):
     log = copy(run)
     log.channels[[100, 101, 102, 103, 105, 106, 107], 6] += 40
-    fused = Filter(full, rig).run(log).fused[100:108, 6]
+    fused = stepped(Filter(full, rig), log).fused[100:108, 6]
     np.testing.assert_array_equal(fused, [False] * 4 + [True] + [False] * 3)
 
 
@@ -160,13 +160,13 @@ def test_muted_channels_are_compared_but_not_fused(rig, full, run):
     filter_ = Filter(full, rig, lambda t: quiet & (t > 30))
     log = copy(run)
     log.channels[:, 4] += np.where(np.arange(SECONDS) > 30, 1.0, 0.0)
-    muted = filter_.run(log)
+    muted = stepped(filter_, log)
     np.testing.assert_array_equal(muted.fused[:, 4], np.arange(SECONDS) < 30)
     assert muted.innovation[100, 4] == pytest.approx(1.0, abs=0.2)
     log.channels[31:, 4] = np.nan
-    without = Filter(full, rig).run(log)
+    without = stepped(Filter(full, rig), log)
     np.testing.assert_allclose(muted.elongation_um[31:], without.elongation_um[31:], atol=0.01)
-    assert filter_.step(run.sample(100)).channel("T05").why == "muted"
+    assert filter_.step(run.sample(100)).why[4] == "muted"
 
 
 @pytest.mark.parametrize("spike", [40.0, -40.0, 5.0, 1.0])
@@ -174,7 +174,7 @@ def test_muted_channels_are_compared_but_not_fused(rig, full, run):
 def test_a_spike_in_the_first_sample_is_not_taken_for_the_start(spike, channel, rig, full, run, track):
     log = copy(run)
     log.channels[0, channel] += spike
-    spiked = Filter(full, rig).run(log)
+    spiked = stepped(Filter(full, rig), log)
     if abs(spike) > 10:  # no temperature; less may be a warm bearing, and is corrected by the readings that follow
         np.testing.assert_array_equal(spiked.fused[:3, channel], [False, True, True])
     error = abs(spiked.elongation_um - track.elongation_um)
@@ -186,9 +186,9 @@ def test_a_channel_muted_from_the_start_is_as_if_it_were_not_there(rig, full, ru
     """Whatever it reads."""
     log = copy(run)
     log.channels[:, 6] = 100.0
-    muted = Filter(full, rig, lambda t: np.arange(16) == 6).run(log)
+    muted = stepped(Filter(full, rig, lambda t: np.arange(16) == 6), log)
     log.channels[:, 6] = np.nan
-    without = Filter(full, rig).run(log)
+    without = stepped(Filter(full, rig), log)
     np.testing.assert_allclose(muted.elongation_um, without.elongation_um, rtol=0, atol=1e-9)
     np.testing.assert_allclose(muted.sigma_um, without.sigma_um, rtol=0, atol=1e-9)
 
@@ -199,7 +199,7 @@ def test_sigma_grows_while_coasting_and_falls_when_readings_return(tolerance, fa
     log = copy(run)
     log.channels[40:100] = np.nan
     known = replace(rig, screw=replace(rig.screw, expansion_tolerance=tolerance))
-    track = Filter(full, known).run(log)
+    track = stepped(Filter(full, known), log)
     assert (track.mode[40:100] == Mode.COASTING).all()
     assert (np.diff(track.sigma_um[39:90]) > 0).all()
     assert track.sigma_um[99] > 3 * track.sigma_um[39]
@@ -210,7 +210,7 @@ def test_coasting_follows_the_model(rig, full, run):
     """Without a reading after the start the estimate is the open-loop run, and never repeats the last value."""
     log = copy(run)
     log.channels[1:] = np.nan
-    track = Filter(full, rig).run(log)
+    track = stepped(Filter(full, rig), log)
     np.testing.assert_allclose(track.elongation_um, track.open_loop_um, atol=1e-9)
     assert track.elongation_um[89] > 15
 
@@ -218,7 +218,7 @@ def test_coasting_follows_the_model(rig, full, run):
 def test_nis_is_nan_without_readings(rig, full, run):
     log = copy(run)
     log.channels[50] = np.nan
-    track = Filter(full, rig).run(log)
+    track = stepped(Filter(full, rig), log)
     assert np.isnan(track.nis[[0, 50]]).all()
     assert np.isfinite(np.delete(track.nis, [0, 50])).all()
     assert track.nis_channels[50] == 0
@@ -238,7 +238,7 @@ def test_table_error_is_unknown_without_a_position_and_grows_with_distance(rig, 
     log = copy(run)
     log.inputs["position"][98:101] = np.nan  # two ticks late it is still where it was, three it is not known
     log.inputs["position"][101:] = np.where(np.arange(SECONDS - 101) % 2, 0.0, 400.0)
-    track = Filter(full, rig).run(log)
+    track = stepped(Filter(full, rig), log)
     error = track.error_at_table_um
     assert list(np.isnan(error[97:102])) == [False, False, False, True, False]
     assert list(track.position_mm[97:100]) == [log.inputs["position"][97]] * 3
@@ -252,7 +252,7 @@ def test_covariance_stays_symmetric_and_positive_over_20000_steps(small, small_m
     log = live(small_model, small, drive, seed=2).recording
     log.channels[3000:6000] = np.nan
     filter_ = Filter(small_model, small)
-    track = filter_.run(log)
+    track = stepped(filter_, log)
     P = filter_.P
     assert (P == P.T).all()
     assert np.linalg.eigvalsh(P).min() > -1e-12 * np.linalg.eigvalsh(P).max()

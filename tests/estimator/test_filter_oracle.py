@@ -15,6 +15,7 @@ from estimator.inputs.start import read_start
 from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording
 from estimator.state.prior import prior
+from tests.conftest import stepped
 
 SAMPLES = 8
 
@@ -82,8 +83,7 @@ def joint(model, rig, recording: Recording) -> tuple[Joint, Array]:
     forcing = Forcing(model, rig, start)
     ticks, readings = forcing.ticks(forcing.read(recording)), forcing.readings
     n, m, K = forcing.place.size, len(rig.names), len(recording)
-    inputs = {name: value - start.zero_K[name] for name, value in first.inputs.items()}
-    mean, cov = prior(start, forcing.terms, forcing.place, inputs)
+    mean, cov = prior(start, forcing.terms, forcing.place, first.inputs)
     is_growth = np.array([not rig.channels[name].is_thermometer for name in rig.names])
     own = np.flatnonzero(readings.zero_sd)  # channels with an unknown zero
     walk, last = np.diag(readings.zero_walk[own] ** 2), n + len(own)
@@ -125,7 +125,7 @@ def both(request, small, small_model, recording):
     """The filter after the last sample, its track, the joint distribution and the open-loop growth."""
     rig = replace(small, screw=replace(small.screw, expansion_tolerance=request.param))
     filter_ = Filter(small_model, rig)
-    track = filter_.run(recording)
+    track = stepped(filter_, recording)
     return filter_, track, *joint(small_model, rig, recording)
 
 
@@ -153,7 +153,7 @@ def test_the_final_state_is_that_of_the_joint_distribution(both, recording):
 def test_elongation_and_sigma_are_those_of_the_growth_since_the_first_sample(both, small, recording):
     """The model's growth and, by another coefficient, a share of what the model alone has grown."""
     filter_, track, whole, grown_um = both
-    growth = span_growth(small, filter_.forcing.place)
+    growth = span_growth(small, filter_.run.forcing.place)
     for ticks in (1, 4, 6, SAMPLES):
         b, cov = whole.given(recording.channels, ticks)
         (now, a), (before, a0) = whole.states[ticks - 1], whole.states[0]

@@ -14,6 +14,7 @@ from estimator.errors import SetupError
 from estimator.filter import Filter
 from estimator.model import Value, model_of
 from estimator.rig_folder.model_toml import load_model, save_model
+from tests.conftest import stepped
 
 OWN = '''
 from estimator.effect import Effect, Param
@@ -179,8 +180,8 @@ def test_a_users_own_effect_works_in_a_model(tmp_path, small, small_model, drive
     cooled = load_model(written(tmp_path, text, OWN))
     assert cooled.effects["coolant_jet"].equation() == "q = -P"
     recording = live(small_model, small, driven(small, 100, (5, 60), stroke=(0.0, 100.0))).recording
-    without = Filter(small_model, small).run(recording).open_loop_um
-    with_jet = Filter(cooled, small).run(recording).open_loop_um
+    without = stepped(Filter(small_model, small), recording).open_loop_um
+    with_jet = stepped(Filter(cooled, small), recording).open_loop_um
     watts = 15.0 * 99  # J taken in 99 s from 200 mm of 3799 J/K per metre; the span is 180 mm
     lost = 12e-6 * watts / 3799 * 1e6 * 180 / 200
     assert (without - with_jet)[-1] == pytest.approx(lost, rel=1e-3)
@@ -194,7 +195,7 @@ def test_an_own_effect_that_fails_is_named_with_its_file(tmp_path, small, driven
     model = load_model(written(tmp_path, text, broken))
     recording = live(small_model, small, driven(small, 3)).recording
     with pytest.raises(SetupError, match=r"^model.toml: coolant_jet \(effects.py:CoolantJet\): AttributeError: .*pwer"):
-        Filter(model, small).run(recording)
+        stepped(Filter(model, small), recording)
 
 
 def test_the_model_that_ships_is_readable():

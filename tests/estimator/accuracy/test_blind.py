@@ -13,6 +13,7 @@ from estimator.batch.trial import Trial
 from estimator.filter import Filter
 from estimator.fit.tune import scaled
 from estimator.rig import Rig
+from tests.conftest import stepped
 
 TICK_S = 10
 STRETCH = 600 // TICK_S
@@ -56,7 +57,7 @@ def by_filter(model, rig, run) -> list[tuple[float, float, int]]:
     for first_seen in (True, False):
         stretch = (np.arange(len(run) - 1) // STRETCH + (not first_seen)) % 2 == 1  # blind, from the second sample on
         hidden = dict(zip(run.time_s[1:], stretch, strict=True))
-        track = Filter(model, rig, lambda t, hidden=hidden: np.full(len(rig.names), hidden.get(t, False))).run(run)
+        track = stepped(Filter(model, rig, lambda t, hidden=hidden: np.full(len(rig.names), hidden.get(t, False))), run)
         for k in range(STRETCH, len(run), STRETCH):
             if not stretch[k - 1]:
                 continue

@@ -11,6 +11,7 @@ from estimator.accuracy.horizon import HORIZONS, errors, horizons, overall
 from estimator.batch.coarse import coarse
 from estimator.batch.trial import Trial
 from estimator.filter import Filter
+from tests.conftest import stepped
 
 TICK_S = 10
 SECONDS = 1500
@@ -42,7 +43,7 @@ def found(trial, small_model):
 @pytest.fixture(scope="module")
 def track(lived, small_model):
     rig, run = lived
-    return Filter(small_model, rig).run(run)
+    return stepped(Filter(small_model, rig), run)
 
 
 def test_one_step_is_the_filters_innovation_of_what_it_fuses(found, track):
@@ -60,7 +61,7 @@ def test_ahead_is_what_a_filter_says_that_hears_nothing_for_ten_minutes(found, l
     expected = np.full_like(found.ahead, np.nan)
     for start in range(0, len(run) - 1 - AHEAD, 60 // TICK_S):
         last = run.time_s[start + 1]
-        blind = Filter(small_model, rig, lambda t, last=last: np.full(5, t > last)).run(run)
+        blind = stepped(Filter(small_model, rig, lambda t, last=last: np.full(5, t > last)), run)
         seen = np.isfinite(run.channels[start + 1 + AHEAD]) & ~trial.muted[start + AHEAD]
         seen[4] &= track.fused[: start + 2, 4].any()
         expected[start + AHEAD, seen] = blind.innovation[start + 1 + AHEAD, seen]
@@ -97,10 +98,10 @@ def test_the_elongation_is_foretold_as_the_filter_would(found, lived, trial, sma
     np.testing.assert_allclose(found.elongation["open_loop"], track.open_loop_um[1:], rtol=0, atol=1e-9)
     for k in (3, 40, 120):
         last = run.time_s[k - 1]
-        blind = Filter(small_model, rig, lambda t, last=last: np.full(5, t > last)).run(run.rows(slice(0, k + 1)))
+        blind = stepped(Filter(small_model, rig, lambda t, last=last: np.full(5, t > last)), run.rows(slice(0, k + 1)))
         assert found.elongation["one_step"][k - 1] == pytest.approx(blind.elongation_um[-1], abs=1e-9)
     start = 60 // TICK_S
-    blind = Filter(small_model, rig, lambda t: np.full(5, t > run.time_s[start + 1])).run(run)
+    blind = stepped(Filter(small_model, rig, lambda t: np.full(5, t > run.time_s[start + 1])), run)
     assert found.elongation["ahead"][start + AHEAD] == pytest.approx(blind.elongation_um[start + 1 + AHEAD], abs=1e-9)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from estimator.batch import batch
-from estimator.batch.batch import ahead, gram, loglike, open_loop, passes, score, smoothed
+from estimator.batch.batch import ahead, gram, loglike, passes, score, smoothed
 from estimator.batch.system import System
 from estimator.state.gate import Gate
 
@@ -303,7 +303,7 @@ def test_gate_is_that_of_the_filter_tick_by_tick(system):
     assert found["loglike"].sum() == pytest.approx(plain(system, fuse)[0], rel=1e-10)
 
 
-def test_ahead_and_open_loop(system):
+def test_ahead(system):
     _, _, after = plain(system)
     starts, readings = ahead(system, steps=4, every=3)
     assert starts.tolist() == list(range(0, T - 4, 3))
@@ -312,10 +312,6 @@ def test_ahead_and_open_loop(system):
         for t in range(start + 1, start + 5):
             x = full(system.F[system.regime[t]]) @ x + system.b[t]
         assert found == pytest.approx(rows(system, start + 4) @ x, abs=1e-11)
-    x, run = system.x0, open_loop(system)
-    for t in range(T):
-        x = full(system.F[system.regime[t]]) @ x + system.b[t]
-        assert run[t] == pytest.approx(x, abs=1e-12)
     assert len(ahead(system, steps=T, every=1)[0]) == 0
 
 
@@ -327,7 +323,6 @@ def test_no_ticks_at_all(system):
     assert smoothed(empty, covariances=True).cov.shape == (0, N, N)
     assert [len(chunk.x) for chunk in passes(empty)] == [0]
     assert not gram(empty, lambda ticks: (np.zeros((0, N, 2)), np.zeros((0, CHANNELS, 2))), 2).any()
-    assert open_loop(empty).shape == (0, N)
     assert len(ahead(empty, 3, 3)[0]) == 0
 
 
@@ -354,7 +349,7 @@ def test_what_it_is_given_is_not_changed_and_may_be_read_only(system):
         if isinstance(value, np.ndarray):
             value.flags.writeable = False
     assert loglike(frozen) == expected
-    score(frozen), smoothed(frozen), list(passes(frozen, Gate())), ahead(frozen, 3, 3), open_loop(frozen)
+    score(frozen), smoothed(frozen), list(passes(frozen, Gate())), ahead(frozen, 3, 3)
     for name, value in before.items():
         np.testing.assert_array_equal(value, getattr(frozen, name))
 
@@ -395,7 +390,7 @@ def test_it_works_where_nothing_can_be_written(tmp_path):
 
 
 def test_compiled_once_and_known_to_be(system):
-    loglike(system), score(system), smoothed(system), list(passes(system)), ahead(system, 3, 3), open_loop(system)
+    loglike(system), score(system), smoothed(system), list(passes(system)), ahead(system, 3, 3)
     B, D, _ = effects(1)
     gram(system, lambda ticks: (B[ticks], D[ticks]), 1)
     assert not batch.is_cold()

@@ -24,6 +24,7 @@ from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.step import SERIES, Mode, Track
 from estimator.terms import Heat, Link, Store
+from tests.conftest import stepped
 
 ROOT = Path(__file__).parents[3]
 PAPER, ROD = ROOT / "recordings", ROOT / "examples" / "heated_rod"
@@ -33,7 +34,7 @@ SPIKE_K = 30.0
 
 def both(model, rig, recording, mute=None) -> Track:
     """The filter's track, after every field of the replay has been found equal to it."""
-    slow, fast = Filter(model, rig, mute).run(recording), replay(model, rig, recording, mute)
+    slow, fast = stepped(Filter(model, rig, mute), recording), replay(model, rig, recording, mute)
     assert (fast.bodies, fast.names) == (slow.bodies, slow.names)
     np.testing.assert_array_equal(fast.x_mm, slow.x_mm)
     for key in SERIES:
@@ -264,7 +265,7 @@ def test_regimes_that_were_forgotten_come_back_the_same(lived, monkeypatch):
     model, rig, recording = lived
     kept = Filter(model, rig)
     all_kept = [kept.step(sample) for sample in recording]
-    assert len(kept.forcing._solved) > 3
+    assert len(kept.run.forcing._solved) > 3
     monkeypatch.setattr(filtering, "KEPT", 2)
     monkeypatch.setattr(regime, "REMEMBERED", 2)
     both(model, rig, recording)
@@ -272,5 +273,5 @@ def test_regimes_that_were_forgotten_come_back_the_same(lived, monkeypatch):
     forgetful = Filter(model, rig)
     for step, sample in zip(all_kept, recording, strict=True):
         assert forgetful.step(sample).elongation_um == pytest.approx(step.elongation_um, abs=1e-12)
-        assert len(forgetful.forcing._solved) <= 3
+        assert len(forgetful.run.forcing._solved) <= 3
         assert len(forgetful._transitions) <= 2

@@ -17,7 +17,6 @@ from estimator.network.forcing import Forcing
 from estimator.rig import Channel, Nut, Rig, Screw, Signal
 from estimator.rig_folder.model_toml import load_model
 from estimator.state.open_loop import OpenLoop
-from estimator.state.state import Augmented
 
 STEPS = 20  # of the fine integration in a tick
 RUNS = {
@@ -81,11 +80,12 @@ def test_reduced_mesh_agrees_with_500_cells(name, full, rig, driven):
 def test_the_filter_has_at_most_32_states_that_move(full, rig, driven, live):
     filter_ = Filter(full, rig)
     filter_.step(live(full, rig, driven(rig, 1)).recording.sample(0))
-    assert isinstance(filter_._state, Augmented)
-    constants = len(filter_._state.zeros) + 2  # whose transition is the identity: they cost little
-    assert filter_._state.n <= 32
-    assert filter_._state.size == filter_._state.n + constants
-    assert filter_.x.shape == (filter_._state.size,)
+    state = filter_.run.state
+    assert state.n <= 32
+    assert filter_.x.shape == (state.size,)
+    assert (
+        state.size == state.n + len(state.zero_of) + 2
+    )  # constants cost little
 
 
 def cost_of_regimes(model, rig, drive, monkeypatch) -> tuple[float, float, int]:

@@ -75,8 +75,7 @@ class Plain:
         self.readings = assemble.readings(list(model.terms(forcing.nothing(), rig)), rig, place)
         self.own = np.flatnonzero(self.readings.zero_sd)
         self.dt, self.tolerance = dt, rig.expansion_tolerance
-        given = {name: column[0, 0] for name, column in u.values.items()}
-        self.first = self._first(trial, *prior(trial._forcing.start, terms, place, given))
+        self.first = self._first(trial, *prior(trial.run.start, terms, place, trial.run.sample.inputs))
         z = [self.first[0][: self.n]]
         for F, b in zip(self.F[1:], self.b[1:], strict=True):
             z.append(F @ z[-1] + b)
@@ -98,7 +97,7 @@ class Plain:
         at = np.arange(self.n, size)
         P[at, at] = np.append(self.readings.zero_sd[self.own], self.tolerance) ** 2
         R = self.readings.sd**2 + 0.3**2
-        return fused(x, P, trial.first.channels - self.offset[0], self.rows(0.0), R)
+        return fused(x, P, trial.run.sample.channels - self.offset[0], self.rows(0.0), R)
 
 
 def fused(x: Array, P: Array, y: Array, H: Array, R: Array) -> tuple[Array, Array, complex]:

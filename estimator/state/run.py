@@ -1,0 +1,97 @@
+"""A run begun: what its first sample makes known, whoever carries the estimate on, the filter or its compiled twin."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.errors import SetupError
+from estimator.inputs.start import Start, read_start
+from estimator.model import Model
+from estimator.network.assemble import Layout, Readings
+from estimator.network.forcing import Forcing
+from estimator.record import Array, Recording, Sample, collect
+from estimator.rig import Rig
+from estimator.state.gate import Innovation, Mute, innovation
+from estimator.state.open_loop import OpenLoop
+from estimator.state.prior import prior
+from estimator.state.state import State
+from estimator.state.view import View
+from estimator.terms import Term
+
+FIRST_SD_K = 0.3  # the first reading may be a spike too, and has nothing to be checked against
+
+
+@dataclass(frozen=True)
+class Run:
+    """A model on a rig from the first sample with a thermometer in it on.
+
+    forcing  turns inputs into regimes, heat and offsets; it has read the first sample
+    offset   (m,) what the channels read beside the temperatures, at the first sample
+    first    the first readings against what was known before them
+    x, P     estimate after them, (size,), (size, size)
+    """
+
+    start: Start
+    sample: Sample
+    forcing: Forcing
+    state: State
+    view: View
+    offset: Array
+    first: Innovation
+    x: Array
+    P: Array
+
+    def grown_um(self, z: Array) -> float:
+        """Growth of the span since the start, um, when the temperatures are z (n,)."""
+        return float(self.view.growth @ (z - self.x[self.state.temperatures]))
+
+    def open_loop(self) -> OpenLoop:
+        """The model alone, from the first estimate on."""
+        return OpenLoop(self.x[self.state.temperatures], self.forcing.readings, self.forcing.rig.tick_s)
+
+    def estimate(self, readings: Readings, terms: Sequence[Term], place: Layout, offset: Array) -> tuple[Array, Array]:
+        """Estimate after the same first readings by another model's terms; complex where its readings are."""
+        state = State(readings, self.forcing.rig.expansion_tolerance)
+        before = prior(self.start, terms, place, self.sample.inputs)
+        return state.first(before, self.sample.channels - offset, _variance(readings), self.first.fuse)
+
+
+def begin(model: Model, rig: Rig, sample: Sample, start: Start, muted: Array, keep: int | None = None) -> Run:
+    """Begin with this sample, whose start is known, but for the channels that are `muted` (m,); `keep` as of Forcing.
+
+    A model that reads no thermometer is a SetupError.
+    """
+    forcing = Forcing(model, rig, start, keep=keep)
+    readings, place = forcing.readings, forcing.place
+    if not np.isfinite(readings.sd[np.isin(rig.names, rig.thermometers)]).any():
+        raise SetupError(f"{model.name}: no effect reads a thermometer; add [thermometers] or one with a Read")
+    offset = forcing.ticks(forcing.read(collect("", [sample]))).offset[0]
+    state = State(readings, rig.expansion_tolerance)
+    before = prior(start, forcing.terms, place, sample.inputs)
+    R, H, (x, P) = _variance(readings), state.rows(0.0), state.prior(*before)
+    sd = np.sqrt(variances(H, P) + R)
+    first = innovation(sample.channels, H @ x + offset, sd, muted, np.zeros(len(sd), dtype=int))
+    x, P = state.first(before, sample.channels - offset, R, first.fuse)
+    view = View(rig, place, forcing.terms)
+    return Run(start, sample, forcing, state, view, offset, first, x, P)
+
+
+def first_start(recording: Recording, rig: Rig, mute: Mute) -> tuple[int, Start] | None:
+    """The first tick with a thermometer that is not muted, and the run's start by it; None where there is none."""
+    for k, sample in enumerate(recording):
+        if start := read_start(sample, rig, mute(sample.time_s)):
+            return k, start
+    return None
+
+
+def variances(rows: Array, P: Array) -> Array:
+    """Diagonal of rows P rows', (..., m) of P (..., n, n), never below 0."""
+    return np.maximum(((rows @ P) * rows).sum(axis=-1), 0.0)
+
+
+def _variance(readings: Readings) -> Array:
+    """R of the first readings."""
+    return np.asarray(readings.sd**2 + FIRST_SD_K**2)
