@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from estimator.inputs.start import read_start
 from estimator.model import Model
 from estimator.network.discretise import Transition
 from estimator.network.forcing import Ticks
@@ -48,16 +47,14 @@ class Filter:
         """Take one tick: begin with the first sample with a thermometer in it; then predict, compare, update."""
         rows = collect("", [sample])
         if self.run is None:
-            return self._begin(sample, rows)
+            return self._begin(rows)
         ticks = self.run.forcing.ticks(self.run.forcing.read(rows))
         return self._advance(self.run, sample, rows, ticks)
 
-    def _begin(self, sample: Sample, rows: Recording) -> Step:
-        muted = self.mute(sample.time_s)
-        start = read_start(sample, self.rig, muted)
-        if start is None:
+    def _begin(self, rows: Recording) -> Step:
+        run = self.run = begin(self.model, self.rig, rows, self.mute, KEPT)
+        if run is None:
             return Track.waiting(self.rig.names, rows).step(0, ("waiting for a thermometer",) * len(self.rig.names))
-        run = self.run = begin(self.model, self.rig, sample, start, muted, KEPT)
         self.x, self.P, self._rejected = run.x, run.P, run.first.rejected
         self._open_loop, self._reporter = run.open_loop(), Reporter(run)
         return self._reporter.first(rows).step(0, run.first.why)

@@ -11,7 +11,7 @@ from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.state.gate import Mute, unmuted
 from estimator.state.report import Estimates, Reporter
-from estimator.state.run import begin, first_start
+from estimator.state.run import begin
 from estimator.step import Track
 
 ROWS = 2048  # ticks whose profiles are worked out at a time
@@ -22,18 +22,15 @@ def replay(
 ) -> Track:
     """All ticks of a recording. `each` hears how many ticks are done."""
     mute = mute or unmuted(rig)
-    begun = first_start(recording, rig, mute)
-    if begun is None:
+    run = begin(model, rig, recording, mute)
+    if run is None:
         return Track.waiting(rig.names, recording)
-    at, start = begun
-    waiting = Track.waiting(rig.names, recording.rows(slice(at)))
-    first = recording.rows(slice(at, at + 1))
+    at, reporter = run.tick, Reporter(run)
+    parts = [Track.waiting(rig.names, recording.rows(slice(at))), reporter.first(recording.rows(slice(at, at + 1)))]
     if at + 1 == len(recording):
-        run = begin(model, rig, recording.sample(at), start, mute(recording.time_s[at]))
-        return Track.joined([waiting, Reporter(run).first(first)])
+        return Track.joined(parts)
     trial = Trial(model, rig, recording, mute, gated=False)
-    posed, reporter = trial.pose(model), Reporter(trial.run)
-    parts = [waiting, reporter.first(first)]
+    posed = trial.pose(model)
     for chunk in trial.filtered(posed):
         parts += [reporter.track(trial.rest.rows(rows), it) for rows, it in _estimates(posed, chunk)]
         each(at + 1 + chunk.ticks.stop)

@@ -17,7 +17,7 @@ from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.state.gate import GATE, Mute, unmuted
-from estimator.state.run import begin, first_start
+from estimator.state.run import begin
 from estimator.state.state import State
 
 FLOATING = 10.0  # a zero so many times less known than one reading has no meaning of its own
@@ -56,17 +56,15 @@ class Trial:
         self, model: Model, rig: Rig, recording: Recording, mute: Mute | None = None, gated: bool = True
     ) -> None:
         mute = mute or unmuted(rig)
-        begun = first_start(recording, rig, mute)
-        if begun is None:
+        run = begin(model, rig, recording, mute)
+        if run is None:
             raise InputError(f"{recording.name}: no thermometer was ever read; nothing to compare with a model")
-        at, start = begun
-        if at + 1 == len(recording):
+        if run.tick + 1 == len(recording):
             raise InputError(f"{recording.name}: nothing was recorded after the first thermometer reading")
-        self.rig, self.recording, self.begin = rig, recording, at + 1
-        self.run = begin(model, rig, recording.sample(at), start, mute(recording.time_s[at]))
+        self.rig, self.recording, self.run, self.begin = rig, recording, run, run.tick + 1
         self.rest = recording.rows(slice(self.begin, None))
-        self._forcing = Forcing(model, rig, start)
-        self.drive = self._forcing.read(recording.rows(slice(at, None)))
+        self._forcing = Forcing(model, rig, run.start)
+        self.drive = self._forcing.read(recording.rows(slice(run.tick, None)))
         self.muted = np.array([mute(t) for t in self.rest.time_s])
         readings = self._forcing.readings
         self.floating = np.flatnonzero(readings.zero_sd > FLOATING * readings.sd)

@@ -77,10 +77,6 @@ class InputReader:
         self._first: dict[str, float] = {}
         self._coverage = np.zeros(rig.screw.cells if rig.screw else 0)
 
-    def nothing(self) -> Inputs:
-        """One tick at rest with every input at zero: enough to ask a model for its structure."""
-        return no_inputs(self._rig, np.zeros((1, 1)), np.zeros((1, len(self._coverage))))
-
     def read(self, chunk: Recording) -> Inputs:
         """Inputs of the next ticks; call in order of time."""
         values, rises = {}, {}
@@ -101,6 +97,11 @@ class InputReader:
         omega = np.nan_to_num(chunk.omega)
         uneven = np.where(np.isfinite(chunk.unevenness), chunk.unevenness, 1.0)
         return Inputs(omega[:, None], coverage, values, rises, self._motion.read(omega), uneven[:, None])
+
+
+def nothing(rig: Rig) -> Inputs:
+    """One tick at rest with every input at zero: enough to ask a model for its structure."""
+    return no_inputs(rig, np.zeros((1, 1)), np.zeros((1, rig.screw.cells if rig.screw else 0)))
 
 
 def no_inputs(rig: Rig, omega: Array, coverage: Array) -> Inputs:

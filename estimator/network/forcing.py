@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from estimator.inputs.inputs import InputReader, Inputs, no_inputs
+from estimator.inputs.inputs import InputReader, Inputs, no_inputs, nothing
 from estimator.inputs.start import Start
 from estimator.model import Model
 from estimator.network import assemble
@@ -81,7 +81,7 @@ class Forcing:
         self._regimes = Regimes(rig.tick_s, forgets=keep is not None)
         self._keep = keep
         self._solved: dict[int, Solved] = {}
-        self.terms = checked_terms(model, self.nothing(), rig)
+        self.terms = checked_terms(model, nothing(rig), rig)
         self.place = assemble.layout(self.terms, rig, reduced)
         self.readings = assemble.readings(self.terms, rig, self.place)
 
@@ -90,10 +90,6 @@ class Forcing:
         other = Forcing(model, self.rig, self.start)
         other._regimes = self._regimes
         return other
-
-    def nothing(self) -> Inputs:
-        """One tick at rest with every input at zero."""
-        return self._reader.nothing()
 
     @property
     def modes(self) -> list[Modes]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.batch.trial import Posed, Trial
+from estimator.inputs.inputs import nothing
 from estimator.model import Model
 from estimator.network import assemble
 from estimator.network.assemble import Network, Readings
@@ -87,7 +88,7 @@ def tangent(trial: Trial, posed: Posed, model: Model, path: str) -> Tangent:
         outside = _slope(assemble.outside(list(moved.terms(drive.inputs, trial.rig)), drive.inputs, forcing.place))
     readings = None
     if any(isinstance(term, (Read, Lag, Expand)) for term in of_ticks):
-        terms = list(moved.terms(forcing.nothing(), trial.rig))
+        terms = list(moved.terms(nothing(trial.rig), trial.rig))
         readings = _readings(trial, posed, assemble.readings(terms, trial.rig, forcing.place), offset[0])
     network = Network(**{key: _slope(value) for key, value in moves.items()})
     return Tangent(network, heat[1:], outside[1:], offset[1:], readings)

@@ -32,7 +32,7 @@ def prior(start: Start, terms: Sequence[Term], place: Layout, inputs: Mapping[st
     for term in terms:
         if isinstance(term, Store) and term.node in place.bodies:
             i = place.state(term.node)
-            reading = inputs.get(term.start, np.nan) - start.zero_K[term.start] if term.start else np.nan
+            reading = inputs.get(term.start, np.nan) - start.zero_K.get(term.start, 0.0) if term.start else np.nan
             mean[i] = reading if np.isfinite(reading) else start.level_C
             cov[i, i] = (BODY_SD_K if np.isfinite(reading) else UNKNOWN_BODY_SD_K) ** 2
     return mean, cov

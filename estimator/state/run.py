@@ -12,7 +12,7 @@ from estimator.inputs.start import Start, read_start
 from estimator.model import Model
 from estimator.network.assemble import Layout, Readings
 from estimator.network.forcing import Forcing
-from estimator.record import Array, Recording, Sample, collect
+from estimator.record import Array, Recording, Sample
 from estimator.rig import Rig
 from estimator.state.gate import Innovation, Mute, innovation
 from estimator.state.open_loop import OpenLoop
@@ -28,12 +28,14 @@ FIRST_SD_K = 0.3  # the first reading may be a spike too, and has nothing to be 
 class Run:
     """A model on a rig from the first sample with a thermometer in it on.
 
+    tick     which of the recording's ticks that is
     forcing  turns inputs into regimes, heat and offsets; it has read the first sample
     offset   (m,) what the channels read beside the temperatures, at the first sample
     first    the first readings against what was known before them
     x, P     estimate after them, (size,), (size, size)
     """
 
+    tick: int
     start: Start
     sample: Sample
     forcing: Forcing
@@ -59,27 +61,31 @@ class Run:
         return state.first(before, self.sample.channels - offset, _variance(readings), self.first.fuse)
 
 
-def begin(model: Model, rig: Rig, sample: Sample, start: Start, muted: Array, keep: int | None = None) -> Run:
-    """Begin with this sample, whose start is known, but for the channels that are `muted` (m,); `keep` as of Forcing.
+def begin(model: Model, rig: Rig, recording: Recording, mute: Mute, keep: int | None = None) -> Run | None:
+    """Begin with the first sample that has a thermometer which is not muted; None where none has. `keep`: of Forcing.
 
     A model that reads no thermometer is a SetupError.
     """
-    forcing = Forcing(model, rig, start, keep=keep)
+    begun = _first_start(recording, rig, mute)
+    if begun is None:
+        return None
+    tick, start = begun
+    sample, forcing = recording.sample(tick), Forcing(model, rig, start, keep=keep)
     readings, place = forcing.readings, forcing.place
     if not np.isfinite(readings.sd[np.isin(rig.names, rig.thermometers)]).any():
         raise SetupError(f"{model.name}: no effect reads a thermometer; add [thermometers] or one with a Read")
-    offset = forcing.ticks(forcing.read(collect("", [sample]))).offset[0]
+    offset = forcing.ticks(forcing.read(recording.rows(slice(tick, tick + 1)))).offset[0]
+    mean, cov = prior(start, forcing.terms, place, sample.inputs)
+    R = _variance(readings)
+    sd = np.sqrt(variances(readings.rows, cov) + readings.zero_sd**2 + R)
+    muted, none = mute(sample.time_s), np.zeros(len(sd), dtype=int)
+    first = innovation(sample.channels, readings.rows @ mean + offset, sd, muted, none)
     state = State(readings, rig.expansion_tolerance)
-    before = prior(start, forcing.terms, place, sample.inputs)
-    R, H, (x, P) = _variance(readings), state.rows(0.0), state.prior(*before)
-    sd = np.sqrt(variances(H, P) + R)
-    first = innovation(sample.channels, H @ x + offset, sd, muted, np.zeros(len(sd), dtype=int))
-    x, P = state.first(before, sample.channels - offset, R, first.fuse)
-    view = View(rig, place, forcing.terms)
-    return Run(start, sample, forcing, state, view, offset, first, x, P)
+    x, P = state.first((mean, cov), sample.channels - offset, R, first.fuse)
+    return Run(tick, start, sample, forcing, state, View(rig, place, forcing.terms), offset, first, x, P)
 
 
-def first_start(recording: Recording, rig: Rig, mute: Mute) -> tuple[int, Start] | None:
+def _first_start(recording: Recording, rig: Rig, mute: Mute) -> tuple[int, Start] | None:
     """The first tick with a thermometer that is not muted, and the run's start by it; None where there is none."""
     for k, sample in enumerate(recording):
         if start := read_start(sample, rig, mute(sample.time_s)):

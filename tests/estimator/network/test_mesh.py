@@ -83,9 +83,7 @@ def test_the_filter_has_at_most_32_states_that_move(full, rig, driven, live):
     state = filter_.run.state
     assert state.n <= 32
     assert filter_.x.shape == (state.size,)
-    assert (
-        state.size == state.n + len(state.zero_of) + 2
-    )  # constants cost little
+    assert state.size == state.n + len(state.zero_of) + 2  # constants cost little
 
 
 def cost_of_regimes(model, rig, drive, monkeypatch) -> tuple[float, float, int]:

@@ -18,7 +18,7 @@ from drivers.virtual_rig import Run, simulate
 from estimator.batch import nominal
 from estimator.errors import SetupError
 from estimator.filter import Filter
-from estimator.inputs.inputs import InputReader
+from estimator.inputs.inputs import nothing
 from estimator.inputs.start import Start
 from estimator.network.assemble import network
 from estimator.network.discretise import transition
@@ -365,7 +365,7 @@ def test_the_rod_s_few_states_follow_its_two_hundred_slices():
 def test_a_long_tick_is_many_short_ones(dt):
     """Aluminium evens out within seconds: the noise of a long tick must not be lost in what has died out."""
     forcing = rod_forcing()
-    still = InputReader(forcing.rig, forcing.start).nothing()
+    still = nothing(forcing.rig)
     system = network(forcing.model, forcing.rig, forcing.place, still)
     short, long = transition(system, 0, 0.5), transition(system, 0, dt)
     F, J, Q = np.eye(len(short.F)), np.zeros_like(short.J), np.zeros_like(short.Q)

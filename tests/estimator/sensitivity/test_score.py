@@ -13,6 +13,7 @@ from estimator.batch import batch
 from estimator.batch.trial import Trial
 from estimator.effect import Effect, Param
 from estimator.effects.length import Displacement
+from estimator.inputs.inputs import nothing
 from estimator.model import Model, model_of
 from estimator.network import assemble
 from estimator.record import Array
@@ -72,7 +73,7 @@ class Plain:
         self.b = [moves[r][1] @ invert @ w for r, w in zip(regime, heat, strict=True)]
         self.Q = [moves[r][2] for r in regime]
         self.offset = assemble.offsets(terms, rig, len(u))
-        self.readings = assemble.readings(list(model.terms(forcing.nothing(), rig)), rig, place)
+        self.readings = assemble.readings(list(model.terms(nothing(rig), rig)), rig, place)
         self.own = np.flatnonzero(self.readings.zero_sd)
         self.dt, self.tolerance = dt, rig.expansion_tolerance
         self.first = self._first(trial, *prior(trial.run.start, terms, place, trial.run.sample.inputs))

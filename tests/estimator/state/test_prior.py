@@ -12,7 +12,7 @@ from estimator.state.prior import BODY_SD_K, LEVEL_SD_K, UNKNOWN_BODY_SD_K, prio
 
 @pytest.fixture(scope="module")
 def forcing(full, rig):
-    return Forcing(full, rig, Start(22.0, 0.4, dict.fromkeys(rig.inputs, 0.0)))
+    return Forcing(full, rig, Start(22.0, 0.4, {}))
 
 
 def known(forcing, **inputs):
