@@ -90,7 +90,7 @@ def _runs(rig: Rig, loaded: Sequence[Loaded], reviews: Sequence[Review]) -> list
             reference_um=r.reference,
             reference_name=r.reference_name,
             errors_um=r.errors,
-            error_sd_um=r.sigma,
+            error_sd_um=r.sigma["filter"],
             truth_C_rise=one.truth.rises(rig.thermometers, r.recording.time_s) if one.truth else None,
         )
         for one, r in zip(loaded, reviews, strict=True)

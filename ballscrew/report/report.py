@@ -14,13 +14,14 @@ from estimator.accuracy.review import Review, overall
 
 TITLES = {
     "filter": "filter",
+    "smoothed": "smoothed, after the fact",
     "open_loop": "model alone (open loop)",
     "polyline": "polyline, all thermometers",
     "polyline_7": "polyline, the rig's seven",
     "polyline_joined": "polyline from the last reading",
     "last_reading": "last reading held",
 }
-SHORT = ("filter", "model", "polyline", "seven", "joined", "held")
+SHORT = ("filter", "smoothed", "model", "polyline", "seven", "joined", "held")
 COLUMNS = ("reference - estimate, um", "lowest", "highest", "band", "rms", "cooldown", "in 2 sd")
 
 
@@ -173,7 +174,7 @@ def _errors(reviews: Sequence[Review]) -> dict[str, Any]:
             continue
         a = overall(reviews, name)
         result[name] = {"band_um": a.band_um, "rms_um": a.rms_um, "cooldown_max_um": a.cooldown_max_um}
-        if name == "filter":
+        if name in ("filter", "smoothed"):
             result[name]["coverage_2sigma"] = a.coverage_2sigma
         if name == "polyline":
             result[name]["channels"] = reviews[0].polyline_channels

@@ -6,14 +6,13 @@ One-step error alone flatters: a filter that trusts its readings hides what its 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from estimator.accuracy.floor import Error
 from estimator.batch import batch
-from estimator.batch.system import System
-from estimator.batch.trial import Posed, Trial, open_loop_misfit
+from estimator.batch.trial import Trial, open_loop_misfit
 from estimator.model import Model
 from estimator.record import Array
 
@@ -66,7 +65,7 @@ def horizons(trial: Trial, model: Model) -> Horizons:
     """All three predictions of one model on one recording."""
     posed = trial.pose(model)
     system = posed.system
-    long = _with_elongation(posed)
+    long = posed.with_elongation()
     y = np.where(trial.muted, np.nan, system.y)
     told = np.cumsum(np.isfinite(y), axis=0)
     told[:, [i for i in range(y.shape[1]) if i not in trial.unread_zeros]] += 1
@@ -84,20 +83,6 @@ def horizons(trial: Trial, model: Model) -> Horizons:
     thermometers = np.isin(trial.rig.names, trial.rig.thermometers)
     unknown = np.full(len(y), np.nan)
     return Horizons(one_step, ahead, open_loop_misfit(trial, posed), thermometers, elongation, unknown)
-
-
-def _with_elongation(posed: Posed) -> System:
-    """The system with one channel more that is never read: the elongation since the first sample, um."""
-    system, T = posed.system, len(posed.system.y)
-    muted = np.zeros(system.y.shape, dtype=bool) if system.muted is None else system.muted
-    return replace(
-        system,
-        y=np.column_stack([system.y, np.full(T, np.nan)]),
-        muted=np.column_stack([muted, np.ones(T, dtype=bool)]),
-        H=np.vstack([system.H, posed.state.elongation(0.0)]),
-        spans=np.append(system.spans, 1.0),
-        R=np.column_stack([system.R, np.ones(T)]),
-    )
 
 
 def open_loop_only(trial: Trial, model: Model) -> Horizons:

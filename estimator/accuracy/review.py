@@ -9,7 +9,7 @@ import numpy as np
 
 from estimator.accuracy import displacement, polyline
 from estimator.accuracy.accuracy import Accuracy, accuracy
-from estimator.batch.replay import replay
+from estimator.batch.replay import Replay
 from estimator.errors import InputError
 from estimator.inputs.phase import cooling
 from estimator.model import Model
@@ -23,11 +23,11 @@ from estimator.step import Mode, Track
 class Review:
     """What the filter and its rivals made of one recording; every series is (K,) um, NaN where there is nothing.
 
-    estimates     elongation by name: filter, open_loop, polyline, polyline_7, polyline_joined, last_reading
+    estimates     elongation by name: filter, smoothed, open_loop, polyline, polyline_7, polyline_joined, last_reading
     errors        reference minus estimate, by the same names
     reference     truth where there is one, else the displacement readings as the paper joins them; NaN without either
     readings_sd   (K,) um, what their own scatter makes of the joined readings
-    sigma         the filter's own standard deviation of each error
+    sigma         standard deviation of each error by its estimate's own word, of filter and smoothed
     cooling       (K,) bool: within 60 min after a stop
     one_step_K    rms of thermometer minus prediction before its use; open_loop_K: minus what the model alone says
     """
@@ -40,7 +40,7 @@ class Review:
     reference_name: str
     readings: Array
     readings_sd: Array
-    sigma: Array
+    sigma: Mapping[str, Array]
     cooling: Array
     polyline_channels: int
     one_step_K: float
@@ -73,12 +73,18 @@ def review(
     mute      what the filter must not fuse
     channels  thermometers of the polyline; all by default
     """
-    track = replay(model, rig, recording, mute, each)
+    replayed = Replay(model, rig, recording, mute, each)
+    track, smoothed = replayed.track, replayed.smoothed()
     if (track.mode == Mode.INIT).all():
         raise InputError(f"{recording.name}: no thermometer was ever read; nothing to estimate from")
     used = list(channels or rig.thermometers)
     line = polyline.elongation(recording, rig, used)
-    estimates = {"filter": track.elongation_um, "open_loop": track.open_loop_um, "polyline": line}
+    estimates = {
+        "filter": track.elongation_um,
+        "smoothed": smoothed.elongation_um,
+        "open_loop": track.open_loop_um,
+        "polyline": line,
+    }
     if rig.subset_7:
         estimates["polyline_7"] = polyline.elongation(recording, rig, rig.subset_7)
     readings, readings_sd = np.full(len(recording), np.nan), np.zeros(len(recording))
@@ -89,9 +95,9 @@ def review(
         estimates["last_reading"] = polyline.last_reading(recording, rig, model, line)
     reference = readings if truth_um is None else truth_um
     errors = {name: reference - series for name, series in estimates.items()}
-    sigma = track.sigma_um
+    sigma = {"filter": track.sigma_um, "smoothed": smoothed.sigma_um}
     if truth_um is None and "displacement" in rig.channels:
-        errors["filter"], sigma = _before_use(track, rig, errors["filter"], readings_sd)
+        _judge_by_readings(errors, sigma, track, rig, readings_sd)
     return Review(
         recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, readings_sd, sigma,
         cooling(recording), len(polyline.along_screw(rig, used)), *_temperature_errors(track, rig),
@@ -110,16 +116,24 @@ def _reference_name(rig: Rig, truth_um: Array | None) -> str:
     return "readings" if "displacement" in rig.channels else "none"
 
 
-def _before_use(track: Track, rig: Rig, error: Array, reading_sd: Array) -> tuple[Array, Array]:
-    """Where a reading was fused the error is its innovation: it is compared with the prediction made before it.
+def _judge_by_readings(
+    errors: dict[str, Array], sigma: dict[str, Array], track: Track, rig: Rig, reading_sd: Array
+) -> None:
+    """Let no estimate be judged by a reading that it is made of. Changes errors and sigma.
 
-    The first reading only tells the unknown zero: it has no error. Elsewhere the sd is that of estimate and reading.
+    Where a reading was fused, the filter's error is its innovation: it is compared with the prediction made before it.
+    The first reading only tells the unknown zero: it has no error. The smoother has none at a fused reading. Elsewhere
+    the sd is that of estimate and reading.
     """
     i = rig.index("displacement")
     fused = track.fused[:, i]
     before = np.where(np.cumsum(fused) > 1, track.innovation[:, i], np.nan)
-    elsewhere = np.hypot(track.sigma_um, reading_sd)
-    return np.where(fused, before, error), np.where(fused, track.innovation_sd[:, i], elsewhere)
+    errors |= {
+        "filter": np.where(fused, before, errors["filter"]),
+        "smoothed": np.where(fused, np.nan, errors["smoothed"]),
+    }
+    sigma |= {name: np.hypot(sd, reading_sd) for name, sd in sigma.items()}
+    sigma["filter"] = np.where(fused, track.innovation_sd[:, i], sigma["filter"])
 
 
 def overall(reviews: Sequence[Review], name: str) -> Accuracy:
@@ -129,5 +143,5 @@ def overall(reviews: Sequence[Review], name: str) -> Accuracy:
         return accuracy(np.empty(0))
     error = np.concatenate([r.errors[name] for r in found])
     late = np.concatenate([r.cooling for r in found])
-    sigma = np.concatenate([r.sigma for r in found]) if name == "filter" else None
+    sigma = np.concatenate([r.sigma[name] for r in found]) if name in found[0].sigma else None
     return accuracy(error, sigma, late)

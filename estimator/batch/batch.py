@@ -66,17 +66,14 @@ def loglike(system: System) -> float:
     return float(kernels.forward(system.model, system.data, system.start))
 
 
-def smoothed(system: System, covariances: bool = False, along: Array | None = None) -> Smoothed:
-    """Estimate of each tick from all readings; also of r and N of each tick along the given weights (k, n)."""
-    T, n = system.b.shape
-    weights = np.zeros((0, n)) if along is None else np.array(along, dtype=float)
-    k = len(weights)
-    result = Smoothed(np.empty((T, n)), np.empty((T, n)), np.empty((T if covariances else 0, n, n)), np.empty((T, n)),
-                      np.empty((T, k)), np.empty((T, k)))  # fmt: skip
+def smoothed(system: System, covariances: bool = False) -> Smoothed:
+    """Estimate of each tick from all readings (Durbin and Koopman 2012, 4.4), x + P r with covariance P - P N P."""
+    (T, n), m = system.b.shape, len(system.H)
+    cov = np.empty((T if covariances else 0, n, n))
+    result = Smoothed(np.empty((T, n)), np.empty((T, n)), cov, np.empty((T, m)), np.empty((T, m)))
     r, N = np.zeros(n), np.zeros((n, n))
     for ticks, states, _ in _backwards(system):
-        x, var, cov, r_of, along_r, along_N = (a[ticks] for a in vars(result).values())
-        out = Smooth(x, var, cov, r_of, weights, along_r, along_N)
+        out = Smooth(*(a[ticks] for a in vars(result).values()))
         kernels.smooth(system.model, _part(system.data, ticks), states, r, N, out)
     return result
 

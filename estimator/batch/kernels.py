@@ -114,15 +114,13 @@ class Compared(NamedTuple):
 
 
 class Smooth(NamedTuple):
-    """Smoothed x, var (K, n), cov (K or 0, n, n), r (K, n); weights along (k, n) of r with their results (K, k)."""
+    """Smoothed x and var (K, n), cov (K or 0, n, n); reading H x and its variance, (K, m)."""
 
     x: Array
     var: Array
     cov: Array
-    r: Array
-    along: Array
-    along_r: Array
-    along_N: Array
+    reading: Array
+    reading_var: Array
 
 
 class Slopes(NamedTuple):
@@ -411,12 +409,11 @@ def smooth(model: Model, data: Data, states: States, r: Array, N: Array, out: Sm
         _vary(model, H, data.grown[t])
         _smooth_mean(states, t + 1, r, out.x[t])
         _smooth_covariance(P, N, out.var[t], out.cov[t] if len(out.cov) else P[:0])
+        for o in range(len(H)):
+            Ph = np.dot(P, H[o])
+            out.reading[t, o] = np.dot(H[o], out.x[t])
+            out.reading_var[t, o] = np.dot(H[o], Ph) - np.dot(Ph, np.dot(N, Ph))
         _unfuse(model, H, data, t, out.x[t], P, r, N, back)
-        for i in range(len(r)):
-            out.r[t, i] = r[i]
-        for k in range(len(out.along)):
-            out.along_r[t, k] = np.dot(out.along[k], r)
-            out.along_N[t, k] = np.dot(out.along[k], np.dot(N, out.along[k]))
         _carry(model.F_T[data.regime[t]], model.F[data.regime[t]], r, N, back.carry)
 
 

@@ -103,21 +103,18 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Smoothed:
-    """Estimate of each tick from all readings; r tells what an impulse in the inputs would explain, N its variance.
+    """Estimate of each tick from all readings, those after it too.
 
     x, var   (T, n)
     cov      (T, n, n), or (0, n, n) where not asked for
-    r        (T, n)  derivative of the log-likelihood by b
-    along_r  (T, k)  weights @ r
-    along_N  (T, k)  variance of it if the model is right: weights @ N @ weights
+    reading  (T, m)  H x of each channel;  reading_var (T, m) its variance
     """
 
     x: Array
     var: Array
     cov: Array
-    r: Array
-    along_r: Array
-    along_N: Array
+    reading: Array
+    reading_var: Array
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,6 +39,19 @@ class Posed:
     offset: Array
     run: Nominal
     system: System
+
+    def with_elongation(self) -> System:
+        """The system with one channel more that is never read: the elongation since the first sample, um."""
+        system, T = self.system, len(self.system.y)
+        muted = np.zeros(system.y.shape, dtype=bool) if system.muted is None else system.muted
+        return replace(
+            system,
+            y=np.column_stack([system.y, np.full(T, np.nan)]),
+            muted=np.column_stack([muted, np.ones(T, dtype=bool)]),
+            H=np.vstack([system.H, self.state.elongation(0.0)]),
+            spans=np.append(system.spans, 1.0),
+            R=np.column_stack([system.R, np.ones(T)]),
+        )
 
 
 class Trial:

@@ -18,7 +18,7 @@ from ballscrew.muting import muted
 from ballscrew.options import each_named
 from tests.conftest import ballscrew as run
 
-ESTIMATES = ["filter", "open_loop", "polyline", "polyline_7", "polyline_joined", "last_reading"]
+ESTIMATES = ["filter", "smoothed", "open_loop", "polyline", "polyline_7", "polyline_joined", "last_reading"]
 
 
 def reviewed(*words: object) -> dict:

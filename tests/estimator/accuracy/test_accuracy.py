@@ -89,12 +89,15 @@ def scrambled(run, k: int):
 
 
 @pytest.mark.parametrize("k", [5, 31, 70])
-def test_no_estimate_looks_ahead(run, rig, full, k):
+def test_no_estimate_but_the_smoothed_looks_ahead(run, rig, full, k):
     now, then = review(run, rig, full), review(scrambled(run, k), rig, full)
     assert set(now.estimates) == {
-        "filter", "open_loop", "polyline", "polyline_7", "polyline_joined", "last_reading",
+        "filter", "smoothed", "open_loop", "polyline", "polyline_7", "polyline_joined", "last_reading",
     }  # fmt: skip
     for name, series in now.estimates.items():
+        if name == "smoothed":
+            assert abs(then.estimates[name] - series)[:k].max() > 1e-4
+            continue
         np.testing.assert_allclose(then.estimates[name][:k], series[:k], rtol=0, atol=1e-9, err_msg=name)
         assert name == "open_loop" or abs(then.estimates[name] - series)[k:].max() > 1, name
 
@@ -114,8 +117,18 @@ def test_without_truth_a_reading_is_compared_with_the_prediction_before_its_use(
     fused = found.track.fused[:, 15]
     assert fused.sum() == 30
     np.testing.assert_array_equal(found.errors["filter"][fused][1:], found.track.innovation[fused, 15][1:])
-    np.testing.assert_array_equal(found.sigma[fused], found.track.innovation_sd[fused, 15])
+    np.testing.assert_array_equal(found.sigma["filter"][fused], found.track.innovation_sd[fused, 15])
     assert np.isnan(found.errors["filter"][0])  # the first reading tells the zero, no more
+
+
+def test_the_smoothed_estimate_is_not_judged_by_a_reading_that_it_is_made_of(run, rig, full):
+    found = review(run, rig, full)
+    fused = found.track.fused[:, 15]
+    assert np.isnan(found.errors["smoothed"][fused]).all()
+    unread = review(run, rig, full, mute=lambda _: np.arange(16) == 15)
+    np.testing.assert_array_equal(np.isfinite(unread.errors["smoothed"]), np.isfinite(unread.readings))
+    read = np.flatnonzero(np.isfinite(unread.readings))[1:]  # the first tick's growth is 0 by definition
+    assert (unread.sigma["smoothed"] > unread.readings_sd)[read].all()  # a doubt of its own beside theirs
 
 
 def test_nis_is_the_mean_over_fused_channels(run, rig, full):

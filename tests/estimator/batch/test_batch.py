@@ -178,27 +178,10 @@ def test_smoothed_is_the_joint_gaussian_given_all(system):
     assert found.cov == pytest.approx(np.array([P[t, :, t] for t in range(T)]), abs=1e-9)
     assert found.var == pytest.approx(np.diagonal(found.cov, axis1=1, axis2=2), abs=1e-12)
     assert smoothed(system).var == pytest.approx(found.var, abs=1e-12)
-
-
-@pytest.mark.usefixtures("chunked")
-def test_adjoint_is_the_score_for_an_impulse_and_N_its_variance(system):
-    rng = np.random.default_rng(5)
-    along = rng.standard_normal((3, N))
-    found, slopes = smoothed(system, along=along), score(system)
-    assert found.cov.shape == (0, N, N)
-    assert found.r == pytest.approx(slopes.b, abs=1e-11)
-    assert found.along_r == pytest.approx(slopes.b @ along.T, abs=1e-11)
-    _, cov, H, R, y = joint(system)
-    use = np.isfinite(y)
-    information = H[use].T @ np.linalg.solve(H[use] @ cov @ H[use].T + np.diag(R[use]), H[use])
-    for t in (0, 11, T - 1):  # an impulse in the inputs of tick t goes on through the ticks after it
-        impulse, response = np.eye(N), np.zeros((T, N, N))
-        for u in range(t, T):
-            impulse = impulse if u == t else full(system.F[system.regime[u]]) @ impulse
-            response[u] = impulse
-        flat = response.reshape(T * N, N)
-        variance = along @ flat.T @ information @ flat @ along.T
-        assert found.along_N[t] == pytest.approx(np.diag(variance), rel=1e-9, abs=1e-12)
+    H = np.array([rows(system, t) for t in range(T)])
+    assert found.reading == pytest.approx(np.einsum("tmi,ti->tm", H, x), abs=1e-9)
+    assert found.reading_var == pytest.approx(np.einsum("tmi,tij,tmj->tm", H, found.cov, H), abs=1e-9)
+    assert smoothed(system).cov.shape == (0, N, N)
 
 
 STEP = 1e-30

@@ -12,7 +12,7 @@ import pytest
 from drivers.recordings import read_recording
 from estimator import filter as filtering
 from estimator.batch import replay as module
-from estimator.batch.replay import replay
+from estimator.batch.replay import Replay, replay
 from estimator.effect import Effect, Param
 from estimator.effects.readings import Thermometers
 from estimator.filter import Filter
@@ -185,6 +185,26 @@ def test_a_channel_that_no_effect_reads_is_shown_but_never_fused(lived):
     track = both(model - "displacement", rig, run)
     assert not track.fused[:, -1].any()
     assert np.isinf(track.innovation_sd[:, -1]).all()
+
+
+def test_after_the_fact_the_estimate_is_as_sure_as_live_or_surer_and_the_same_at_the_end(lived):
+    model, rig, run = lived
+    found = Replay(model, rig, run, None, lambda _: None)
+    smoothed, track = found.smoothed(), found.track
+    assert smoothed.elongation_um[-1] == pytest.approx(track.elongation_um[-1], abs=1e-9)
+    assert smoothed.sigma_um[-1] == pytest.approx(track.sigma_um[-1], abs=1e-9)
+    assert (smoothed.sigma_um <= track.sigma_um + 1e-9).all()
+    assert smoothed.sigma_um[60] < 0.95 * track.sigma_um[60]
+    assert abs(smoothed.elongation_um - track.elongation_um)[1:-1].max() > 1e-3
+
+
+def test_what_the_gate_refused_is_not_smoothed_either(lived):
+    model, rig, run = lived
+    spiked, hole = copy(run), copy(run)
+    spiked.channels[50, 2] += SPIKE_K
+    hole.channels[50, 2] = np.nan
+    a, b = (Replay(model, rig, log, None, lambda _: None).smoothed() for log in (spiked, hole))
+    np.testing.assert_allclose(a.elongation_um, b.elongation_um, rtol=0, atol=1e-9)
 
 
 def test_a_recording_that_ends_at_its_first_reading_or_before(lived):
