@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 from drivers.budget import Budget
@@ -34,6 +35,8 @@ def regular(path: Path) -> Path:
             file.read(1)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if path.suffix.lower() == ".mf4" and find_spec("asammdf") is None:
+        raise InputError(f"{path}: reading MF4 needs asammdf: pip install 'ballscrew[mf4]'")
     return path
 
 

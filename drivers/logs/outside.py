@@ -14,7 +14,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from importlib.util import find_spec
 from pathlib import Path
 from typing import IO, Any
 
@@ -23,7 +22,6 @@ from numpy.typing import NDArray
 
 from drivers.budget import Budget
 from drivers.frames import FRAME, Frames, Tally
-from estimator.errors import InputError
 
 HEAD = struct.Struct("<cId")  # kind of block, bytes that follow, share of the file read
 _BYTES_PER_S = 5e6  # a large file may take longer to its first frame
@@ -34,8 +32,6 @@ def read_outside(
 ) -> tuple[Frames, str]:
     """All classic data frames that python-can finds, and what was found, in words."""
     suffix = path.suffix.lower()
-    if suffix == ".mf4" and find_spec("asammdf") is None:
-        raise InputError(f"{path}: reading MF4 needs asammdf: pip install 'ballscrew[mf4]'")
     size = path.stat().st_size
     memory = budget.memory + 8 * size + (4_000_000_000 if suffix == ".mf4" else 0)
     child = _start(path, memory)
@@ -48,7 +44,7 @@ def read_outside(
         tally.skip(reason, count)
     for sentence in account.get("notes", ()):
         tally.note(sentence)
-    unit = "line" if suffix in {".asc", ".trc", ".csv"} else "frame"
+    unit = "line" if suffix in {".asc", ".csv", ".trc"} else "frame"
     table = np.concatenate(blocks) if blocks else np.empty(0, FRAME)
     if watch.why:
         tally.note(f"stopped after {len(table)} frames: {watch.why}")

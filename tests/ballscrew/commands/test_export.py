@@ -203,7 +203,7 @@ def test_mf4_without_its_package_says_how_to_install_it(tmp_path: Path) -> None:
         assert refused(path, "-o", tmp_path / "out.mf4") == (
             2, f"{tmp_path / 'out.mf4'}: writing MF4 needs asammdf: pip install 'ballscrew[mf4]'",
         )  # fmt: skip
-    with mock.patch("drivers.logs.every_frame.find_spec", return_value=None):
+    with mock.patch("drivers.logs.logs.find_spec", return_value=None):
         assert refused(tmp_path / "in.mf4", "-o", tmp_path / "out.blf") == (
             1, f"{tmp_path / 'in.mf4'}: reading MF4 needs asammdf: pip install 'ballscrew[mf4]'",
         )  # fmt: skip

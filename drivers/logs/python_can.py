@@ -1,0 +1,128 @@
+"""Logs as python-can reads them: every message in order, and what was none."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import can
+from can.io.player import MESSAGE_READERS
+
+from drivers.frames import Tally
+
+TEXT = frozenset({".asc", ".csv", ".trc"})
+_LONGEST_LINE = 4096
+
+
+class Messages:
+    """The messages of one log; whatever python-can raises on a broken file, those before it count.
+
+    count   messages so far
+    """
+
+    def __init__(self, path: Path, tally: Tally) -> None:
+        self.count = 0
+        self._path, self._tally = path, tally
+        self._suffix, self._size = path.suffix.lower(), path.stat().st_size
+        self._lines: WholeLines | None = None
+        self._file: Any = None
+        self._byte = 0
+
+    @property
+    def place(self) -> int:
+        """Where the latest message stands: its line in a text log, else its number."""
+        return self._lines.count if self._lines else self.count
+
+    @property
+    def found(self) -> str:
+        """What was read, in words."""
+        return f"{self._lines.count} lines read" if self._lines else f"{self._size} bytes"
+
+    def tell(self) -> int:
+        """Bytes read so far."""
+        with suppress(AttributeError, ValueError):  # not open yet, or closed again
+            self._byte = self._file.tell()
+        return self._byte
+
+    def __iter__(self) -> Iterator[can.Message]:
+        yield from self._messages(relative_timestamp=False)
+        if self._lines and self._lines.torn:
+            self._tally.skip("torn line")
+            self._tally.note(f"torn at line {self._lines.count}: it has no line end; read up to there")
+        if self._suffix == ".blf" and (told := _told_size(self._path)) not in (None, self._size):
+            # python-can takes half a container for a whole one
+            there = f"its head says {told} bytes, {self._size} are there"
+            self._tally.note(f"torn at frame {self.count + 1}: {there}; read up to there")
+
+    def _messages(self, **options: Any) -> Iterator[can.Message]:
+        try:
+            yield from self._read(options)
+        except MemoryError:
+            self._tally.note(f"stopped after {self.count} frames: out of memory")
+        except Exception as error:
+            text = " ".join(str(error).split())[:120]
+            if options and self._suffix == ".asc" and not self.count and "datetime" in text:
+                self._tally.note("its date cannot be read: times count from 1970")
+                yield from self._messages()
+                return
+            place = f"line {self._lines.count}" if self._lines else f"frame {self.count + 1}"
+            why = ": ".join(filter(None, (type(error).__name__, text)))
+            self._tally.note(f"torn at {place}: {why}; read up to there")
+
+    def _read(self, options: dict[str, Any]) -> Iterator[can.Message]:
+        self._lines = WholeLines(self._path) if self._suffix in TEXT else None
+        with MESSAGE_READERS[self._suffix](self._lines or str(self._path), **options) as reader:
+            self._file = self._lines or reader.file
+            for message in reader:
+                self.count += 1
+                if self._lines:
+                    # what stands before the first frame is the file's head
+                    self._silent(self._lines.silent - 1 if self.count > 1 else 0)
+                yield message
+            if self._lines:
+                self._silent(self._lines.silent)
+
+    def _silent(self, lines: int) -> None:
+        assert self._lines
+        self._tally.skip("line without a frame", max(lines, 0))
+        self._lines.silent = 0
+
+
+class WholeLines:
+    """A text file line by line, for python-can's readers: a last line without its end is kept from them."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("rb")
+        self.tell, self.close = self._file.tell, self._file.close
+        self.count = 0
+        self.silent = 0  # lines since the last frame, comments left out
+        self.torn = False
+
+    def __iter__(self) -> Iterator[str]:
+        return self
+
+    def __next__(self) -> str:
+        line = self._file.readline(_LONGEST_LINE)
+        if not line:
+            raise StopIteration
+        self.count += 1
+        if not line.endswith(b"\n"):
+            self.torn = True
+            raise StopIteration
+        text = line.decode("utf-8", "surrogateescape") if line.isascii() else line.decode("latin-1")
+        self.silent += not text.lstrip().startswith((";", "//", "End T", "end t")) and bool(text.strip())
+        return text
+
+    def read(self) -> str:
+        """Only its presence counts: python-can takes what can be read for a file."""
+        raise io.UnsupportedOperation("read")
+
+
+def _told_size(path: Path) -> int | None:
+    """The length that the head of a BLF file tells, bytes; None without such a head."""
+    with path.open("rb") as file:
+        head = file.read(24)
+    return int.from_bytes(head[16:24], "little") if head.startswith(b"LOGG") else None
