@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import struct
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,8 +14,9 @@ from numpy.typing import NDArray
 
 # One frame as 26 bytes: what a reader in another process sends, and what arrays are cut from.
 FRAME = np.dtype(
-    [("time", "<f8"), ("id", "<u4"), ("extended", "?"), ("dlc", "u1"), ("data", "u1", (8,)), ("place", "<u4")]
+    [("time", "<f8"), ("id", "<u4"), ("extended", "?"), ("dlc", "u1"), ("data", "u1", (8,)), ("number", "<u4")]
 )
+_COLUMNS = FRAME.names or ()
 PACKED = struct.Struct("<dI?B8sI")  # the same for one frame
 
 
@@ -52,8 +55,8 @@ class Frames:
     extended  (n,) bool: 29-bit id
     dlc       (n,) uint8, 0 ... 8
     data      (n, 8) uint8, zero beyond dlc
-    place     (n,) line number of a text log, else frame number, from 1
-    unit      "line" or "frame": what `place` counts
+    number    (n,) of the line in a text log, else of the frame, from 1
+    unit      "line" or "frame": what `number` counts
     """
 
     time: NDArray[np.float64]
@@ -61,38 +64,49 @@ class Frames:
     extended: NDArray[np.bool_]
     dlc: NDArray[np.uint8]
     data: NDArray[np.uint8]
-    place: NDArray[np.uint32]
+    number: NDArray[np.uint32]
     unit: str = "frame"
 
     def __len__(self) -> int:
         return len(self.time)
 
+    @cached_property
+    def key(self) -> NDArray[np.int64]:
+        """Id and kind in one number, (n,)."""
+        return self.id.astype(np.int64) << 1 | self.extended
+
     def take(self, which: NDArray[np.bool_] | NDArray[np.intp] | slice) -> Frames:
         """The frames at these indices, or where a mask is true."""
-        return Frames(
-            self.time[which],
-            self.id[which],
-            self.extended[which],
-            self.dlc[which],
-            self.data[which],
-            self.place[which],
-            self.unit,
-        )
+        return Frames(*(getattr(self, name)[which] for name in _COLUMNS), self.unit)
 
     def where(self, index: int) -> str:
-        """Place of one frame as text: "line 1204"."""
-        return f"{self.unit} {int(self.place[index])}"
+        """Where one frame stands, as text: "line 1204"."""
+        return f"{self.unit} {int(self.number[index])}"
 
     def words(self) -> tuple[NDArray[np.uint64], NDArray[np.uint64]]:
-        """The eight data bytes as one number, (n,) little-endian and (n,) big-endian."""
-        data = np.ascontiguousarray(self.data)
-        return data.view("<u8")[:, 0], data.view(">u8")[:, 0].astype(np.uint64)
+        """As `words_of`."""
+        return words_of(self.data)
 
     @classmethod
     def of(cls, table: NDArray[np.void], unit: str) -> Frames:
         """From a table of dtype FRAME."""
-        time, number, extended, dlc, data, place = (np.ascontiguousarray(table[name]) for name in FRAME.names or ())
-        return cls(time, number, extended, dlc, data, place, unit)
+        return cls(*(np.ascontiguousarray(table[name]) for name in _COLUMNS), unit)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Frames]) -> Frames:
+        """One log behind the other."""
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in _COLUMNS), parts[0].unit)
+
+
+def words_of(data: NDArray[np.uint8]) -> tuple[NDArray[np.uint64], NDArray[np.uint64]]:
+    """The eight bytes of each frame, (n, 8), as one number, (n,) little-endian and (n,) big-endian."""
+    data = np.ascontiguousarray(data)
+    return data.view("<u8")[:, 0], data.view(">u8")[:, 0].astype(np.uint64)
+
+
+def key_of(can_id: int, extended: bool) -> int:
+    """`Frames.key` of one frame."""
+    return can_id << 1 | extended
 
 
 LATEST_S = 4.2e9  # a stamp after 2100 is none

@@ -28,15 +28,15 @@ def find_recordings(paths: Iterable[Path]) -> list[Path]:
     Truth files are left out; any other file is kept, reading it says what is wrong with it. A folder without a log is
     an InputError.
     """
-    found: list[Path] = []
+    recordings: list[Path] = []
     for path in map(Path, paths):
         inside = [path]
         if path.is_dir():
             inside = sorted(p for p in path.iterdir() if p.is_file() and p.suffix.lower() in SUFFIXES)
             if not any(not is_truth(p) for p in inside):
                 raise InputError(f"{path}: no recording in this folder; expected files *{', *'.join(sorted(SUFFIXES))}")
-        found += [p for p in inside if p not in found and not is_truth(p)]
-    return found
+        recordings += [p for p in inside if p not in recordings and not is_truth(p)]
+    return recordings
 
 
 def read_recording(path: Path, rig: Rig, progress: Progress | None = None, budget: Budget | None = None) -> Recording:
@@ -77,21 +77,17 @@ def read_joined(
 
 def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tally: Tally, budget: Budget) -> Recording:
     decoder = Decoder(rig, tally)
-    if strangers := decoder.strangers(frames):
-        raise InputError(f"{name}: {len(frames)} frames, none of this rig: {strangers}")
-    foreign = decoder.foreign(frames)
-    frames = frames.take(foreign)
-    clock = RigClock(rig.tick_s, tally, lambda frame: where(int(foreign[frame])), budget)
+    if why := decoder.mismatch(frames):
+        raise InputError(f"{name}: {len(frames)} frames, none of this rig: {why}")
+    rigs = decoder.not_ours(frames)
+    frames = frames.take(rigs)
+    clock = RigClock(rig.tick_s, decoder.scan.modulus, tally, lambda frame: where(int(rigs[frame])), budget)
     closes, scan = decoder.closings(frames)
     now = clock.run(frames.time, closes, scan)
     kept = np.isfinite(now)
     if not kept.all():
         frames, now, closes = frames.take(kept), now[kept], closes[kept]
-    ends, date = split(now, closes, Ticks(rig.tick_s, rig.log.closes is not None), budget.ticks, tally)
-    if not len(ends):
-        raise InputError(f"{name}: {len(frames)} frames over {now[-1]:.3g} s, less than one tick of {rig.tick_s:g} s")
-    tally.skip("after the last whole tick", len(frames) - ends[-1])
-    inside = slice(0, int(ends[-1]))
-    row = np.repeat(np.arange(len(ends)), np.diff(ends, prepend=0))
-    rows = decoder.rows(frames.take(inside), 0, now[inside], row, date)
-    return replace(rows, frames=len(frames))
+    ticks = Ticks(rig.tick_s, rig.log.closes is not None)
+    row, date = split(f"{name}: {len(frames)} frames", now, closes, ticks, budget.ticks, tally)
+    inside = slice(len(row))
+    return replace(decoder.rows(frames.take(inside), 0, now[inside], row, date), frames=len(frames))

@@ -22,7 +22,8 @@ class Ticker:
     def __init__(self, rig: Rig, tally: Tally | None = None, budget: Budget | None = None) -> None:
         self.tally = tally or Tally()
         self.decoder = Decoder(rig, self.tally)
-        self.clock = RigClock(rig.tick_s, self.tally, lambda frame: f"frame {frame + 1}", budget or Budget())
+        modulus, budget = self.decoder.scan.modulus, budget or Budget()
+        self.clock = RigClock(rig.tick_s, modulus, self.tally, lambda frame: f"frame {frame + 1}", budget)
         self.ticks = Ticks(rig.tick_s, rig.log.closes is not None)
         self.frames = 0
         self._waiting: dict[int, tuple[bytes, bool]] = {}
@@ -38,7 +39,7 @@ class Ticker:
             plausible(_frames([PACKED.pack(time_s, can_id & 0xFFFFFFFF, extended, min(size, 9), b"", 0)]), self.tally)
             return []
         packed = PACKED.pack(time_s, can_id, extended, size, bytes(data), 0)
-        scan = self.decoder.closing(can_id, extended, packed)
+        scan = self.decoder.closing(can_id, extended, data)
         number, self.frames = self.frames, self.frames + 1
         self._waiting[number] = (packed, scan is not None)
         return self._placed(self.clock.step(number, time_s, scan is not None, -1 if scan is None else scan))

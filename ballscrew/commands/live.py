@@ -27,7 +27,7 @@ from drivers.bus.publisher import Publisher
 from drivers.bus.receiver import Receiver
 from drivers.bus.rig_time import FastTime, RigTime
 from drivers.decode.decode import Decoder
-from drivers.frames import PACKED, Tally
+from drivers.frames import Tally
 from drivers.received import Received
 from drivers.recorder.recorder import Recorder
 from estimator.rig import Rig
@@ -102,10 +102,9 @@ def _clock(rig: Rig, decoder: Decoder, speed_up: float) -> RigTime:
         return RigTime(decoder.own)
 
     def closing(frame: Received) -> int | None:
-        packed = PACKED.pack(frame.time_s, frame.id, frame.extended, len(frame.data), frame.data, 0)
-        return decoder.closing(frame.id, frame.extended, packed)
+        return decoder.closing(frame.id, frame.extended, frame.data)
 
-    return FastTime(speed_up, rig.tick_s, closing, decoder.own)
+    return FastTime(speed_up, rig.tick_s, closing, decoder.scan.modulus, decoder.own)
 
 
 def _nowhere(frame: object) -> None:

@@ -57,13 +57,14 @@ class FastTime(RigTime):
     instead: the frames of a scan are spread evenly over its ticks, in whole microseconds, as a recording keeps them.
 
     closing  says of a frame which scan it closes: None, if none; -1, if the scan has no number
+    modulus  after how many scans their number starts again
     """
 
     def __init__(
-        self, speed_up: float, tick_s: float, closing: Callable[[Received], int | None], own: Own = ()
+        self, speed_up: float, tick_s: float, closing: Callable[[Received], int | None], modulus: int, own: Own = ()
     ) -> None:
         super().__init__(own)
-        self.speed_up, self._tick_s, self._closing = speed_up, tick_s, closing
+        self.speed_up, self._tick_s, self._closing, self._modulus = speed_up, tick_s, closing, modulus
         self._patience_s = max(OVERDUE_S, TICKS_LATE * tick_s / speed_up)
         self._waiting: list[Received] = []
         self._placed: tuple[float, float] | None = None  # stamp and rig time of the last frame placed
@@ -103,7 +104,7 @@ class FastTime(RigTime):
         next_tick = self._placed[1] + self._tick_s
         if self._scan is None or number < 0:
             return next_tick
-        ticks = (number - self._scan[0]) % 65536
+        ticks = (number - self._scan[0]) % self._modulus
         if not 0 < ticks <= MOST_TICKS:
             return next_tick
         self._doubt((stamp - self._scan[2]) * self.speed_up / (ticks * self._tick_s))

@@ -3,8 +3,8 @@
 Time stamps of a bus are wall clock: they jump, stand still and are sometimes rubbish. The rig's clock never runs back.
   - A stamp up to half a tick early counts as simultaneous with the frame before it.
   - A stamp that only one frame has is stray: that frame is dropped.
-  - A jump back, or a jump ahead in which the scan number did not move, is a jump of the clock: the rig's clock goes on
-    as if it had not been.
+  - A jump back, or a jump ahead in which the scan number did not move as far, is a jump of the clock: the rig's clock
+    goes on as if it had not been. A number may have started again meanwhile, as often as the jump has room for.
   - Any other jump ahead is silence and takes its time; one of over an hour ends the recording.
   - Where the stamps stand still over whole scans, each scan counts as one tick.
 """
@@ -26,10 +26,15 @@ _TRUSTED_SCANS = 60
 
 
 class RigClock:
-    """Turns stamps into the rig's clock: s since the first frame, never running back."""
+    """Turns stamps into the rig's clock: s since the first frame, never running back.
 
-    def __init__(self, tick_s: float, tally: Tally, where: Callable[[int], str], budget: Budget) -> None:
+    modulus  after how many scans their number starts again
+    where    says of a frame where it stands in the log
+    """
+
+    def __init__(self, tick_s: float, modulus: int, tally: Tally, where: Callable[[int], str], budget: Budget) -> None:
         self.tick_s = tick_s
+        self.modulus = modulus
         self.tally = tally
         self.where = where
         self.budget = budget
@@ -156,20 +161,20 @@ class RigClock:
         frame, stamp = self._waiting[0][:2]
         waiting, self._waiting = self._waiting, []
         jump = stamp - self._stamp
-        place = f"at {self.now:.3f} s ({self.where(frame)})"
+        at = f"at {self.now:.3f} s ({self.where(frame)})"
         to = self._rig_time(waiting, jump)
         if self._still:
             self._offset, self._still = stamp - self.now, 0
         elif to is not None:
-            self.tally.note(f"clock jumps {'ahead' if jump > 0 else 'back'} {abs(jump):.3f} s {place}: ticks go on")
+            self.tally.note(f"clock jumps {'ahead' if jump > 0 else 'back'} {abs(jump):.3f} s {at}: ticks go on")
             self._offset = stamp - to
         elif jump > self.budget.gap_s:
-            self.tally.note(f"silent for {jump / 3600:.1f} h {place}: the recording ends there")
+            self.tally.note(f"silent for {jump / 3600:.1f} h {at}: the recording ends there")
             self.tally.skip("after the end of the recording", len(waiting))
             self.ended = True
             return []
         else:
-            self.tally.note(f"silent for {jump:.1f} s {place}")
+            self.tally.note(f"silent for {jump:.1f} s {at}")
         self._stamp = stamp
         return [self._place(item) for item in waiting]
 
@@ -177,9 +182,10 @@ class RigClock:
         """Where the rig's clock goes on after a jump of the stamps; None: the time really passed."""
         closing = next((item for item in waiting if item[2] and item[3] >= 0), None)
         if closing and self._scan and self._scan[2] >= 0:
-            scans = max((closing[3] - self._scan[2]) % 65536, 1)
-            passed = closing[1] - self._scan[0]
-            if scans <= _TRUSTED_SCANS and (jump < 0 or scans * self.tick_s < passed - _GAP * self.tick_s):
+            scans = max((closing[3] - self._scan[2]) % self.modulus, 1)
+            uncounted = (closing[1] - self._scan[0]) / self.tick_s - scans
+            again = min(uncounted % self.modulus, -uncounted % self.modulus)
+            if scans <= _TRUSTED_SCANS and (jump < 0 or (uncounted > _GAP and again > _GAP)):
                 expected = self._scan[1] + scans * self.tick_s - (closing[1] - waiting[0][1])
                 return max(self.now, expected)
         # A first frame that is years off is a stamp that was not set.

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.decode.drive import Drive
+from drivers.decode.drive import DriveCondenser
 from drivers.frames import Tally
 from estimator.errors import SetupError
 from estimator.record import Recording
@@ -17,8 +17,7 @@ from estimator.rig import RAD_S, Rig
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Readings:
+class Readings(NamedTuple):
     """Of one channel or input, in order: frame number in the log (n,), tick (n,), time (n,) s, value (n,)."""
 
     frame: NDArray[np.int64]
@@ -26,14 +25,13 @@ class Readings:
     now: Array
     value: Array
 
-    def where(self, use: NDArray[np.bool_]) -> Readings:
-        """Those for which `use` (n,) is true."""
-        return Readings(self.frame[use], self.row[use], self.now[use], self.value[use])
+    def where(self, use: NDArray[np.bool_] | slice) -> Readings:
+        """Those in a slice, or for which `use` (n,) is true."""
+        return Readings(*(column[use] for column in self))
 
     def after(self, other: Readings) -> Readings:
         """These behind the others."""
-        pairs = ((getattr(other, name), getattr(self, name)) for name in ("frame", "row", "now", "value"))
-        return Readings(*(np.concatenate(pair) for pair in pairs))
+        return Readings(*map(np.concatenate, zip(other, self, strict=True)))
 
 
 NONE = Readings(np.empty(0, np.int64), np.empty(0, np.intp), np.empty(0), np.empty(0))
@@ -44,10 +42,10 @@ class Condenser:
 
     def __init__(self, rig: Rig, tally: Tally, held_ticks: int = 2) -> None:
         self.rig = rig
-        self.drive = Drive(rig, tally, held_ticks)
+        self.drive = DriveCondenser(rig, tally, held_ticks)
         self.rad_s = _unit(rig, "speed", RAD_S)
         _unit(rig, "position", {"mm": 1.0})
-        self._place = NONE
+        self._position = NONE
 
     def rows(self, readings: Mapping[str, Readings], date: Array) -> Recording:
         """One row per tick; `date` (rows,) is when each closed. The record has no name and no account yet."""
@@ -65,21 +63,19 @@ class Condenser:
         omega, coverage, uneven = self._drive(readings.get("position", NONE), readings.get("speed", NONE), rows)
         return Recording("", date, channels, ages, inputs, omega, coverage, unevenness=uneven)
 
-    def _drive(self, place: Readings, speed: Readings, rows: int) -> tuple[Array, Array, Array]:
-        place = place.after(self._place)
-        value = _at(place, speed)
-        if len(place.row):
-            self._place = Readings(place.frame[-1:], place.row[-1:] - rows, place.now[-1:], place.value[-1:])
-        return self.drive.rows(speed.now, value, speed.value * self.rad_s, speed.row, rows)
+    def _drive(self, position: Readings, speed: Readings, rows: int) -> tuple[Array, Array, Array]:
+        position = position.after(self._position)
+        self._position = position._replace(row=position.row - rows).where(slice(-1, None))
+        return self.drive.rows(speed.now, _at(position, speed), speed.value * self.rad_s, speed.row, rows)
 
 
-def _at(place: Readings, speed: Readings) -> Array:
-    """The places known when each speed came, (n,) mm: of the same or an earlier frame, at most a tick ago, else NaN."""
-    if not len(place.row):
+def _at(position: Readings, speed: Readings) -> Array:
+    """The position known at each speed, (n,) mm: of the same or an earlier frame, at most a tick ago, else NaN."""
+    if not len(position.row):
         return np.full(len(speed.row), np.nan)
-    index = np.searchsorted(place.frame, speed.frame, side="right") - 1
-    fresh = (index >= 0) & (speed.row - place.row[index] <= 1)
-    return np.where(fresh, place.value[index], np.nan)
+    index = np.searchsorted(position.frame, speed.frame, side="right") - 1
+    fresh = (index >= 0) & (speed.row - position.row[index] <= 1)
+    return np.where(fresh, position.value[index], np.nan)
 
 
 def _unit(rig: Rig, name: str, factors: Mapping[str, float]) -> float:
@@ -87,6 +83,6 @@ def _unit(rig: Rig, name: str, factors: Mapping[str, float]) -> float:
         return 1.0
     unit = rig.inputs[name].unit
     if unit not in factors:
-        place = f"{rig.folder / 'rig.toml'}: inputs.{name}.unit"
-        raise SetupError(f"{place}: '{unit}' is no unit of it; use {' or '.join(factors)}")
+        key = f"{rig.folder / 'rig.toml'}: inputs.{name}.unit"
+        raise SetupError(f"{key}: '{unit}' is no unit of it; use {' or '.join(factors)}")
     return factors[unit]

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivers.frames import key_of
 from estimator.errors import SetupError, nearest
 
 Words = tuple[NDArray[np.uint64], NDArray[np.uint64]]  # data bytes little-endian, big-endian
@@ -29,7 +30,10 @@ _COMPARE |= {"<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operat
 
 @dataclass(frozen=True)
 class Bits:
-    """One signal: its place in the frame, its scaling and the texts of its value table."""
+    """One signal: where it is in the frame, its scaling and the texts of its value table.
+
+    highest  largest number on the wire by the DBC
+    """
 
     name: str
     shift: int
@@ -67,8 +71,13 @@ class Bits:
 
     @property
     def modulus(self) -> int:
-        """After how many numbers a counter starts again: one more than the DBC's maximum."""
-        return int(self.highest) + 1 if self.highest else 1 << self.length
+        """After how many numbers a counter starts again: one more than its maximum in the DBC, else by its width."""
+        by_width = 1 << min(self.length, 62)
+        return min(int(self.highest) + 1, by_width) if self.highest and not self.signed else by_width
+
+    def count(self, words: Words) -> NDArray[np.int64]:
+        """The numbers of a counter, (n,), 0 ... modulus - 1: also of one that the DBC calls signed."""
+        return self.raw(words).astype(np.int64) % self.modulus
 
     @cached_property
     def no_value(self) -> dict[int, str]:
@@ -92,6 +101,11 @@ class Layout:
     cycle_s: float = 0.0
     own: bool = False
 
+    @property
+    def key(self) -> int:
+        """As `Frames.key`."""
+        return key_of(self.id, self.extended)
+
 
 @dataclass(frozen=True)
 class Condition:
@@ -113,47 +127,47 @@ class Dbc:
     def __init__(self, path: Path, messages: Mapping[str, Layout]) -> None:
         self.path = path
         self.messages = messages
-        self.by_id = {(message.id, message.extended): message for message in messages.values()}
+        self.by_key = {message.key: message for message in messages.values()}
 
-    def message(self, name: str, place: str) -> Layout:
-        """A message by name; `place` is the rig file's key that asks for it."""
+    def message(self, name: str, key: str) -> Layout:
+        """A message by name; `key` is the rig file's that asks for it."""
         if name not in self.messages:
-            raise SetupError(f"{place}: {self.path.name} has no message '{name}'; {nearest(name, self.messages)}")
+            raise SetupError(f"{key}: {self.path.name} has no message '{name}'; {nearest(name, self.messages)}")
         message = self.messages[name]
         if message.length > 8:
-            raise SetupError(f"{place}: message '{name}' has {message.length} bytes; CAN FD frames are not read")
+            raise SetupError(f"{key}: message '{name}' has {message.length} bytes; CAN FD frames are not read")
         return message
 
-    def signal(self, dotted: str, place: str) -> tuple[Layout, Bits]:
+    def signal(self, dotted: str, key: str) -> tuple[Layout, Bits]:
         """A signal by "Message.Signal"."""
         known = [f"{m.name}.{s}" for m in self.messages.values() for s in m.signals]
         if dotted not in known:
-            raise SetupError(f"{place}: {self.path.name} has no signal '{dotted}'; {nearest(dotted, known)}")
+            raise SetupError(f"{key}: {self.path.name} has no signal '{dotted}'; {nearest(dotted, known)}")
         name, signal = dotted.split(".")
-        message = self.message(name, place)
+        message = self.message(name, key)
         return message, message.signals[signal]
 
-    def condition(self, text: str, place: str) -> Condition:
+    def condition(self, text: str, key: str) -> Condition:
         """A condition such as "Message.Signal = 0" or "Message.Signal = Ok"."""
         match = _CONDITION.fullmatch(text)
         if not match:
-            raise SetupError(f"{place}: '{text}' is no condition; expected for example 'Message.Signal = 0'")
-        message, bits = self.signal(f"{match[1]}.{match[2]}", place)
+            raise SetupError(f"{key}: '{text}' is no condition; expected for example 'Message.Signal = 0'")
+        message, bits = self.signal(f"{match[1]}.{match[2]}", key)
         known = {label: raw for raw, label in bits.texts.items()}
         try:
             value = float(known.get(match[4], match[4]))
         except ValueError:
-            raise SetupError(f"{place}: '{match[4]}' is no value of {bits.name}; {nearest(match[4], known)}") from None
+            raise SetupError(f"{key}: '{match[4]}' is no value of {bits.name}; {nearest(match[4], known)}") from None
         return Condition(message.name, bits, match[3], value)
 
 
 def find_dbc(name: str, folder: Path) -> Path:
-    """The DBC in the rig folder, else beside this file."""
-    places = [folder, Path(__file__).parents[1]]
-    for place in places:
-        if (place / name).is_file():
-            return place / name
-    raise SetupError(f"{folder / 'rig.toml'}: log.dbc: no file '{name}' in {' or '.join(map(str, places))}")
+    """The DBC in the rig folder, else the one of the package."""
+    folders = [folder, Path(__file__).parents[1]]
+    for one in folders:
+        if (one / name).is_file():
+            return one / name
+    raise SetupError(f"{folder / 'rig.toml'}: log.dbc: no file '{name}' in {' or '.join(map(str, folders))}")
 
 
 def load_dbc(path: Path) -> Dbc:
@@ -194,7 +208,7 @@ def _bits(signal: Any) -> Bits:
         real=bool(signal.is_float),
         scale=float(signal.scale),
         offset=float(signal.offset),
-        highest=None if signal.maximum is None else float(signal.maximum),
+        highest=None if signal.maximum is None else float((signal.maximum - signal.offset) / signal.scale),
         texts={int(raw): str(text) for raw, text in (signal.choices or {}).items()},
     )
 

@@ -12,7 +12,7 @@ from drivers.decode.condense import Condenser, Readings
 from drivers.decode.dbc import Bits, Layout, find_dbc, load_dbc
 from drivers.decode.scan import Scan
 from drivers.decode.sources import Source, sources
-from drivers.frames import FRAME, Frames, Tally
+from drivers.frames import Frames, Tally, words_of
 from estimator.errors import SetupError
 from estimator.record import Recording
 from estimator.rig import Rig
@@ -36,9 +36,9 @@ class Decoder:
         self.sources: dict[str, list[Source]] = {}
         for source in sources(rig, self.dbc).values():
             self.sources.setdefault(source.message.name, []).append(source)
-        place = f"{rig.folder / 'rig.toml'}: log"
-        self.checksums = {self.dbc.signal(name, f"{place}.checksums")[0].name for name in rig.log.checksums}
-        counters = [self.dbc.signal(name, f"{place}.counters") for name in rig.log.counters]
+        key = f"{rig.folder / 'rig.toml'}: log"
+        self.checksums = {self.dbc.signal(name, f"{key}.checksums")[0].name for name in rig.log.checksums}
+        counters = [self.dbc.signal(name, f"{key}.counters") for name in rig.log.counters]
         self.counters: dict[str, Bits] = {message.name: bits for message, bits in counters}
         self.condenser = Condenser(rig, tally)
         self._counted: dict[str, int] = {}
@@ -48,13 +48,11 @@ class Decoder:
     @cached_property
     def own(self) -> frozenset[tuple[int, bool]]:
         """Id and kind of the messages that we send: what of them comes back says nothing of the rig."""
-        return frozenset(key for key, message in self.dbc.by_id.items() if message.own)
+        return frozenset((message.id, message.extended) for message in self.dbc.messages.values() if message.own)
 
-    def foreign(self, frames: Frames) -> Index:
-        """Indices of the frames that are not our own."""
-        ours = np.zeros(len(frames), bool)
-        for can_id, extended in self.own:
-            ours |= (frames.id == can_id) & (frames.extended == extended)
+    def not_ours(self, frames: Frames) -> Index:
+        """Indices of the frames that we did not send ourselves."""
+        ours = np.isin(frames.key, [message.key for message in self.dbc.messages.values() if message.own])
         self.tally.skip("sent by us", np.count_nonzero(ours))
         return np.flatnonzero(~ours)
 
@@ -64,18 +62,16 @@ class Decoder:
         closing = self.scan.closing
         if closing is None:
             return np.zeros(len(frames), bool), number
-        which = _is(frames, closing) & (frames.dlc == closing.length)
-        if self.scan.number:
-            number[which] = self.scan.number.raw(frames.take(which).words()).astype(np.int64)
+        which = (frames.key == closing.key) & (frames.dlc == closing.length)
+        number[which] = self.scan.numbers(frames.take(which).words())
         return which, number
 
-    def closing(self, can_id: int, extended: bool, packed: bytes) -> int | None:
-        """The same for one frame, packed: its scan number, -1 where there is none; None if it closes nothing."""
+    def closing(self, can_id: int, extended: bool, data: bytes) -> int | None:
+        """The same for one frame: its scan number, -1 where there is none; None if it closes nothing."""
         closing = self.scan.closing
-        if closing is None or can_id != closing.id or extended != closing.extended:
+        if closing is None or (can_id, extended, len(data)) != (closing.id, closing.extended, closing.length):
             return None
-        closes, number = self.closings(Frames.of(np.frombuffer(packed, FRAME), "frame"))
-        return int(number[0]) if closes[0] else None
+        return int(self.scan.numbers(words_of(np.frombuffer(data.ljust(8, b"\0"), np.uint8)[None]))[0])
 
     def rows(self, frames: Frames, first: int, now: Array, row: Index, date: Array) -> Recording:
         """Condense frames into ticks.
@@ -113,7 +109,7 @@ class Decoder:
 
     def _frames_of(self, message: Layout, frames: Frames) -> Index:
         """Indices of the sound frames of one message."""
-        index = np.flatnonzero(_is(frames, message))
+        index = np.flatnonzero(frames.key == message.key)
         short = frames.dlc[index] != message.length
         self.tally.skip(f"wrong length {message.name}", np.count_nonzero(short))
         index = index[~short]
@@ -124,36 +120,30 @@ class Decoder:
             index = index[~wrong]
         if message.name in self.counters and len(index):
             bits = self.counters[message.name]
-            numbers = bits.raw(frames.take(index).words()).astype(np.int64)
+            numbers = bits.count(frames.take(index).words())
             missing = lost(numbers, self._counted.get(message.name), bits.modulus)
             self.tally.skip(f"lost {message.name} (by its counter)", missing)
             self._counted[message.name] = int(numbers[-1])
         return np.asarray(index)
 
-    def strangers(self, frames: Frames) -> str:
-        """If no frame has an id that the rig file uses: which were found and expected; else empty."""
-        keys = np.unique(frames.id.astype(np.int64) << 1 | frames.extended).tolist()
-        found = {(key >> 1, bool(key & 1)) for key in keys}
-        if found & {(message.id, message.extended) for message in self.used}:
+    def mismatch(self, frames: Frames) -> str:
+        """If no frame has an id that the rig file uses: which ids there are and which were expected; else empty."""
+        keys = np.unique(frames.key).tolist()
+        if {message.key for message in self.used}.intersection(keys):
             return ""
-        ids = [f"0x{number:X}" for number, _ in sorted(found)]
+        ids = [f"0x{key >> 1:X}" for key in keys]
         wanted = [f"0x{message.id:X} ({message.name})" for message in self.used]
         return f"ids {_few(ids)}; expected {_few(wanted)} as in {self.dbc.path.name}"
 
     def _account(self, frames: Frames) -> None:
         """Count frames that the rig file does not use."""
-        numbers, counts = np.unique(frames.id.astype(np.int64) << 1 | frames.extended, return_counts=True)
-        for number, count in zip(numbers.tolist(), counts.tolist(), strict=True):
-            message = self.dbc.by_id.get((number >> 1, bool(number & 1)))
+        for key, count in zip(*(column.tolist() for column in np.unique(frames.key, return_counts=True)), strict=True):
+            message = self.dbc.by_key.get(key)
             if message is None:
-                self.tally.skip(f"unknown id 0x{number >> 1:0{8 if number & 1 else 3}X}", count)
+                self.tally.skip(f"unknown id 0x{key >> 1:0{8 if key & 1 else 3}X}", count)
             elif message not in self.used:
                 self.tally.skip(f"not in the rig file {message.name}", count)
 
 
 def _few(words: list[str]) -> str:
     return ", ".join(words[:4]) + (f" and {len(words) - 4} more" if len(words) > 4 else "")
-
-
-def _is(frames: Frames, message: Layout) -> NDArray[np.bool_]:
-    return np.asarray((frames.id == message.id) & (frames.extended == message.extended))

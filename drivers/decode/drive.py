@@ -14,73 +14,66 @@ from drivers.frames import Tally
 from estimator.rig import Rig, Screw
 
 Array = NDArray[np.float64]
-_STANDS = 1e-3  # cells: a shorter way is a stand
-
-Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-_HELD_TICKS = 2
+_STANDS = 1e-3  # cells: a shorter way is a stand
 
 
-class Drive:
-    """Carries the last place and speed from call to call."""
+class DriveCondenser:
+    """Carries the last position and speed from call to call, and holds them for `held_ticks` after a last frame."""
 
-    def __init__(self, rig: Rig, tally: Tally, held_ticks: int = _HELD_TICKS) -> None:
-        self.rig = rig
+    def __init__(self, rig: Rig, tally: Tally, held_ticks: int) -> None:
+        self.tick_s, self.held_ticks = rig.tick_s, held_ticks
         self.tally = tally
-        self.held_ticks = held_ticks
         self.turns = "speed" in rig.inputs
+        self.screw = rig.screw
+        self.nut = rig.nut if rig.screw and "position" in rig.inputs else None
         self._last = (-np.inf, np.nan, np.nan)  # s, mm, rad/s
         self._row = -(1 << 40)
 
-    def rows(self, now: Array, place: Array, speed: Array, row: Index, rows: int) -> tuple[Array, Array, Array]:
+    def rows(self, now: Array, position: Array, speed: Array, row: Index, rows: int) -> tuple[Array, Array, Array]:
         """Mean |speed| (rows,) rad/s, cover of the cells (rows, cells), unevenness (rows,), from frames in order.
 
-        now    (n,) s       place  (n,) mm, NaN where unknown
-        speed  (n,) rad/s   row    (n,) tick of each frame, rising
+        now    (n,) s       position  (n,) mm, NaN where unknown
+        speed  (n,) rad/s   row       (n,) tick of each frame, rising
         """
+        cover = np.zeros((rows, self.screw.cells if self.screw else 0))
         if not self.turns:
-            return np.zeros(rows), np.zeros((rows, self.rig.screw.cells if self.rig.screw else 0)), np.ones(rows)
-        now, place, speed = (np.concatenate(([was], a)) for was, a in zip(self._last, (now, place, speed), strict=True))
+            return np.zeros(rows), cover, np.ones(rows)
+        columns = zip(self._last, (now, position, speed), strict=True)
+        now, position, speed = (np.concatenate(([last], column)) for last, column in columns)
         row = np.concatenate(([self._row], row))
         latest = np.searchsorted(row, np.arange(rows), side="right") - 1
         silent = np.arange(rows) - row[latest] > self.held_ticks
         self.tally.skip("tick without drive", np.count_nonzero(silent))
-        passed = np.diff(now)
-        joined = np.flatnonzero(passed <= (self.held_ticks + 0.5) * self.rig.tick_s)
-        turned = _mean_speed(speed[joined], speed[joined + 1]) * passed[joined]
-        angle = np.bincount(row[joined + 1], turned, rows)
-        time = np.bincount(row[joined + 1], passed[joined], rows)
+        joined = np.flatnonzero(np.diff(now) <= (self.held_ticks + 0.5) * self.tick_s)
+        passed, into = np.diff(now)[joined], row[joined + 1]
+        turned = _mean_speed(speed[joined], speed[joined + 1]) * passed
+        squared = _mean_square(speed[joined], speed[joined + 1]) * passed
+        time, angle, squares = (np.bincount(into, amount, rows) for amount in (passed, turned, squared))
         omega = np.divide(angle, time, out=np.abs(speed[latest]), where=time > 0)
-        squared = np.bincount(row[joined + 1], _mean_square(speed[joined], speed[joined + 1]) * passed[joined], rows)
-        uneven = np.divide(squared * time, angle**2, out=np.ones(rows), where=angle > 0)
-        omega[silent] = np.nan
-        weight = np.where(angle[row[joined + 1]] > 0, turned, passed[joined])
-        cover = self._cover(place, joined, weight, row, rows)
-        still = np.flatnonzero(np.bincount(row[joined + 1], weight, rows) == 0)
-        cover[still] = self._box(place[latest[still]])
-        cover[silent] = np.nan
-        self._last, self._row = (float(now[-1]), float(place[-1]), float(speed[-1])), int(row[-1]) - rows
+        uneven = np.divide(squares * time, angle**2, out=np.ones(rows), where=angle > 0)
+        if self.nut:
+            weight = np.where(angle[into] > 0, turned, passed)
+            cover = self._cover(position, joined, weight, into, latest)
+        omega[silent] = cover[silent] = np.nan
+        self._last, self._row = (float(now[-1]), float(position[-1]), float(speed[-1])), int(row[-1]) - rows
         return omega, cover, uneven
 
-    def _cover(self, place: Array, joined: Index, weight: Array, row: Index, rows: int) -> Array:
-        screw, nut = self.rig.screw, self.rig.nut
-        if screw is None or nut is None or "position" not in self.rig.inputs:
-            return np.zeros((rows, screw.cells if screw else 0))
-        centre = nut.centre(place)
+    def _cover(self, position: Array, joined: Index, weight: Array, row: Index, latest: Index) -> Array:
+        """Cover of the cells by the nut, on its way between frames; where it has no way, where the latest one was."""
+        assert self.screw
+        assert self.nut
+        rows, length_mm = len(latest), self.nut.length_mm
+        centre = self.nut.centre(position)
         known = np.isfinite(centre[joined]) & np.isfinite(centre[joined + 1])
-        joined, weight = joined[known], weight[known]
-        way = centre[joined], centre[joined + 1]
-        cover = covered(screw, nut.length_mm, way, weight, row[joined + 1], rows)
-        cover[np.bincount(row[joined + 1], minlength=rows) == 0] = np.nan
+        way = centre[joined[known]], centre[joined[known] + 1]
+        cover = covered(self.screw, length_mm, way, weight[known], row[known], rows)
+        cover[np.bincount(row[known], minlength=rows) == 0] = np.nan
+        still = np.bincount(row, weight, rows) == 0
+        parked = centre[latest[still]]
+        cover[still] = self.screw.overlap(parked - length_mm / 2, parked + length_mm / 2)
         return cover
-
-    def _box(self, place: Array) -> Array:
-        screw, nut = self.rig.screw, self.rig.nut
-        if screw is None or nut is None or "position" not in self.rig.inputs:
-            return np.zeros((len(place), screw.cells if screw else 0))
-        centre = nut.centre(place)
-        return screw.overlap(centre - nut.length_mm / 2, centre + nut.length_mm / 2)
 
 
 def _mean_speed(begin: Array, end: Array) -> Array:
@@ -150,8 +143,8 @@ class _Sums:
         return np.clip(before[0] * centre - before[1] + before[2] + self.inside[:, 1:-1], 0.0, 1.0)
 
     def _bins(self, at: Array, row: NDArray[np.intp]) -> tuple[NDArray[np.intp], Array]:
-        place = np.clip(np.floor(at), -1, self.shape[1] - 2).astype(np.intp) + 1
-        return row * self.shape[1] + place, place - at
+        cell = np.clip(np.floor(at), -1, self.shape[1] - 2).astype(np.intp) + 1
+        return row * self.shape[1] + cell, cell - at
 
     def _add(self, sums: Array, where: NDArray[np.intp], what: Array) -> None:
         sums += np.bincount(where, what, sums.size).reshape(self.shape)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.decode.checks import crc16_ccitt_false
-from drivers.decode.dbc import Bits, Condition, Dbc, Layout
+from drivers.decode.dbc import Bits, Condition, Dbc, Layout, Words
 from drivers.frames import Frames, Tally
 from estimator.errors import SetupError
 from estimator.rig import Rig
@@ -19,15 +19,24 @@ class Scan:
     """The checks that a rig file asks for; without `log.scan` there are none."""
 
     def __init__(self, rig: Rig, dbc: Dbc) -> None:
-        log, place = rig.log, f"{rig.folder / 'rig.toml'}: log"
-        self.messages = [dbc.message(name, f"{place}.scan") for name in log.scan]
-        self.closing: Layout | None = dbc.message(log.closes, f"{place}.closes") if log.closes else None
-        self.state: Condition | None = dbc.condition(log.scan_state, f"{place}.scan_state") if log.scan_state else None
+        log, key = rig.log, f"{rig.folder / 'rig.toml'}: log"
+        self.messages = [dbc.message(name, f"{key}.scan") for name in log.scan]
+        self.closing: Layout | None = dbc.message(log.closes, f"{key}.closes") if log.closes else None
+        self.state: Condition | None = dbc.condition(log.scan_state, f"{key}.scan_state") if log.scan_state else None
         if self.state:
-            self._in_closing(self.state.message, f"{place}.scan_state")
-        self.crc = self._bits(dbc, log.scan_crc, f"{place}.scan_crc")
-        self.number = self._bits(dbc, log.scan_number, f"{place}.scan_number")
-        self.faults = self._bits(dbc, log.fault_mask, f"{place}.fault_mask")
+            self._in_closing(self.state.message, f"{key}.scan_state")
+        self.crc = self._bits(dbc, log.scan_crc, f"{key}.scan_crc")
+        self.number = self._bits(dbc, log.scan_number, f"{key}.scan_number")
+        self.faults = self._bits(dbc, log.fault_mask, f"{key}.fault_mask")
+
+    @property
+    def modulus(self) -> int:
+        """After how many scans their number starts again."""
+        return self.number.modulus if self.number else 1
+
+    def numbers(self, words: Words) -> NDArray[np.int64]:
+        """Scan numbers of closing messages, (n,), -1 where they carry none."""
+        return self.number.count(words) if self.number else np.full(len(words[0]), -1, np.int64)
 
     def bad(self, frames: Frames, last: dict[str, Index], rows: int, tally: Tally) -> dict[str, Mask]:
         """Per signal of the scan ("Message.Signal"): the rows in which it does not count, (rows,) bool.
@@ -71,14 +80,14 @@ class Scan:
         tally.skip("scan checksum wrong", np.count_nonzero(wrong))
         return wrong
 
-    def _bits(self, dbc: Dbc, dotted: str | None, place: str) -> Bits | None:
+    def _bits(self, dbc: Dbc, dotted: str | None, key: str) -> Bits | None:
         if dotted is None:
             return None
-        message, bits = dbc.signal(dotted, place)
-        self._in_closing(message.name, place)
+        message, bits = dbc.signal(dotted, key)
+        self._in_closing(message.name, key)
         return bits
 
-    def _in_closing(self, message: str, place: str) -> None:
+    def _in_closing(self, message: str, key: str) -> None:
         if self.closing is None or message != self.closing.name:
             closing = self.closing.name if self.closing else "log.closes, which is missing"
-            raise SetupError(f"{place}: must be a signal of the closing message ({closing}), not of {message}")
+            raise SetupError(f"{key}: must be a signal of the closing message ({closing}), not of {message}")

@@ -82,24 +82,24 @@ class Source:
 
 def sources(rig: Rig, dbc: Dbc) -> dict[str, Source]:
     """A source for each channel and input of the rig that has a signal; one that the DBC lacks is a SetupError."""
-    found = {}
+    by_name = {}
     for table, rules in (("channels", rig.channels), ("inputs", rig.inputs)):
         for name, rule in rules.items():
-            place = f"{rig.folder / 'rig.toml'}: {table}.{name}"
+            key = f"{rig.folder / 'rig.toml'}: {table}.{name}"
             if rule.signals:
-                found[name] = _source(name, rule, dbc, place)
+                by_name[name] = _source(name, rule, dbc, key)
             elif rule.column is None:
-                raise SetupError(f"{place}: 'signal' is missing: which signal of {dbc.path.name} is it?")
-    return found
+                raise SetupError(f"{key}: 'signal' is missing: which signal of {dbc.path.name} is it?")
+    return by_name
 
 
-def _source(name: str, rule: Signal, dbc: Dbc, place: str) -> Source:
-    pairs = [dbc.signal(dotted, f"{place}.signal") for dotted in rule.signals]
+def _source(name: str, rule: Signal, dbc: Dbc, key: str) -> Source:
+    pairs = [dbc.signal(dotted, f"{key}.signal") for dotted in rule.signals]
     message = pairs[0][0]
-    fresh = dbc.signal(rule.fresh, f"{place}.fresh") if rule.fresh else None
-    valid = dbc.condition(rule.valid, f"{place}.valid") if rule.valid else None
+    fresh = dbc.signal(rule.fresh, f"{key}.fresh") if rule.fresh else None
+    valid = dbc.condition(rule.valid, f"{key}.valid") if rule.valid else None
     asked = [*pairs, fresh] if fresh else pairs
     for other in [m.name for m, _ in asked] + ([valid.message] if valid else []):
         if other != message.name:
-            raise SetupError(f"{place}: {other} and {message.name} are two messages; a reading comes from one")
+            raise SetupError(f"{key}: {other} and {message.name} are two messages; a reading comes from one")
     return Source(name, rule, message, tuple(bits for _, bits in pairs), fresh[1] if fresh else None, valid)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.frames import Tally
+from estimator.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -53,12 +54,12 @@ class Ticks:
 
 
 def split(
-    now: Array, closes: NDArray[np.bool_], ticks: Ticks, most: int, tally: Tally
+    name: str, now: Array, closes: NDArray[np.bool_], ticks: Ticks, most: int, tally: Tally
 ) -> tuple[NDArray[np.intp], Array]:
-    """Cut a whole log into ticks: the index behind the last frame of each, (K,), and when each closed, (K,) s.
+    """Cut a whole log into ticks: the tick of each frame inside them, rising, and when each tick closed, (K,) s.
 
     now     (n,) s on the rig's clock, rising     most  no more ticks than this
-    closes  (n,) closing messages
+    closes  (n,) closing messages                 name  of the log; one without a whole tick is an InputError
     """
     ends: list[int] = []
     dates: list[float] = []
@@ -81,4 +82,7 @@ def split(
     else:
         timed(ticks.due(float(now[-1])))
         timed(ticks.rest(float(now[-1])))
-    return np.array(ends[:most], np.intp), np.array(dates[:most])
+    if not ends:
+        raise InputError(f"{name} over {now[-1]:.3g} s, less than one tick of {ticks.tick_s:g} s")
+    tally.skip("after the last whole tick", len(now) - ends[:most][-1])
+    return np.repeat(np.arange(len(ends[:most])), np.diff(ends[:most], prepend=0)), np.array(dates[:most])

@@ -112,7 +112,7 @@ class _Reader:
                 break
             same = todo[lengths[todo] == layout.end()]
             good, table = _cut(buffer, starts[same], layout)
-            table["place"] = self.lines + 1 + same[good]
+            table["number"] = self.lines + 1 + same[good]
             found.append(table)
             self.buses.add(layout[3])
             todo = np.setdiff1d(todo, same[good], assume_unique=True)
@@ -139,7 +139,7 @@ class _Reader:
             words = text[starts[line] : starts[line] + lengths[line]]
             if match := _LINE.fullmatch(words):
                 _, table = _cut(np.frombuffer(words, np.uint8), np.zeros(1, np.intp), match)
-                table["place"] = self.lines + 1 + line
+                table["number"] = self.lines + 1 + line
                 rows.append(table)
             else:
                 self._odd(words, self.lines + 1 + int(line))
@@ -154,7 +154,7 @@ class _Reader:
             self.foreign = min(self.foreign or number, number)
 
     def _keep(self, table: NDArray[np.void]) -> None:
-        table = table[np.argsort(table["place"], kind="stable")]
+        table = table[np.argsort(table["number"], kind="stable")]
         error = table["extended"] & ((table["id"] & _ERROR_FLAG) != 0)
         if error.any():
             self.tally.skip("error frame", np.count_nonzero(error))

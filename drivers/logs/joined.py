@@ -59,13 +59,8 @@ def join(paths: Sequence[Path], tally: Tally, budget: Budget, progress: Progress
         raise InputError("; ".join(tally.notes))
     parts.sort(key=lambda part: float(part[1].time[0]))
     starts = np.cumsum([0, *(len(frames) for _, frames in parts)])[:-1].tolist()
-    return Joined([path for path, _ in parts], starts, _behind_each_other([frames for _, frames in parts]))
+    return Joined([path for path, _ in parts], starts, Frames.joined([frames for _, frames in parts]))
 
 
 def _share(progress: Progress, i: int, of: int) -> Progress:
     return lambda share: progress((i + share) / of)
-
-
-def _behind_each_other(parts: Sequence[Frames]) -> Frames:
-    columns = ("time", "id", "extended", "dlc", "data", "place")
-    return Frames(*(np.concatenate([getattr(part, name) for part in parts]) for name in columns), parts[0].unit)

@@ -22,8 +22,6 @@ from estimator.rig import Rig, Signal
 
 Array = NDArray[np.float64]
 
-Array = NDArray[np.float64]
-
 
 class Table:
     """The rows of a lab CSV: `time` (n,) s, `line` (n,) line numbers, `columns` (n,) per channel or input."""
@@ -140,16 +138,13 @@ def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:
     steps = np.diff(table.time)
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else rig.tick_s
     coarse = step >= rig.tick_s / 2
-    clock = RigClock(max(rig.tick_s, step), tally, lambda row: f"line {int(table.line[row])}", budget)
+    clock = RigClock(max(rig.tick_s, step), 1, tally, lambda row: f"line {int(table.line[row])}", budget)
     none = np.full(len(table.time), -1, np.int64)
     now = clock.run(table.time, np.zeros(len(none), bool), none)
     kept = np.flatnonzero(np.isfinite(now))
     now = now[kept]
-    ends, date = split(now, np.full(len(now), coarse), Ticks(rig.tick_s, coarse), budget.ticks, tally)
-    if not len(ends):
-        raise InputError(f"{path}: {len(now)} rows over {now[-1]:.3g} s, less than one tick of {rig.tick_s:g} s")
-    tally.skip("after the last whole tick", len(now) - ends[-1])
-    row = np.repeat(np.arange(len(ends)), np.diff(ends, prepend=0))
+    ticks = Ticks(rig.tick_s, coarse)
+    row, date = split(f"{path}: {len(now)} rows", now, np.full(len(now), coarse), ticks, budget.ticks, tally)
     readings = {}
     for name, rule in [*rig.channels.items(), *rig.inputs.items()]:
         if name in table.columns:

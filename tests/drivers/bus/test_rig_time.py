@@ -43,7 +43,7 @@ def test_at_the_rigs_pace_frames_keep_their_stamps(frames):
 
 @pytest.mark.parametrize("jitter_s", [0.0, 0.05, 0.3])
 def test_faster_every_scan_lasts_one_tick_however_late_its_frames(frames, jitter_s):
-    found = placed(FastTime(SPEED_UP, 1.0, closing), hurried(frames, jitter_s))
+    found = placed(FastTime(SPEED_UP, 1.0, closing, 65536), hurried(frames, jitter_s))
     assert [f[1:] for f in found] == [f[1:] for f in frames]
     times = np.array([f.time_s for f in found])
     assert (np.diff(times) > 0).all()
@@ -55,9 +55,32 @@ def test_faster_every_scan_lasts_one_tick_however_late_its_frames(frames, jitter
     assert times[0] == pytest.approx(START_S, abs=1.0)
 
 
+@pytest.mark.parametrize("tick_s", [0.5, 5.0])
+def test_faster_a_scan_lasts_a_tick_of_any_length(frames, tick_s):
+    slower = [f._replace(time_s=START_S + (f.time_s - START_S) * tick_s) for f in hurried(frames, 0.05 / tick_s)]
+    found = placed(FastTime(SPEED_UP, tick_s, closing, 65536), slower)
+    np.testing.assert_allclose(np.diff([f.time_s for f in found if f.id == STATUS]), tick_s, atol=2e-6)
+
+
+@pytest.mark.parametrize("modulus", [15, 16, 256])
+def test_a_narrow_number_of_scans_starts_again(frames, modulus):
+    """Ten scans are lost while it does."""
+    first = closing(next(f for f in frames if f.id == STATUS))
+    heard = [f for f in frames if not 8 <= f.time_s - frames[0].time_s < 18]
+
+    def counted(frame: Received) -> int | None:
+        number = closing(frame)
+        return None if number is None else (number - first + modulus - 10) % modulus
+
+    found = placed(FastTime(SPEED_UP, 1.0, counted, modulus), hurried(heard, 0.0))
+    scans = [f.time_s for f in found if f.id == STATUS]
+    assert max(np.diff(scans)) == pytest.approx(11.0, abs=0.01)
+    assert scans[-1] - scans[0] == pytest.approx(120.0, abs=0.01)
+
+
 def test_lost_scans_take_their_time(frames):
     heard = [f for f in frames if not 30 <= f.time_s - frames[0].time_s < 50]
-    found = placed(FastTime(SPEED_UP, 1.0, closing), hurried(heard, 0.0))
+    found = placed(FastTime(SPEED_UP, 1.0, closing, 65536), hurried(heard, 0.0))
     scans = [f.time_s for f in found if f.id == STATUS]
     assert max(np.diff(scans)) == pytest.approx(21.0, abs=0.01)
     true = [f.time_s for f in heard if f.id == STATUS]
@@ -66,13 +89,15 @@ def test_lost_scans_take_their_time(frames):
 
 def test_without_scans_the_stamps_serve(frames):
     heard = [f for f in frames if f.id != STATUS]
-    found = placed(FastTime(SPEED_UP, 1.0, closing), hurried(heard, 0.0))
+    found = placed(FastTime(SPEED_UP, 1.0, closing, 65536), hurried(heard, 0.0))
     assert found[-1].time_s - found[0].time_s == pytest.approx(120.0, abs=3.0)
 
 
 def test_a_rig_started_again_goes_on_one_tick_later(frames):
     first, again = hurried(frames, 0.0), hurried(frames, 0.0)
-    found = placed(FastTime(SPEED_UP, 1.0, closing), [*first, *(f._replace(time_s=f.time_s + 2.1) for f in again)])
+    found = placed(
+        FastTime(SPEED_UP, 1.0, closing, 65536), [*first, *(f._replace(time_s=f.time_s + 2.1) for f in again)]
+    )
     steps = np.diff([f.time_s for f in found if f.id == STATUS])
     np.testing.assert_allclose(steps, 1.0, atol=2e-6)
 
@@ -82,7 +107,7 @@ def test_a_pause_in_mid_scan_is_no_time_of_the_rig(frames):
     before = hurried(frames, 0.0)
     middle = next(k for k, f in enumerate(frames) if k > 3000 and f.id == DRIVE)
     paused = [f._replace(time_s=f.time_s + (5.0 if k >= middle else 0.0)) for k, f in enumerate(before)]
-    found = placed(FastTime(SPEED_UP, 1.0, closing), paused)
+    found = placed(FastTime(SPEED_UP, 1.0, closing, 65536), paused)
     scans = [f.time_s for f in found if f.id == STATUS]
     assert max(np.diff(scans)) == pytest.approx(1.0, abs=0.1)
     assert (np.diff([f.time_s for f in found]) >= 0).all()
@@ -90,10 +115,10 @@ def test_a_pause_in_mid_scan_is_no_time_of_the_rig(frames):
 
 def test_a_wrong_speed_up_is_told(frames):
     slow = [f._replace(time_s=START_S + f.time_s - frames[0].time_s) for f in frames]
-    clock = FastTime(SPEED_UP, 1.0, closing)
+    clock = FastTime(SPEED_UP, 1.0, closing, 65536)
     placed(clock, slow)
     assert "--speed-up 60" in clock.trouble
-    right = FastTime(SPEED_UP, 1.0, closing)
+    right = FastTime(SPEED_UP, 1.0, closing, 65536)
     placed(right, hurried(frames, 0.05))
     assert not right.trouble
 
@@ -108,7 +133,7 @@ def test_error_frames_and_our_own_are_no_life(frames):
 
 
 def test_what_is_overdue_is_placed_while_the_bus_is_silent(frames, monkeypatch):
-    clock = FastTime(SPEED_UP, 1.0, closing)
+    clock = FastTime(SPEED_UP, 1.0, closing, 65536)
     assert not [f for frame in hurried(frames, 0.0)[:5] for f in clock.place(frame)]
     assert not clock.overdue()
     monkeypatch.setattr(clock, "_patience_s", -1.0)
@@ -116,10 +141,10 @@ def test_what_is_overdue_is_placed_while_the_bus_is_silent(frames, monkeypatch):
 
 
 def test_what_we_send_ourselves_neither_waits_nor_counts(frames):
-    clock = FastTime(SPEED_UP, 1.0, closing, {(0x610, False)})
+    clock = FastTime(SPEED_UP, 1.0, closing, 65536, {(0x610, False)})
     ours = Received(START_S, 0x610, False, bytes(8))
     mixed = [g for f in hurried(frames, 0.0) for g in (f, ours._replace(time_s=f.time_s))]
     found = placed(clock, mixed)
     assert len(found) == 2 * len(frames)
     rigs = [f for f in found if f.id != 0x610]
-    assert rigs == placed(FastTime(SPEED_UP, 1.0, closing), hurried(frames, 0.0))
+    assert rigs == placed(FastTime(SPEED_UP, 1.0, closing, 65536), hurried(frames, 0.0))

@@ -12,7 +12,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from drivers.decode.checks import crc8_j1850, crc16_ccitt_false, lost
-from drivers.decode.dbc import load_dbc
+from drivers.decode.dbc import Bits, load_dbc
 from drivers.recordings import read_recording
 from estimator.errors import SetupError
 from estimator.rig_folder.rig_folder import load_rig
@@ -78,6 +78,29 @@ def test_checksums_of_the_catalogue() -> None:
 def test_lost_frames_by_counter() -> None:
     assert lost(np.array([13, 14, 0, 3]), 12, 15) == 2
     assert lost(np.array([1, 3, 2, 4]), 0, 15) == 0  # out of order, none lost
+
+
+@pytest.mark.parametrize(
+    ("bits", "numbers"),
+    [
+        (Bits("eight", 0, 8), [254, 255, 0, 1]),
+        (Bits("eight", 0, 8, highest=255.0), [254, 255, 0, 1]),
+        (Bits("four", 0, 4, highest=14.0), [13, 14, 0, 1]),
+        (Bits("four", 4, 4, highest=99.0), [14, 15, 0, 1]),
+        (Bits("signed", 0, 8, signed=True, highest=127.0), [126, 127, 128, 129, 255, 0]),
+        (Bits("wide", 0, 64), [7, 8]),
+    ],
+)
+def test_a_counter_starts_again_by_its_maximum_or_its_width(bits: Bits, numbers: list[int]) -> None:
+    frames = [(number << bits.shift).to_bytes(8, "little") for number in numbers]
+    counted = bits.count(words(frames))
+    assert counted.tolist() == numbers
+    assert lost(counted[1:], int(counted[0]), bits.modulus) == (125 if bits.signed else 0)
+
+
+def test_a_scaled_maximum_is_no_number_on_the_wire(tmp_path: Path) -> None:
+    (tmp_path / "a.dbc").write_text('VERSION ""\nBU_: A\nBO_ 18 M: 8 A\n SG_ N : 0|8@1+ (0.5,-1) [-1|6] "" A\n')
+    assert load_dbc(tmp_path / "a.dbc").messages["M"].signals["N"].modulus == 15
 
 
 def test_dbc_is_what_others_read() -> None:

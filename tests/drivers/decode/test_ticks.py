@@ -144,11 +144,68 @@ def test_a_break_costs_only_its_ticks(tmp_path: Path, change, k, s, n, lost, not
     assert record.notes == (() if note is None else (note,))
 
 
+def stretched(rows: list[Row], tick_s: float) -> list[Row]:
+    """The same log at another pace: whatever lasted a second lasts a tick."""
+    return [row._replace(time=log_fake.START + tick_s * (row.time - log_fake.START)) for row in rows]
+
+
+@pytest.mark.parametrize("tick_s", [0.5, 5.0])
+@pytest.mark.parametrize("change", [None, *BREAKS])
+def test_another_tick_is_another_pace_and_nothing_else(tmp_path: Path, change, tick_s: float) -> None:
+    """Ages and times are in seconds, everything else is counted in ticks."""
+    rows = change(BASE, 5, 4.2, 2) if change else BASE
+    usual, rig = recorded(tmp_path, rows), replace(RIG, tick_s=tick_s)
+    path = log_fake.write(tmp_path / "b.log", stretched(rows, tick_s))
+    record = read_recording(path, rig)
+    assert (record.skipped, len(record.notes)) == (usual.skipped, len(usual.notes))
+    for name in ("time_s", "ages_s"):
+        np.testing.assert_allclose(getattr(record, name), tick_s * getattr(usual, name), atol=1e-5, err_msg=name)
+    for name in ("channels", "omega", "coverage", "unevenness"):
+        np.testing.assert_allclose(getattr(record, name), getattr(usual, name), rtol=1e-4, atol=1e-5, err_msg=name)
+    assert_same(record, streamed(path, rig)[0])
+
+
+@pytest.mark.parametrize(("tick_s", "age_s"), [(0.5, 0.1975), (1.0, 0.395), (5.0, 1.975)])
+def test_a_late_reading_is_as_old_as_it_is(tmp_path: Path, tick_s: float, age_s: float) -> None:
+    """The hold came 0.395 of a tick before its tick closed, the channels 1.2 ms of a second's tick before."""
+    path = log_fake.write(tmp_path / "a.log", stretched(BASE, tick_s))
+    record = read_recording(path, replace(RIG, tick_s=tick_s))
+    np.testing.assert_allclose(record.ages_s[[3, 4, 6], RIG.index("displacement")], age_s, atol=1e-6)
+    np.testing.assert_allclose(record.ages_s[:, 0], 0.0012 * tick_s, atol=2e-6)
+
+
 def test_stamps_that_stand_still_count_by_scans(tmp_path: Path) -> None:
     record = recorded(tmp_path, stand_still(BASE, 5, 0, 3))
     assert record.notes == ("time stands still at 5.000 s (line 143): each scan counts as one tick",)
     assert record.skipped["closing message too soon (used)"] == 1
     assert len(record) == 17  # the scan that came with the stamp of the one before shares its tick
+
+
+LONG = log_fake.log(40, 5, (3, 30))
+NARROW = replace(RIG, log=replace(RIG.log, scan_number="TelemeterStatus.TelCounter"))  # 4 bits, 0 ... 14
+
+
+@pytest.mark.parametrize("k", [5, 14, 15, 16, 30])
+@pytest.mark.parametrize("n", [0, 1])
+def test_a_scan_number_starts_again_where_the_dbc_says(tmp_path: Path, k: int, n: int) -> None:
+    """Before scan 15 and 30 it goes from 14 to 0: a jump of the clock there is one all the same."""
+    path = log_fake.write(tmp_path / "a.log", jump(LONG, k, 38.0, n))
+    record = read_recording(path, NARROW)
+    np.testing.assert_allclose(record.channels[:, 0], 20 + 0.1 * np.arange(40))
+    np.testing.assert_allclose(np.diff(record.time_s), 1, atol=0.03)
+    assert record.notes[0].startswith(f"clock jumps {('ahead', 'back')[n]} 3")
+    assert_same(record, streamed(path, NARROW)[0])
+
+
+@pytest.mark.parametrize("s", [4.3, 16.3, 20.3, 33.3])
+def test_a_silence_longer_than_the_scan_number_counts_is_no_jump(tmp_path: Path, s: float) -> None:
+    path = log_fake.write(tmp_path / "a.log", silence(LONG, 5, s, 0))
+    record = read_recording(path, NARROW)
+    assert len(record) == 40
+    (note,) = record.notes
+    assert note.startswith("silent for")
+    assert np.isnan(record.channels[5 : 5 + int(s), 0]).all()
+    assert record.channels[-1, 0] == pytest.approx(23.9)
 
 
 def test_without_scan_numbers_a_jump_ahead_is_silence(tmp_path: Path) -> None:

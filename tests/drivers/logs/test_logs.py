@@ -80,7 +80,7 @@ def test_candump_text_comes_back(tmp_path: Path, rows: list[log_fake.Row]) -> No
     back = zip(frames.time.tolist(), frames.id.tolist(), frames.extended.tolist(), frames.dlc, frames.data, strict=True)
     # 0x20000000 marks an error frame; a 29-bit id never has it
     assert [log_fake.Row(t, i, e, d[:n].tobytes()) for t, i, e, n, d in back] == rows
-    assert frames.place.tolist() == list(range(1, len(rows) + 1))
+    assert frames.number.tolist() == list(range(1, len(rows) + 1))
     assert not tally.skipped
 
 
