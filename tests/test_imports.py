@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,20 @@ import pytest
 ROOT = Path(__file__).parents[1]
 OURS = {"ballscrew", "drivers", "viz", "estimator", "recordings"}
 TYPES = {"record", "rig", "step", "errors", "alarms"}  # what an estimator is told and what it says
+FLOORS = {  # of each package, the ground first: a wing, or a file beside the wings, imports from its own and lower ones
+    "estimator": (
+        "errors record terms rig step work",
+        "inputs",
+        "effect",
+        "effects model",
+        "network rig_folder",
+        "state",
+        "filter batch battery alarms",
+        "sensitivity accuracy",
+        "fit missing_effect missing_heat",
+    ),
+}
+MOST_FILES = {"commands": 15}  # in a folder; 12 elsewhere
 FILES = sorted(path for top in OURS for path in (ROOT / top).rglob("*.py"))
 
 
@@ -26,6 +42,42 @@ def imported(path: Path) -> set[str]:
             package = ROOT / node.module.replace(".", "/")
             found |= {f"{node.module}.{a.name}" for a in node.names if package.is_dir()}
     return found
+
+
+def module_of(path: Path) -> str:
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+
+
+def test_no_files_import_each_other_in_a_circle():
+    modules = {module_of(path) for path in FILES}
+    TopologicalSorter({module_of(path): imported(path) & modules - {module_of(path)} for path in FILES}).prepare()
+
+
+@pytest.mark.parametrize("package", FLOORS)
+def test_imports_of_wings_go_downwards(package):
+    floor = {wing: i for i, wings in enumerate(FLOORS[package]) for wing in wings.split()}
+    inside = [path for path in files(package) if path != ROOT / package / "__init__.py"]
+    assert {module_of(path).split(".")[1] for path in inside} == set(floor)
+    for path in inside:
+        own = module_of(path).split(".")[1]
+        for module in imported(path):
+            parts = module.split(".")
+            if parts[0] == package and len(parts) > 1 and parts[1] != own:
+                below = floor[parts[1]] < floor[own] or floor[own] == floor[parts[1]] == 0
+                assert below, f"{name(path)} imports {module}, which is not below it"
+
+
+def test_no_folder_is_a_hall():
+    for folder in {path.parent for path in FILES}:
+        inside = [path for path in folder.glob("*.py") if path.name != "__init__.py"]
+        assert len(inside) <= MOST_FILES.get(folder.name, 12), f"{name(folder)} has {len(inside)} files"
+
+
+def test_the_corridor_loads_no_compiler_and_no_pictures():
+    """Who reads the filter, or runs it live, waits for neither."""
+    program = "import sys, estimator.filter; print(*{'numba', 'rerun', 'matplotlib'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
 
 
 def top(module: str) -> str:
