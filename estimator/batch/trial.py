@@ -95,7 +95,7 @@ class Trial:
         readings, state = forcing.readings, State(forcing.readings, self.rig.expansion_tolerance)
         x0, P0 = self.run.estimate(readings, forcing.terms, forcing.place, ticks.offset[0])
         F, response = forcing.response(ticks)
-        regime, response, n = ticks.regime[1:], response[1:], state.n
+        regime, response = ticks.regime[1:], response[1:]
         run = nominal(
             x0[state.temperatures], F, regime, response, readings, readings.growth, self.rest.ages_s, self.rig.tick_s
         )
@@ -103,7 +103,7 @@ class Trial:
             y=self.rest.channels - ticks.offset[1:] - run.lag - run.late,
             muted=self.muted,
             regime=regime,
-            b=np.pad(response, ((0, 0), (0, state.size - n))),
+            b=np.pad(response, ((0, 0), (0, state.size - state.n))),
             F=F,
             Q=np.array([state.transition(forcing.transition(r), self.rig.tick_s).Q for r in range(len(F))]),
             H=state.rows(0.0),

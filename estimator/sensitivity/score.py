@@ -43,12 +43,12 @@ def _slopes(trial: Trial, posed: Posed, rows: Array) -> tuple[float, Tangent]:
     One backward pass, then through the open-loop run, the discretisation and the boundaries. `rows` (m,) bool: the
     channels whose row of H some parameter moves.
     """
-    system, run, n = posed.system, posed.run, posed.state.n
+    system, run, at = posed.system, posed.run, posed.state.temperatures
     s = batch.score(system, rows)
     back = pull_back(run, system.F, system.regime, -s.y, -s.y, s.grown)
-    heat, outside, network = _network(posed, s.b[:, :n] + back.b, s.F + back.F, s.Q[:, :n, :n])
+    heat, outside, network = _network(posed, s.b[:, at] + back.b, s.F + back.F, s.Q[:, at, at])
     x0 = s.x0.copy()
-    x0[:n] += back.start
+    x0[at] += back.start
     walk = np.zeros(len(rows))
     for channel, i in posed.state.zero_of.items():
         walk[channel] = s.Q[:, i, i].sum() * trial.rig.tick_s
@@ -56,7 +56,7 @@ def _slopes(trial: Trial, posed: Posed, rows: Array) -> tuple[float, Tangent]:
     reads = system.spans != 0  # one channel at most where it matters: its own share of dL/dgrown is all of it
     spans = np.where(reads, (s.grown * run.grown).sum() / np.where(reads, system.spans, 1.0), 0.0)
     readings = ReadingsTangent(
-        s.H[:, :n] + back.rows, back.growth, spans, variance, lag_variance, walk, back.keep, back.ramp, x0, s.P0
+        s.H[:, at] + back.rows, back.growth, spans, variance, lag_variance, walk, back.keep, back.ramp, x0, s.P0
     )
     return s.loglike, Tangent(network, heat, outside, -s.y, readings)
 

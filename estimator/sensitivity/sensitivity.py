@@ -52,13 +52,13 @@ def columns(trial: Trial, posed: Posed, model: Model, paths: Sequence[str]) -> t
 
 
 def _column(trial: Trial, posed: Posed, moved: Tangent, x: Array) -> tuple[Array, Array, Array]:
-    system, n = posed.system, posed.state.n
+    system, at = posed.system, posed.state.temperatures
     nominal = nominal_column(trial, posed, moved)
     readings = moved.readings or _nothing(posed)
-    B = nominal.b + _by_regime(nominal.F, system.regime, x[:-1, :n])
+    B = nominal.b + _by_regime(nominal.F, system.regime, x[:-1, at])
     predicted = system.b + x[:-1]
-    predicted[:, :n] += _by_regime(system.F, system.regime, x[:-1, :n]) - x[:-1, :n]
-    D = nominal.beside + predicted[:, :n] @ readings.rows.T
+    predicted[:, at] += _by_regime(system.F, system.regime, x[:-1, at]) - x[:-1, at]
+    D = nominal.beside + predicted[:, at] @ readings.rows.T
     span = nominal.grown[:, None] * system.spans + system.grown[:, None] * readings.spans
     D += predicted[:, system.column, None] * span
     return B, D, readings.x0
@@ -81,13 +81,13 @@ class NominalColumn:
 
 def nominal_column(trial: Trial, posed: Posed, moved: Tangent) -> NominalColumn:
     """Take a tangent through the open-loop run."""
-    system, run, n = posed.system, posed.run, posed.state.n
+    system, run = posed.system, posed.run
     if not moved.moves_states and moved.readings is None:
         none = np.zeros_like(posed.heat)
         return NominalColumn(none, np.zeros_like(system.F), moved.offset, moved.offset, np.zeros(len(none)))
     b, F = _states(trial, posed, moved)
     readings = moved.readings or _nothing(posed)
-    z0 = readings.x0[:n]
+    z0 = readings.x0[posed.state.temperatures]
     z = np.vstack([z0, coast(system.F, system.regime, b + _by_regime(F, system.regime, run.z[:-1]), z0)])
     spot = z @ run.readings.rows.T + run.z @ readings.rows.T
     before = np.vstack([run.spot[:1], run.lagged[:-1]])
