@@ -97,7 +97,8 @@ def _estimate(moment: Moment, rig: Rig) -> list[tuple[str, str]]:
     step, mode = moment.step, moment.mode.name.lower()
     rows = [("time", f"{duration(step.time_s)} since the first frame")]
     if np.isfinite(step.elongation_um):
-        table = f", {step.error_at_table_um:+.2f} um at the table" if np.isfinite(step.error_at_table_um) else ""
+        at_table = f", {step.error_at_table_um:+.2f} ± {2 * step.error_at_table_sd_um:.2f} um at the table"
+        table = at_table if np.isfinite(step.error_at_table_um) else ""
         rows.append(("elongation", f"{step.elongation_um:+.2f} ± {2 * step.sigma_um:.2f} um (2 sd){table}"))
     why = f": {', '.join(moment.trust.why)}" if moment.trust.why else ""
     rows.append(("mode", f"{mode}{why}{' (no frames: the model alone)' if moment.provisional else ''}"))
