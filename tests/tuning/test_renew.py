@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from estimator.errors import SetupError
 from estimator.rig_folder.model_toml import load_model, save_model
+from tests.processes import ended
 
 from .kept import Kept, kept_path, read, write
 from .measure import PAPER, Folder, fingerprint
@@ -51,7 +50,7 @@ def test_the_tests_judge_an_own_folder(rod: Path, tmp_path: Path) -> None:
     folder, here = shutil.copytree(rod, tmp_path / "rod"), Path(__file__).parent
     scale(folder, "heater.share", 0.99)
     words = ["-m", "pytest", here / "test_tuning.py", "--rig-folder", folder, "-p", "no:cacheprovider"]
-    found = subprocess.run([sys.executable, *words], capture_output=True, text=True, cwd=here.parents[1])
+    found = ended(*words, cwd=here.parents[1])
     assert found.returncode == 1
     assert "FAILED tests/tuning/test_tuning.py::test_no_worse_than_kept[check.csv]" in found.stdout
     assert re.search(r"\nopen_loop_K +check.csv +thermometers +0.05\d+ +0.\d+ +5%\n", found.stdout)

@@ -6,7 +6,6 @@ import json
 import shutil
 import signal
 import subprocess
-import sys
 from pathlib import Path
 from unittest import mock
 
@@ -17,6 +16,7 @@ from ballscrew.cli import COMMANDS
 from ballscrew.muting import muted
 from ballscrew.options import each_named
 from tests.conftest import ballscrew as run
+from tests.processes import PATIENCE_S, started
 
 ESTIMATES = ["filter", "smoothed", "open_loop", "polyline", "polyline_7", "polyline_joined", "last_reading"]
 
@@ -268,12 +268,10 @@ def test_a_mute_from_zero_begins_with_the_first_sample(rig, driven):
 
 def test_ctrl_c_ends_with_130():
     words = ["simulate", "FS-20", "--seconds", "60", "--interface", "virtual", "--channel", "tests"]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "ballscrew", *words], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
-    assert "playing FS-20 on virtual tests" in process.stdout.readline()
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=30)
+    with started("ballscrew", *words, stderr=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert "playing FS-20 on virtual tests" in process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
     assert "stopped by Ctrl-C" in err
     assert "Traceback" not in err

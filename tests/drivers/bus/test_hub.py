@@ -6,7 +6,6 @@ import re
 import signal
 import socket
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -18,15 +17,7 @@ import pytest
 from drivers.bus.hub import Hub, hub_running
 from drivers.bus.stamp import Stamp
 from estimator.errors import SetupError
-
-PATIENCE_S = 20.0  # far longer than anything here takes
-
-
-def until(condition: Callable[[], object]) -> None:
-    end = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < end, "it never happened"
-        time.sleep(0.005)
+from tests.processes import PATIENCE_S, ended, started, until
 
 
 @pytest.fixture
@@ -241,9 +232,7 @@ def test_a_client_that_goes_away_is_forgotten(port, hub) -> None:
     leaves = "import can, os, signal; can.Bus(interface='socketcand', channel='can0', host='127.0.0.1', port={})"
     with raw(port) as client:
         client.joins()
-        subprocess.run(
-            [sys.executable, "-c", leaves.format(port) + "; os.kill(os.getpid(), signal.SIGKILL)"], check=False
-        )
+        ended("-c", leaves.format(port) + "; os.kill(os.getpid(), signal.SIGKILL)")
         with raw(port) as short:
             short.joins()
             assert len(hub.clients) >= 2
@@ -289,15 +278,12 @@ def test_a_port_in_use_is_one_line(port) -> None:
 @contextmanager
 def command(*words: str) -> Iterator[tuple[subprocess.Popen[str], int]]:
     """`ballscrew hub` as a process, and its port."""
-    whole = [sys.executable, "-m", "ballscrew", "hub", "--port", "0", *words]
-    with subprocess.Popen(whole, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            assert process.stdout
-            first = process.stdout.readline()
-            assert first.startswith("hub: socketcand on ")
-            yield process, int(first.rpartition(":")[2])
-        finally:
-            process.kill()
+    whole = ["hub", "--port", "0", *words]
+    with started("ballscrew", *whole, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout
+        first = process.stdout.readline()
+        assert first.startswith("hub: socketcand on ")
+        yield process, int(first.rpartition(":")[2])
 
 
 def test_the_command_serves_simulate_and_ends_on_ctrl_c(bus, port) -> None:
@@ -306,7 +292,7 @@ def test_the_command_serves_simulate_and_ends_on_ctrl_c(bus, port) -> None:
         example = process.stdout.readline().split()
         listener = bus(port=own)
         play = [*example[1:], "--seconds", "3", "--max-drive", "3s", "--speed-up", "100"]
-        done = subprocess.run([sys.executable, "-m", "ballscrew", *play], capture_output=True, text=True, check=False)
+        done = ended("ballscrew", *play)
         assert done.returncode == 0, done.stderr
         heard = set()
         while not heard >= {0x210, 0x214, 0x230, 0x240}:

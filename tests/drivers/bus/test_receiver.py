@@ -14,6 +14,7 @@ from drivers.bus.receiver import Notice, Receiver
 from drivers.bus.rig_time import RigTime
 from drivers.received import Received
 from estimator.errors import SetupError
+from tests.processes import until
 
 
 class Script:
@@ -41,7 +42,6 @@ def message(number: int = 1, **more: object) -> can.Message:
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(receiving, "BACK_OFF_S", (0.01, 0.02))
-    monkeypatch.setattr(receiving, "SILENT_S", (0.5, 0.6))
     monkeypatch.setattr(receiving, "WAIT_S", 0.05)
 
 
@@ -60,9 +60,13 @@ def received(impatient) -> Callable[..., tuple[list[Received], list[Notice], Rec
 
         receiver = Receiver(opens, RigTime(), recorded.append)
         receiver.start()
-        found, end = [], time.monotonic() + 5
-        while sum(isinstance(each, Received) for each in found) < frames and time.monotonic() < end:
-            found += receiver.take(0.02)
+        found = []
+
+        def all_there() -> bool:
+            found.extend(receiver.take(0.02))
+            return sum(isinstance(each, Received) for each in found) >= frames
+
+        until(all_there)
         receiver.stop()
         found += receiver.take(0)
         taken = [each for each in found if isinstance(each, Received)]
@@ -98,7 +102,8 @@ def test_an_adaptor_that_goes_is_opened_again(received, failure):
     assert back.text.startswith("frames again after ")
 
 
-def test_a_silent_bus_is_opened_anew(received):
+def test_a_silent_bus_is_opened_anew(received, monkeypatch):
+    monkeypatch.setattr(receiving, "SILENT_S", (0.5, 0.6))
     silent = Script(message(1))
     frames, notices, _ = received(silent, Script(message(2)), frames=2)
     assert len(frames) == 2
@@ -124,9 +129,7 @@ def test_what_the_estimate_is_too_slow_for_is_counted(received, monkeypatch):
     recorded: list[Received] = []
     receiver = Receiver(lambda: Listener(Script(*(message(k) for k in range(50)))), RigTime(), recorded.append)
     receiver.start()
-    end = time.monotonic() + 5
-    while len(recorded) < 50 and time.monotonic() < end:
-        time.sleep(0.01)
+    until(lambda: len(recorded) == 50)
     receiver.stop()
     assert len(recorded) == 50
     waiting = receiver.take(0)
@@ -137,9 +140,7 @@ def test_what_the_estimate_is_too_slow_for_is_counted(received, monkeypatch):
 def test_an_interface_that_does_not_exist_ends_it():
     receiver = Receiver(BusAddress("nonsense", "can0").listen, RigTime(), print)
     receiver.start()
-    end = time.monotonic() + 5
-    while receiver.failure is None and time.monotonic() < end:
-        time.sleep(0.01)
+    until(lambda: receiver.failure)
     receiver.stop()
     assert isinstance(receiver.failure, SetupError)
     assert "nonsense" in str(receiver.failure)

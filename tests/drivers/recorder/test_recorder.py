@@ -6,9 +6,7 @@ import errno
 import json
 import math
 import subprocess
-import sys
 import threading
-import time
 from pathlib import Path
 from unittest import mock
 
@@ -27,6 +25,7 @@ from drivers.recordings import find_recordings, read_recording
 from estimator.errors import SetupError
 from tests import log_fake
 from tests.drivers.decode.test_ticks import RIG, assert_same
+from tests.processes import PATIENCE_S, ended, started, until
 
 START = 1_700_000_000.0  # 2023-11-14 22:13:20 UTC
 STEM = "2023-11-14T22-13-20Z"
@@ -43,14 +42,6 @@ def lines(path: Path) -> list[str]:
 
 def sidecar(path: Path) -> dict:
     return json.loads(path.with_suffix(".json").read_text())
-
-
-def until(condition, seconds: float = 20.0) -> None:
-    """Wait for another thread; far longer than it ever takes."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it never happened"
-        time.sleep(0.005)
 
 
 TIMES = st.integers(0, 4_000_000_000_000_000).map(lambda us: us / 1e6)
@@ -173,11 +164,11 @@ def test_what_is_written_is_brought_to_the_disk_and_nobody_waits_for_that(tmp_pa
 
     def disk(fd: int) -> None:
         begun.set()
-        assert slow.wait(20.0)
+        assert slow.wait(PATIENCE_S)
 
     with mock.patch("drivers.recorder.part._data_to_disk", disk), Recorder(tmp_path, {}, sync_s=0.01) as recorder:
         recorder.write(frame())
-        assert begun.wait(20.0)
+        assert begun.wait(PATIENCE_S)
         for k in range(1, 1000):
             recorder.write(frame(k))
         assert len(lines(recorder.path)) == 1000
@@ -235,7 +226,8 @@ print(json.dumps([told, recorder.notes]))
 def test_a_full_disk_leaves_whole_lines_and_is_over_when_there_is_room(tmp_path: Path) -> None:
     """A real limit, which takes half of the fourth line."""
     pytest.importorskip("resource")
-    done = subprocess.run([sys.executable, "-c", FULL, str(tmp_path)], capture_output=True, text=True, check=True)
+    done = ended("-c", FULL, tmp_path)
+    assert done.returncode == 0, done.stderr
     (two, full, still, soon, again), notes = json.loads(done.stdout)
     full_since = f"{tmp_path}: frames not recorded since 22:13:23 UTC"
     assert two == [2, 0, "", 2]
@@ -292,7 +284,7 @@ while True:
 
 
 def test_kill_9_takes_nothing_that_was_written_and_frees_the_folder(tmp_path: Path) -> None:
-    with subprocess.Popen([sys.executable, "-c", WRITER, str(tmp_path)], stdout=subprocess.PIPE, text=True) as process:
+    with started("-c", WRITER, tmp_path, stdout=subprocess.PIPE) as process:
         assert process.stdout
         for _ in range(20):
             told = int(process.stdout.readline())

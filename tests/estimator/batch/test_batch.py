@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +14,7 @@ from estimator.batch import batch
 from estimator.batch.batch import ahead, gram, loglike, passes, score, smoothed
 from estimator.batch.system import System
 from estimator.state.gate import Gate
+from tests.processes import ended
 
 T, N, MOVING, CHANNELS, REGIMES = 30, 11, 6, 6, 2
 SPAN = 4  # the channel with a dense row and an entry that varies
@@ -368,7 +367,7 @@ def test_it_works_where_nothing_can_be_written(tmp_path):
     program = "from estimator.batch import batch, kernels; print(kernels.forward.stats.cache_path, batch.is_cold())"
     clean = {key: value for key, value in os.environ.items() if not key.startswith(("HOME", "XDG", "NUMBA"))}
     clean |= {"HOME": "/proc/none", "PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, env=clean, capture_output=True, text=True)
+    done = ended("-c", program, cwd=tmp_path, env=clean)
     assert (done.stdout, done.stderr) == ("None True\n", "")
 
 

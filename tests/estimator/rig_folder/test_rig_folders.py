@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -26,6 +24,7 @@ from estimator.network.forcing import Forcing
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from tests.conftest import stepped
+from tests.processes import ended
 
 ROOT = Path(__file__).parents[3]
 SEVEN, ROD = ROOT / "examples" / "seven_channels", ROOT / "examples" / "heated_rod"
@@ -34,9 +33,7 @@ KNOWN = {"still_air.h": 9.0, "heater.share": 0.95, "chilled_end.g": 1.2}  # what
 
 def ballscrew(*words: str | Path) -> str:
     """Run the command in a process of its own; returns what it wrote to stdout."""
-    done = subprocess.run(
-        [sys.executable, "-m", "ballscrew", *map(str, words)], capture_output=True, text=True, cwd=ROOT, timeout=300
-    )
+    done = ended("ballscrew", *words, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import socket
 import sys
-import time
 import urllib.error
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +24,7 @@ from estimator.record import Sample
 from estimator.rig import Rig
 from estimator.step import Mode, Step, Track
 from tests.conftest import at_defaults
+from tests.processes import PATIENCE_S, until
 from tests.viz_fake import fake_run
 from tests.viz_read import fixed, rows, view_names
 from viz.drawing import profile
@@ -298,15 +298,7 @@ def test_stream_and_page_are_served_on_the_loopback_only(rig: Rig) -> None:
         assert [listening(port) for port in ports] == [{"0100007F"}] * 2
         page.close()
         assert listening(ports[1]) == set()
-    assert eventually(lambda: not listening(ports[0]))  # the server lets go of it in its own time
-
-
-def eventually(holds: Callable[[], bool]) -> bool:
-    """Whether something comes true while one can wait for it."""
-    end = time.monotonic() + 20.0
-    while not holds() and time.monotonic() < end:
-        time.sleep(0.1)
-    return holds()
+    until(lambda: not listening(ports[0]))  # the server lets go of it in its own time
 
 
 @pytest.mark.filterwarnings("ignore:RRD file has no footer")
@@ -325,10 +317,10 @@ def test_a_late_viewer_gets_it_all(fed: Fed, tmp_path: Path) -> None:
         show(views, fed.ticks[:100])
         late = viewer.start([views.url, "--save", str(got)], free_port())
         try:
-            assert eventually(lambda: len(seen()) == 100)
+            until(lambda: len(seen()) == 100)
         finally:
             late.terminate()
-            late.wait(10)
+            late.wait(PATIENCE_S)
         show(views, fed.ticks[100:200])
         assert views.trouble == ""
     np.testing.assert_array_equal(sorted(seen()), fed.run.track.time_s[:100])
@@ -341,7 +333,7 @@ def test_scripts_of_other_sites_may_not_read_the_stream(rig: Rig, site: str, all
         headers = {"Origin": site, "Access-Control-Request-Method": "POST"}
         request = urllib.request.Request(address, headers=headers, method="OPTIONS")
         direct = urllib.request.build_opener(urllib.request.ProxyHandler({}))
-        with direct.open(request, timeout=20) as answer:
+        with direct.open(request, timeout=PATIENCE_S) as answer:
             assert (answer.headers["Access-Control-Allow-Origin"] is not None) == allowed
 
 

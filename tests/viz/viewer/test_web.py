@@ -11,6 +11,7 @@ from urllib.parse import parse_qs, urlsplit
 import pytest
 
 from estimator.errors import SetupError
+from tests.processes import PATIENCE_S
 from viz.viewer import browser, live_pictures
 from viz.viewer.web import WebPage
 
@@ -28,7 +29,7 @@ def ask(page: WebPage, path: str, host: str = "") -> tuple[int, dict[str, str], 
     request = urllib.request.Request(f"http://{at.netloc}{path}", headers={"Host": host or at.netloc})
     direct = urllib.request.build_opener(urllib.request.ProxyHandler({}))
     try:
-        with direct.open(request, timeout=20) as answer:
+        with direct.open(request, timeout=PATIENCE_S) as answer:
             return answer.status, dict(answer.headers), answer.read()
     except urllib.error.HTTPError as error:
         with error:
