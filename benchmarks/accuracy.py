@@ -42,9 +42,9 @@ def one(path: Path, situation: str) -> Review:
 
 def _end(recording) -> float:  # type: ignore[no-untyped-def]
     """60 min after the first stop, s from the first sample."""
-    from estimator.inputs.phase import stops
+    from estimator.inputs.phase import COOLDOWN_S, stops
 
-    return stops(recording)[0] + 3600.0 - float(recording.time_s[0])
+    return stops(recording)[0] + COOLDOWN_S - float(recording.time_s[0])
 
 
 def markdown() -> str:

@@ -33,10 +33,10 @@ from estimator.accuracy.horizon import open_loop_only, overall
 from estimator.batch.trial import trials_of
 from estimator.effects import CATALOGUE
 from estimator.fit.open_loop_fit import follow
-from estimator.inputs.follower import followers
 from estimator.missing_effect.candidates import kind_of
 from estimator.missing_effect.hypothesis import Hypothesis
 from estimator.missing_effect.improve import improve
+from estimator.missing_effect.stand_ins import unknown_of
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
@@ -125,9 +125,9 @@ def _judge(out: Outcome, found: Suggestion, rig: Rig, held: Sequence[Recording])
     if found.wrong_input is not None:
         out.wrong = (found.wrong_input.run, found.wrong_input.signal, found.wrong_input.ratio)
     if found.stranger is not None:
-        at = {path.partition(".")[2]: value for path, value in found.stranger.candidate.at.items()}
-        out.place_mm = at.get("at", float("nan"))
-        out.follows = (*followers(rig), "temperature")[round(at["follows"])]
+        unknown = unknown_of(found.stranger.candidate, rig)
+        out.place_mm = float("nan") if unknown.at_mm is None else unknown.at_mm
+        out.follows = unknown.follower.name
 
 
 def _held_out(h: Hypothesis, rig: Rig, held: Sequence[Recording]) -> Error | None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from drivers.recordings import read_recording
 from estimator.filter import Filter
+from estimator.inputs.phase import turns
 from estimator.record import Sample
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
@@ -23,7 +24,6 @@ RECORDINGS = Path(__file__).parents[1] / "recordings"
 RUN, UNTIL_S = "FS-20", 4280.0
 BATCH = 60  # ticks
 WINDOW = "1440x1000"
-AT_REST = 0.5  # rad/s
 
 
 def ticks(rig_folder: Path, name: str) -> Iterator[tuple[Sample, Step]]:
@@ -42,7 +42,7 @@ def feed(views: LiveViews) -> None:
             break
         views.show(sample, step)
         now = f"{step.elongation_um:.1f} ± {2 * step.sigma_um:.1f} µm (2 sd)"
-        if (sample.omega > AT_REST) != driving:
+        if turns(sample.omega) != driving:
             driving = not driving
             views.say(step.time_s, "drive starts" if driving else f"drive stops at {now}")
         if k % BATCH == BATCH - 1:

@@ -214,6 +214,11 @@ class Rig:
         """Names of the channels that read a temperature, in order."""
         return tuple(name for name, channel in self.channels.items() if channel.is_thermometer)
 
+    @cached_property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the bodies that thermometers read."""
+        return tuple(sorted({channel.node for channel in self.channels.values() if channel.node is not None}))
+
     def index(self, name: str) -> int:
         """Column of a channel; an unknown name is a SetupError."""
         if name not in self.channels:

@@ -17,11 +17,11 @@ from ballscrew.workspace import load, open_model, open_rig, true_elongation
 from estimator.accuracy.compare import ByHorizon, Comparison, compare
 from estimator.accuracy.floor import Error
 from estimator.errors import InputError
+from estimator.inputs.phase import PHASES
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 
-PHASES = {"drive": "driving", "early_stop": "first 10 min after a stop", "late_stop": "later"}
 KEYS = {"one_step": "one_step", "ahead": "ahead_10min", "open_loop": "open_loop"}
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from ballscrew.commands.compare import KEYS, PHASES
+from ballscrew.commands.compare import KEYS
 from ballscrew.commands.fit import HORIZONS
 from ballscrew.options import logs_argument, output_options, rig_options, save_option
 from ballscrew.report.page import Section
@@ -17,6 +17,7 @@ from ballscrew.threads import threads
 from ballscrew.workspace import load, open_model, open_rig
 from estimator.accuracy.quality import overall
 from estimator.errors import InputError
+from estimator.inputs.phase import PHASES
 from estimator.missing_heat.diagnose import Diagnosis, diagnose
 from estimator.missing_heat.missing_heat import MissingHeat
 from estimator.missing_heat.where import Missing

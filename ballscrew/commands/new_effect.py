@@ -9,13 +9,12 @@ import click
 
 from ballscrew.options import output_options, writable
 from ballscrew.own_effect.class_file import with_class
-from ballscrew.own_effect.followers import FOLLOWERS, MOTION
 from ballscrew.own_effect.own_effect import ALL, VOCABULARY, Wanted, effect_text
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_rig
 from estimator.effects import CATALOGUE
 from estimator.errors import SetupError, nearest
-from estimator.inputs.follower import bodies
+from estimator.inputs.follower import NAMES, Follower, known_followers
 from estimator.rig import Rig
 
 HEAD = '"""Effects of this rig that the catalogue does not have."""\n'
@@ -28,7 +27,7 @@ HEAD = '"""Effects of this rig that the catalogue does not have."""\n'
 )
 @click.option(
     "--follows", default="always", metavar="WORD",
-    help=f"{', '.join(FOLLOWERS)}, or an input of the rig, of which it follows the rise; default: always.",
+    help=f"{', '.join(NAMES)}, or an input of the rig, of which it follows the rise; default: always.",
 )  # fmt: skip
 @click.option("--reading", metavar="CHANNEL|all", help="Shift this channel's readings, or all thermometers', not heat.")
 @click.option(
@@ -50,8 +49,8 @@ def command(
     """
     terminal = Terminal(json_path, quiet)
     rig = open_rig([out], rig_path, terminal)
-    cls, place, node = _class_name(name), *_place(at, reading, rig)
-    wanted = Wanted(cls, place, _follows(follows, rig), _channel(reading, rig), node)
+    cls, place = _class_name(name), _place(at, reading, rig)
+    wanted = Wanted(cls, _follower(follows, rig), *place, _channel(reading, rig))
     text = out.read_text() if out.is_file() else HEAD
     out.write_text(with_class(text, effect_text(wanted, rig), VOCABULARY, out))
     use = f"{out}:{wanted.cls}"
@@ -73,14 +72,14 @@ def _class_name(name: str) -> str:
 
 def _place(at: str | None, reading: str | None, rig: Rig) -> tuple[float | None, str | None]:
     """A place in mm, or a body; neither: all along the screw."""
-    known = ", ".join(bodies(rig))
+    known = ", ".join(rig.bodies)
     if at is None:
         if rig.screw is None and reading is None:
             raise SetupError(f"{rig.name} has no screw; say with --at which body is heated: {known}")
         return None, None
     if reading is not None:
         raise SetupError("--at is where heat goes, --reading shifts a reading: leave one of them out")
-    if at in bodies(rig):
+    if at in rig.bodies:
         return None, at
     if rig.screw is None:
         raise SetupError(f"--at {at}: {rig.name} has no screw, and no thermometer in such a body; known: {known}")
@@ -93,13 +92,13 @@ def _place(at: str | None, reading: str | None, rig: Rig) -> tuple[float | None,
     return place, None
 
 
-def _follows(word: str, rig: Rig) -> str:
-    known = (*FOLLOWERS, *rig.inputs)
-    if word in MOTION and "speed" not in rig.inputs:
+def _follower(word: str, rig: Rig) -> Follower:
+    known = known_followers(rig)
+    if word not in known and word in NAMES:
         raise SetupError(f"--follows {word}: {rig.name} has no input 'speed', so that nothing ever moves")
     if word not in known:
         raise SetupError(f"--follows {word}: neither known nor an input of {rig.name}; {nearest(word, known)}")
-    return word
+    return known[word]
 
 
 def _channel(reading: str | None, rig: Rig) -> str | None:

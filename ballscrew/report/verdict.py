@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ballscrew.report.stranger import followed, new_effect_line, stranger_of
+from ballscrew.report.unknown import new_effect_line, where
 from estimator.accuracy.floor import Error
 from estimator.missing_effect.hypothesis import Hypothesis
 from estimator.missing_effect.next_run import NextRun
+from estimator.missing_effect.stand_ins import unknown_of
 from estimator.missing_effect.suggestion import GOOD, Suggestion
 from estimator.rig import Rig
 
-PHASE_OF = {"drive": "drive", "early_drive": "drive", "speed": "drive", "speed2": "drive", "early_stop": "early_stop"}
 ONE = " By one recording, from which nothing could be left out: make another to be sure."
 APART_SD = 3.0  # a run that sets rivals less apart does not tell
 
@@ -50,11 +50,11 @@ def _verdict(finding: Finding, rig: Rig) -> str:
         size = f"{wrong.ratio:.2f} times" if wrong.ratio != 1 else f"{wrong.shift_K:+.1f} K off"
         return f"{head} {wrong.run}, where {wrong.signal} is {size} what it should be: check that run.{rest}"
     if found.verdict == "nothing_in_catalogue" and found.stranger is not None:
-        who = stranger_of(found.stranger, rig)
-        line = "heat" if who.heat else "an offset of"
+        unknown = unknown_of(found.stranger.candidate, rig)
+        what = "heat" if unknown.channel is None else "an offset of"
         return (
-            f"No effect of the catalogue explains it. Something like {line} {who.what} does, which follows"
-            f" {followed(who.follows)}. Begin with: {new_effect_line(who)}"
+            f"No effect of the catalogue explains it. Something like {what} {where(unknown)} does, which follows"
+            f" {unknown.follower.words}. Begin with: {new_effect_line(unknown)}"
         )
     if found.verdict == "nothing_in_catalogue":
         return (
@@ -119,15 +119,7 @@ def as_json(finding: Finding, rig: Rig) -> dict[str, Any]:
     """The verdict for programs."""
     found, run = finding.suggestion, finding.next_run
     held = list(finding.held_out)
-    wrong, stranger = found.wrong_input, found.stranger and stranger_of(found.stranger, rig)
-    where = None
-    if stranger is not None and found.verdict == "nothing_in_catalogue":
-        at = stranger.at_mm
-        where = {
-            "from_mm": at - 30.0 if at is not None else None, "to_mm": at + 30.0 if at is not None else None,
-            "node": stranger.node, "phase": PHASE_OF.get(stranger.follows), "follows": stranger.follows,
-            "what": stranger.what,
-        }  # fmt: skip
+    wrong = found.wrong_input
     return {
         "verdict": found.verdict,
         "effects": [
@@ -142,9 +134,20 @@ def as_json(finding: Finding, rig: Rig) -> dict[str, Any]:
         "input": None if wrong is None or found.verdict != "input_error" else {
             "run": wrong.run, "signal": wrong.signal, "ratio": wrong.ratio, "shift_K": wrong.shift_K,
         },
-        "where": where,
+        "where": _unknown(found, rig),
         "pair": list(found.pair),
         "sentence": sentence(finding, rig),
+    }  # fmt: skip
+
+
+def _unknown(found: Suggestion, rig: Rig) -> dict[str, Any] | None:
+    if found.stranger is None or found.verdict != "nothing_in_catalogue":
+        return None
+    unknown = unknown_of(found.stranger.candidate, rig)
+    at, follower = unknown.at_mm, unknown.follower
+    return {
+        "from_mm": at - 30.0 if at is not None else None, "to_mm": at + 30.0 if at is not None else None,
+        "node": unknown.node, "phase": follower.phase, "follows": follower.name, "what": where(unknown),
     }  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from math import ceil
 
 import numpy as np
 
-from estimator.inputs.phase import AT_REST
+from estimator.inputs.phase import turns
 from estimator.record import Sample
 from estimator.rig import Rig
 from estimator.step import Mode, Step
@@ -39,7 +39,7 @@ class Watch:
     def tick(self, sample: Sample, step: Step, diverged: bool) -> None:
         """A tick has closed."""
         self._started, self._diverged = step.mode != Mode.INIT, diverged
-        self._moving = bool(np.nan_to_num(sample.omega) > AT_REST)
+        self._moving = bool(turns(sample.omega))
         if step.fused[self._heat].sum() >= self.least:
             self._enough = step.time_s
         if step.fused[~self._heat].any():

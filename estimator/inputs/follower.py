@@ -1,6 +1,10 @@
-"""What heat or a reading may follow: motion, speed, time, or a temperature of the rig."""
+"""What heat or a reading may follow: motion, speed, time, an input of the rig, or the temperature where it acts."""
 
 from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -10,31 +14,116 @@ from estimator.rig import Rig
 
 FADING_S = 300.0
 HOUR = 3600.0
-SHAPES = ("always", "drive", "rest", "early_drive", "early_stop", "speed", "speed2", "time")
-TEMPERATURE = "temperature"
 
 
-def followers(rig: Rig) -> tuple[str, ...]:
-    """What something may follow on a rig: shapes of the motion, and every temperature that is an input."""
-    own = [name for name, signal in rig.inputs.items() if signal.unit == "degC"]
-    return (*SHAPES, *own) if "speed" in rig.inputs else ("always", "time", *rig.inputs)
+@dataclass(frozen=True)
+class Follower:
+    """One thing to follow over time.
+
+    name     as command lines and results have it
+    words    what is followed, for a person
+    when     when something that follows it is there, for a person
+    symbol   what an equation multiplies by
+    formula  what an effect multiplies by, in Python: (ticks, 1), of the order of 1
+    values   the same as a function
+    unit     of a value; "" for a number
+    typical  how large a value gets, in this unit
+    phase    of the machine, outside which it is zero; None where there is no one such
+    """
+
+    name: str
+    words: str
+    when: str
+    symbol: str
+    formula: str
+    values: Callable[[Inputs, Rig], Array] = field(compare=False)
+    unit: str = ""
+    typical: float = 1.0
+    phase: str | None = None
 
 
-def bodies(rig: Rig) -> tuple[str, ...]:
-    """Bodies that thermometers read."""
-    return tuple(sorted({channel.node for channel in rig.channels.values() if channel.node is not None}))
+def _fading(u: Inputs) -> Array:
+    """1 at the last start or stop, and less from there on."""
+    return np.asarray(np.exp(-u.motion.since_s / FADING_S))
 
 
-def following(name: str, u: Inputs, rig: Rig) -> Array:
-    """What is followed, (ticks, 1), of the order of 1."""
-    m = u.motion
-    if name in SHAPES:
-        speed = u.speed_law(rig.screw, 1.0) if rig.screw else u.omega
-        shapes = {
-            "always": np.ones_like(u.omega), "drive": m.turning, "rest": (1 - m.turning) * m.moved,
-            "early_drive": m.turning * np.exp(-m.since_s / FADING_S),
-            "early_stop": (1 - m.turning) * m.moved * np.exp(-m.since_s / FADING_S),
-            "speed": speed, "speed2": speed**2 * u.unevenness, "time": m.time_s / HOUR,
-        }  # fmt: skip
-        return shapes[name]
-    return u.rise(name)
+FADING = f"np.exp(-u.motion.since_s / {FADING_S})"
+RESTING = "(1.0 - u.motion.turning) * u.motion.moved"
+ALWAYS = Follower("always", "nothing: it is always there", "always", "", "1.0", lambda u, rig: np.ones_like(u.omega))
+DRIVE = Follower(
+    "drive", "the drive", "while the screw turns", " while the screw turns, else 0",
+    "u.motion.turning", lambda u, rig: u.motion.turning, phase="drive",
+)  # fmt: skip
+REST = Follower(
+    "rest", "the rest", "while the screw stands after a drive", " while the screw stands after a drive, else 0",
+    RESTING, lambda u, rig: (1.0 - u.motion.turning) * u.motion.moved,
+)  # fmt: skip
+EARLY_DRIVE = Follower(
+    "early_drive", "the first minutes of a drive", "in the first minutes of a drive",
+    " exp(-t / 300 s), t s after a drive began, else 0",
+    f"u.motion.turning * {FADING}", lambda u, rig: u.motion.turning * _fading(u), phase="drive",
+)  # fmt: skip
+EARLY_STOP = Follower(
+    "early_stop", "the first minutes after a stop", "in the first minutes of a stop",
+    " exp(-t / 300 s), t s after a stop, else 0",
+    f"{RESTING} * {FADING}", lambda u, rig: REST.values(u, rig) * _fading(u), phase="early_stop",
+)  # fmt: skip
+SPEED = Follower(
+    "speed", "the speed", "in step with the speed", " |omega / omega_ref|",
+    "rig.the_screw().relative_speed(u.omega)", lambda u, rig: rig.the_screw().relative_speed(u.omega), phase="drive",
+)  # fmt: skip
+SPEED_SQUARED = Follower(
+    "speed2", "the speed squared", "in step with the square of the speed", " (omega / omega_ref)^2",
+    "u.speed_law(rig.the_screw(), 2.0)", lambda u, rig: u.speed_law(rig.the_screw(), 2.0), phase="drive",
+)  # fmt: skip
+TIME = Follower(
+    "time", "the time", "in step with the time", " t / 1 h",
+    f"u.motion.time_s / {HOUR}", lambda u, rig: u.motion.time_s / HOUR,
+)  # fmt: skip
+TEMPERATURE = Follower(  # where something acts: part of the state, and nothing that is known beforehand
+    "temperature", "the temperature there", "in step with the temperature", "",
+    "0.0", lambda u, rig: np.zeros_like(u.omega),
+)  # fmt: skip
+RATE = replace(TEMPERATURE, name="rate", words="how fast the temperature there changes", when="while that changes")
+
+MOTION = (DRIVE, REST, EARLY_DRIVE, EARLY_STOP, SPEED, SPEED_SQUARED)  # which take a speed
+NAMES = tuple(follower.name for follower in (ALWAYS, *MOTION, TIME, TEMPERATURE))
+
+
+def followers(rig: Rig) -> tuple[Follower, ...]:
+    """What a search tries on a rig: shapes of the motion, and inputs; last the temperature where something acts.
+
+    On a rig that moves only temperatures are tried of the inputs, on one that never moves all.
+    """
+    motion = _motion(rig)
+    inputs = [name for name, signal in rig.inputs.items() if not motion or signal.unit == "degC"]
+    return (ALWAYS, *motion, TIME, *(_input(name, rig) for name in inputs), TEMPERATURE)
+
+
+def known_followers(rig: Rig) -> dict[str, Follower]:
+    """All that can be followed on a rig, by name: what a search tries, and every other input."""
+    return {name: _input(name, rig) for name in rig.inputs} | {f.name: f for f in followers(rig)}
+
+
+def _motion(rig: Rig) -> tuple[Follower, ...]:
+    """Shapes of the motion; where no screw says what is fast, speeds are in rad/s."""
+    if "speed" not in rig.inputs:
+        return ()
+    if rig.screw is not None:
+        return MOTION
+    speed = replace(SPEED, symbol=" omega", formula="u.omega", values=lambda u, rig: u.omega)
+    squared = replace(
+        SPEED_SQUARED, symbol=" omega^2", formula="u.omega**2 * u.unevenness",
+        values=lambda u, rig: u.omega**2 * u.unevenness,
+    )  # fmt: skip
+    return (*MOTION[:-2], replace(speed, unit="rad/s", typical=100.0), replace(squared, unit="rad2/s2", typical=1e4))
+
+
+def _input(name: str, rig: Rig) -> Follower:
+    """The change of an input since the start."""
+    signal = rig.inputs[name]
+    unit, typical = ("K", 5.0) if signal.unit == "degC" else (signal.unit, (signal.hi - signal.lo) / 10)
+    return Follower(
+        name, f"the input '{name}'", f"in step with {name}", f" ({name} - {name}(0))",
+        f"u.rise({json.dumps(name)})", lambda u, rig: u.rise(name), unit, typical,
+    )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from estimator.inputs.phase import AT_REST
+from estimator.inputs.phase import turns
 from estimator.record import Array
 
 REMEMBERED = 500  # drives and rests; what lay further back has faded
@@ -72,9 +72,10 @@ class MotionReader:
     def read(self, omega: Array) -> Motion:
         """Motion of the next ticks, of speeds omega (ticks,) rad/s; call in order of time."""
         before, since = tuple(self._stretches), np.empty(len(omega))
-        for k, turns in enumerate(omega > AT_REST):
-            since[k] = self._follow(bool(turns))
-        turning = (omega > AT_REST).astype(float)
+        moves = turns(omega)
+        for k, now in enumerate(moves):
+            since[k] = self._follow(bool(now))
+        turning = moves.astype(float)
         moved = np.maximum.accumulate(np.maximum(turning, float(self._moved)))
         self._moved = bool(moved[-1])
         time = (self._ticks + np.arange(len(omega))) * self._tick
@@ -82,10 +83,10 @@ class MotionReader:
         columns = [column[:, None] for column in (time, turning, since, moved)]
         return Motion(columns[0], columns[1], columns[2], columns[3], before, self._tick)
 
-    def _follow(self, turns: bool) -> float:
+    def _follow(self, turning: bool) -> float:
         """One more tick: s since the motion last changed."""
-        if self._stretches and self._stretches[-1][0] == turns:
-            self._stretches[-1] = turns, self._stretches[-1][1] + self._tick
+        if self._stretches and self._stretches[-1][0] == turning:
+            self._stretches[-1] = turning, self._stretches[-1][1] + self._tick
         else:
-            self._stretches.append((turns, self._tick))
+            self._stretches.append((turning, self._tick))
         return self._stretches[-1][1]

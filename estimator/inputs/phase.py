@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,16 @@ COOLDOWN_S = 3600.0
 
 EARLY_S = 600.0
 CRUISING = 90  # per cent of the readings of a drive's speed are at most what it keeps between its ends
-PHASES = ("drive", "early_stop", "late_stop")
+PHASES = {  # when, for a person
+    "drive": "while driving",
+    "early_stop": "in the first ten minutes after a stop",
+    "late_stop": "at rest",
+}
+
+
+def turns(omega: Any) -> Any:
+    """Whether the screw turns at these speeds, rad/s; not where they are unknown."""
+    return omega > AT_REST
 
 
 def phase_of(recording: Recording) -> Array:
@@ -56,7 +66,7 @@ def _cruising(recording: Recording, rig: Rig, ticks: Array) -> float:
 
 def phases(recording: Recording) -> Iterator[tuple[bool, Array]]:
     """Drives and rests in order, as (driving, indices of the ticks)."""
-    driving = np.nan_to_num(recording.omega) > AT_REST
+    driving = turns(recording.omega)
     borders = np.flatnonzero(np.diff(driving)) + 1
     for ticks in np.split(np.arange(len(recording)), borders):
         yield bool(driving[ticks[0]]), ticks

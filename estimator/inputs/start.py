@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.inputs.phase import AT_REST
+from estimator.inputs.phase import turns
 from estimator.record import Array, Sample
 from estimator.rig import Rig
 
@@ -44,7 +44,7 @@ def read_start(sample: Sample, rig: Rig, muted: Array | None = None) -> Start | 
     apart = np.abs(known - level)
     spread = float(np.ptp(known[apart <= ODD_K]))
     others = np.delete(known, apart.argmax()) if len(known) > 2 else known  # one may be a spike
-    steady = float(np.clip((WARM_K - np.ptp(others)) / (WARM_K - UNIFORM_K), 0.0, 1.0)) * (not sample.omega > AT_REST)
+    steady = float(np.clip((WARM_K - np.ptp(others)) / (WARM_K - UNIFORM_K), 0.0, 1.0)) * (not turns(sample.omega))
     zero = {}
     for name, signal in rig.inputs.items():
         difference = sample.inputs.get(name, np.nan) - level

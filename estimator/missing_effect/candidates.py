@@ -9,7 +9,7 @@ import numpy as np
 
 from estimator.effect import Effect
 from estimator.errors import SetupError
-from estimator.inputs.follower import bodies, followers
+from estimator.inputs.follower import followers
 from estimator.inputs.inputs import no_inputs
 from estimator.model import Model
 from estimator.network.check import checked_terms
@@ -119,6 +119,6 @@ SEATS: Mapping[str, Callable[[Rig], Sequence[float]]] = {
     "place": places,
     "channel": lambda rig: range(1, len(rig.thermometers) + 1),
     "reading": lambda rig: range(len(rig.names) + 1),
-    "node": lambda rig: range(len(bodies(rig))),
-    "follower": lambda rig: range(len(followers(rig)) + 1),
+    "node": lambda rig: range(len(rig.bodies)),
+    "follower": lambda rig: range(len(followers(rig))),
 }

@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 
 from estimator.batch.nominal import open_loop
 from estimator.batch.trial import Trial
-from estimator.inputs.phase import speed_of
+from estimator.inputs.phase import speed_of, turns
 from estimator.inputs.start import Start
 from estimator.missing_effect.hypothesis import Hypothesis
 from estimator.missing_effect.moments import Column, moments
@@ -66,7 +66,7 @@ def next_run(
 
 def _plans(rig: Rig, recordings: Sequence[Recording]) -> Iterator[NextRun]:
     """Patterns, speeds and drive times to choose from, inside the travel and the speeds seen so far."""
-    moving = [r.inputs["position"][np.nan_to_num(r.omega) > 0] for r in recordings]
+    moving = [r.inputs["position"][turns(r.omega)] for r in recordings]
     places = np.concatenate(moving)
     places = places[np.isfinite(places)]
     speeds = sorted({float(v) for r in recordings for v in speed_of(r, rig)} - {0.0})

@@ -7,12 +7,14 @@ follows say what to look for on the machine.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 from estimator.effect import Effect, Param
 from estimator.effects.local import spot
-from estimator.inputs.follower import bodies, followers, following
+from estimator.inputs.follower import TEMPERATURE, Follower, followers
 from estimator.inputs.inputs import Inputs
+from estimator.missing_effect.candidates import Candidate
 from estimator.rig import Rig
 from estimator.terms import SCREW, Heat, Link, Read, Term
 
@@ -29,12 +31,10 @@ class UnknownHeat(Effect):
     follows = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="follower", source="by search")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        names, which = followers(rig), round(p.follows.real)
-        over = spot(rig, p.at, p.width)
-        warm = float(which == len(names))
+        follower, over = followers(rig)[round(p.follows.real)], spot(rig, p.at, p.width)
         if "ambient" in u:
-            yield Link(SCREW, "ambient", -warm * p.power * over)
-        yield Heat(SCREW, p.power * (1.0 - warm) * following(names[min(which, len(names) - 1)], u, rig), over=over)
+            yield Link(SCREW, "ambient", -float(follower is TEMPERATURE) * p.power * over)
+        yield Heat(SCREW, p.power * follower.values(u, rig), over=over)
 
 
 class UnknownBodyHeat(Effect):
@@ -48,13 +48,12 @@ class UnknownBodyHeat(Effect):
     follows = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="follower", source="by search")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        names, which = followers(rig), round(p.follows.real)
-        for number, node in enumerate(bodies(rig)):
+        follower = followers(rig)[round(p.follows.real)]
+        for number, node in enumerate(rig.bodies):
             here = p.power * float(number == round(p.node.real))
-            warm = float(which == len(names))
             if "ambient" in u:
-                yield Link(node, "ambient", -here * warm)
-            yield Heat(node, here * (1.0 - warm) * following(names[min(which, len(names) - 1)], u, rig))
+                yield Link(node, "ambient", -here * float(follower is TEMPERATURE))
+            yield Heat(node, here * follower.values(u, rig))
 
 
 class UnknownReading(Effect):
@@ -68,8 +67,29 @@ class UnknownReading(Effect):
     follows = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="follower", source="by search")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        names, which = followers(rig), round(p.channel.real)
-        shift = p.offset * following(names[min(round(p.follows.real), len(names) - 1)], u, rig)
+        follower, which = followers(rig)[round(p.follows.real)], round(p.channel.real)
+        shift = p.offset * follower.values(u, rig)
         for number, name in enumerate(rig.names, start=1):
             meant = number == which or (which == 0 and name in rig.thermometers)
             yield Read(name, {}, 0.0, float(meant) * shift)
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """What a stand-in stands for: heat at a place, mm, or in a body (`node`); else a channel's reading, "" for all."""
+
+    follower: Follower
+    at_mm: float | None = None
+    node: str | None = None
+    channel: str | None = None
+
+
+def unknown_of(candidate: Candidate, rig: Rig) -> Unknown:
+    """A stand-in where a search has put it."""
+    at = {path.partition(".")[2]: value for path, value in candidate.at.items()}
+    follower = followers(rig)[round(at["follows"])]
+    if "channel" in at:
+        return Unknown(follower, channel=("", *rig.names)[round(at["channel"])])
+    if "node" in at:
+        return Unknown(follower, node=rig.bodies[round(at["node"])])
+    return Unknown(follower, at_mm=at["at"])

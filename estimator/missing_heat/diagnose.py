@@ -15,6 +15,7 @@ from estimator.accuracy.floor import Error, noise_floor
 from estimator.accuracy.horizon import errors
 from estimator.accuracy.quality import ChannelQuality, quality
 from estimator.batch.trial import Trial
+from estimator.inputs.phase import turns
 from estimator.missing_heat.follows import Limits, limits_of
 from estimator.missing_heat.misfit import Misfit, misfit
 from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
@@ -69,7 +70,7 @@ def diagnose(
     limits, alone = limits_of(rig, floor), open_loop(misfits)
     heat, wrong = without_shadows(where(maps, limits), wrong_readings(maps, limits))
     adequate = not (alone.temperature_K > limits.temperature_K or alone.elongation_um > limits.elongation_um)
-    moves = any(bool((np.nan_to_num(recording.omega) > 0).any()) for recording in recordings)
+    moves = any(bool(turns(recording.omega).any()) for recording in recordings)
     told = sentences(adequate, alone, floor, heat, wrong, moves)
     return Diagnosis(adequate, {**found, "open_loop": alone}, floor, limits, judged, heat, wrong, told, tuple(maps))
 

@@ -16,13 +16,12 @@ from math import erfc
 import numpy as np
 
 from estimator.accuracy.floor import Error
-from estimator.inputs.follower import TEMPERATURE, followers, following
+from estimator.inputs.follower import ALWAYS, RATE, Follower, followers
 from estimator.missing_heat.missing_heat import ALL, MissingHeat
 from estimator.record import Array
 from estimator.rig import Rig
 
 GOOD_K, GOOD_UM = 0.05, 0.2  # rms open loop that a good model leaves ...
-RATE = "rate"  # of the temperature's change
 FLOORS = 2.0  # ... or so many times what the sensors leave, if that is more
 
 SEED = 1
@@ -30,7 +29,6 @@ ORDERS = 500
 CHANCE = 0.01  # p below which a follower is named
 UNEXPLAINED = 0.1  # of the variance, beside the values' own sd, that no follower is expected to explain
 CONSTANT = 0.8  # of the power, from which on the mean is all that there is
-ALWAYS = "always"
 
 
 @dataclass(frozen=True)
@@ -46,12 +44,17 @@ class Series:
 class Follows:
     """The best follower, None where it may be chance; p; and the share of the variance that it explains."""
 
-    name: str | None
+    follower: Follower | None
     p: float
     explains: float
 
+    @property
+    def name(self) -> str | None:
+        """The follower's name."""
+        return self.follower.name if self.follower else None
 
-def follows(series: Sequence[Series], names: Sequence[str], steady: bool = True) -> Follows:
+
+def follows(series: Sequence[Series], known: Sequence[Follower], steady: bool = True) -> Follows:
     """What the series of some recordings follow together; `steady`: whether their mean has a meaning."""
     y = np.concatenate([each.values for each in series])
     sd = np.concatenate([each.sd for each in series])
@@ -71,7 +74,7 @@ def follows(series: Sequence[Series], names: Sequence[str], steady: bool = True)
     mixed -= (mixed @ np.sqrt(weight))[:, None] * np.sqrt(weight) / weight.sum()
     chance = ((mixed @ shapes) ** 2).max(axis=1) / np.maximum((mixed**2).sum(axis=1), 1e-300)
     p = (1 + int((chance >= found[best] - 1e-9).sum())) / (1 + len(orders))
-    return Follows(names[best] if p < CHANCE else None, p, float(found[best]))
+    return Follows(known[best] if p < CHANCE else None, p, float(found[best]))
 
 
 def _always(series: Sequence[Series], share: float) -> Follows:
@@ -129,9 +132,9 @@ def limits_of(rig: Rig, floor: Error) -> Limits:
     return Limits(heat, length, np.isin(rig.names, rig.thermometers))
 
 
-def names(found: MissingHeat) -> tuple[str, ...]:
-    """Names of the followers on the rig of a recording, the temperature at the place and its rate last."""
-    return (*followers(found.misfit.trial.rig), TEMPERATURE, RATE)
+def followers_there(found: MissingHeat) -> tuple[Follower, ...]:
+    """What heat and readings of a recording are held against, the temperature at the place and its rate last."""
+    return (*followers(found.misfit.trial.rig), RATE)
 
 
 def heat_series(found: MissingHeat, zones: Sequence[int]) -> Series:
@@ -162,7 +165,7 @@ def _followers(found: MissingHeat, near: Array, read: Array, mean: Callable[[Arr
     """Followers averaged over the ticks of each block or bin that were `read` (T,), (b, F); `near` weighs channels."""
     trial = found.misfit.trial
     u, used = trial.drive.inputs, np.flatnonzero(near)
-    columns = [following(name, u, trial.rig)[1:, 0] for name in followers(trial.rig)]
+    columns = [known.values(u, trial.rig)[1:, 0] for known in followers(trial.rig)[:-1]]
     columns.append(_held(trial.rest.channels[:, used]) @ near[used])
     columns.append(np.gradient(columns[-1], trial.rig.tick_s) if len(read) > 1 else np.zeros(1))
     return np.stack([mean(np.where(read, column, np.nan)) for column in columns], axis=1)

@@ -7,20 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.accuracy.floor import Error
-from estimator.missing_heat.follows import ALWAYS, Follows
+from estimator.inputs.follower import ALWAYS
+from estimator.inputs.phase import PHASES
+from estimator.missing_heat.follows import Follows
 from estimator.missing_heat.missing_heat import ALL
 from estimator.missing_heat.where import Missing, together
 from estimator.missing_heat.wrong_reading import Wrong
 
 NOTHING = "Nothing: what is left is as large as the sensors' own errors."
 FINDINGS = 2
-PHASES = {"drive": "while driving", "early_stop": "in the first ten minutes after a stop", "late_stop": "at rest"}
-WORDS = {
-    "drive": "the drive", "rest": "the rest", "early_drive": "the first minutes of a drive",
-    "early_stop": "the first minutes after a stop", "speed": "the speed", "speed2": "the speed squared",
-    "time": "the time", "temperature": "the temperature there",
-    "rate": "how fast the temperature there changes", ALWAYS: "nothing",
-}  # fmt: skip
 
 
 def sentences(
@@ -49,7 +44,7 @@ def _heat(same: Sequence[Missing], moves: bool) -> str:
     place = f"in {most.node}" if most.node is not None else f"between {most.from_mm:.0f} and {most.to_mm:.0f} mm"
     when = " and ".join(PHASES[phase] for phase in PHASES if phase in {each.phase for each in same})
     if not moves or len({each.phase for each in same}) == len(PHASES):
-        when = "all the time" if moves or most.follows.name in (None, ALWAYS) else ""
+        when = "all the time" if moves or most.follows.follower in (None, ALWAYS) else ""
     verb = "It lacks" if most.heat_W > 0 else "It has too much:"
     return f"{verb} {abs(most.heat_W):.2g} W +- {most.sd_W:.1g} {place}{when and ' ' + when}{_follows(most.follows)}."
 
@@ -57,7 +52,7 @@ def _heat(same: Sequence[Missing], moves: bool) -> str:
 def _reading(wrong: Wrong, moves: bool) -> str:
     name = "All thermometers together" if wrong.channel == ALL else wrong.channel
     reads = "read" if wrong.channel == ALL else "reads"
-    if wrong.follows.name == ALWAYS:
+    if wrong.follows.follower == ALWAYS:
         way = "high" if wrong.offset > 0 else "low"
         since = "from the first motion on" if moves else "all the time"
         return f"{name} {reads} {abs(wrong.offset):.2f} {wrong.unit} {way} {since}."
@@ -65,7 +60,6 @@ def _reading(wrong: Wrong, moves: bool) -> str:
 
 
 def _follows(found: Follows) -> str:
-    if found.name is None or found.name == ALWAYS:
+    if found.follower is None or found.follower == ALWAYS:
         return ""
-    what = WORDS.get(found.name, f"the input '{found.name}'")
-    return f"; that follows {what} (p {'<' if found.p < 0.002 else '='} {max(found.p, 0.002):.2g})"
+    return f"; that follows {found.follower.words} (p {'<' if found.p < 0.002 else '='} {max(found.p, 0.002):.2g})"

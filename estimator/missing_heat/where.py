@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.inputs.phase import PHASES
-from estimator.missing_heat.follows import Follows, Limits, follows, heat_series, names
+from estimator.missing_heat.follows import Follows, Limits, followers_there, follows, heat_series
 from estimator.missing_heat.missing_heat import MissingHeat
 from estimator.record import Array
 
@@ -50,7 +50,7 @@ def where(found: Sequence[MissingHeat], limits: Limits) -> tuple[Missing, ...]:
             zones = [found[0].zones[z] for z in run]
             sure = abs(heat) > SURE * sd
             if sure or zones[0].node is not None:
-                told = follows([heat_series(each, run) for each in found], names(found[0]))
+                told = follows([heat_series(each, run) for each in found], followers_there(found[0]))
                 if not sure and (told.name is None or told.explains < TOLD):
                     continue
                 effect = _effect(found, phase, run, limits)

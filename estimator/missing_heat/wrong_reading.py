@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.missing_heat.follows import Follows, Limits, follows, names, reading_series
+from estimator.missing_heat.follows import Follows, Limits, followers_there, follows, reading_series
 from estimator.missing_heat.missing_heat import ALL, MissingHeat, moved
 from estimator.missing_heat.where import MATTERS, SURE
 from estimator.record import Array
@@ -55,7 +55,7 @@ def _judged(found: Sequence[MissingHeat], name: str, limits: Limits) -> Wrong | 
     effect = rms / limit * (1.0 if name == ALL else 1.0 / np.sqrt(sum(limits.thermometers == heat)))
     if effect < MATTERS or square < SURE**2 * scatter:
         return None
-    told = follows([reading_series(each, name) for each in found], names(found[0]), steady=heat)
+    told = follows([reading_series(each, name) for each in found], followers_there(found[0]), steady=heat)
     return Wrong(name, "K" if heat else "um", offset, sd, rms, float(effect), told)
 
 

@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from estimator.inputs.follower import bodies
 from estimator.network.assemble import Layout, spread
 from estimator.record import Array
 from estimator.rig import Rig
@@ -37,7 +36,7 @@ def zones(rig: Rig, place: Layout) -> tuple[Zone, ...]:
         lo, hi = rig.screw.from_mm, rig.screw.to_mm
         edges = np.linspace(lo, hi, max(1, round((hi - lo) / ZONE_MM)) + 1).tolist()
         found += [Zone(a, b, None, (b - a) * 1e-3) for a, b in pairwise(edges)]
-    return (*found, *(Zone(None, None, node, 1.0) for node in bodies(rig) if node in place.nodes))
+    return (*found, *(Zone(None, None, node, 1.0) for node in rig.bodies if node in place.nodes))
 
 
 def heat_of(zone: Zone, rig: Rig, place: Layout) -> Array:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from estimator.inputs.phase import AT_REST
+from estimator.inputs.phase import turns
 from estimator.record import Array
 
 WINDOW_S = 60.0
@@ -51,7 +51,7 @@ class Regimes:
         return self._current
 
     def _mean(self, omega: float, coverage: Array) -> tuple[float, Array]:
-        if omega < AT_REST:
+        if not turns(omega):
             self._moving.clear()
             self._sum = 0.0
             return 0.0, coverage

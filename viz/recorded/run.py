@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.inputs.phase import stops, turns
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import Track
@@ -14,7 +15,6 @@ from viz.drawing import columns
 from viz.drawing.columns import Flags, Indices
 from viz.drawing.scale import BodyScale, Range, extent_of, lasting, minutes, rounded, symmetric, widened
 
-AT_REST = 0.5  # rad/s
 JUDGED = ("filter", "polyline")  # the estimates that see the thermometers
 
 
@@ -72,19 +72,13 @@ class Run:
     @property
     def turning(self) -> Flags:
         """(K,) whether the screw turned in the tick."""
-        return np.asarray(np.nan_to_num(self.recording.omega) > AT_REST)
-
-    @property
-    def stops_s(self) -> Array:
-        """Times at which the drive stopped, s."""
-        ends = np.flatnonzero(self.turning[:-1] & ~self.turning[1:]) + 1
-        return self.track.time_s[ends]
+        return np.asarray(turns(self.recording.omega))
 
 
 def first_stop_s(run: Run) -> float:
     """The moment that shows most at a glance: the whole second after the first stop; without a stop the middle."""
-    stops = run.stops_s
-    return float(np.ceil(stops[0] if len(stops) else np.nanmedian(run.track.time_s)))
+    moments = stops(run.recording)
+    return float(np.floor(moments[0]) + 1 if moments else np.ceil(np.nanmedian(run.track.time_s)))
 
 
 @dataclass(frozen=True)

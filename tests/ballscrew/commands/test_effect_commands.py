@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from ballscrew.own_effect.followers import FOLLOWERS
 from estimator.effects import CATALOGUE, HEAT, READING, STRUCTURE
+from estimator.inputs.follower import NAMES
 from estimator.rig_folder.model_toml import load_model
 from tests.conftest import PAPER
 from tests.conftest import ballscrew as run
@@ -243,7 +243,7 @@ READINGS = [None, "all", "T04", "displacement"]
 
 def test_every_follower_and_reading_makes_an_effect_that_passes_as_written(folder):
     (folder / "effects.py").unlink()
-    rig_inputs = [*(word for word in FOLLOWERS), "board", "ambient", "position"]
+    rig_inputs = [*NAMES, "board", "ambient", "position"]
     made = []
     for i, follows in enumerate(rig_inputs):
         for k, reading in enumerate(READINGS):

@@ -9,11 +9,11 @@ from typing import get_args
 
 import pytest
 
-from ballscrew.own_effect.followers import FOLLOWERS
 from estimator import terms
 from estimator.battery.battery import CHECKS, battery
 from estimator.effect import Param
 from estimator.effects import HEAT, READING, STRUCTURE
+from estimator.inputs.follower import NAMES
 from estimator.rig_folder.model_toml import own_effect
 
 PAGE = Path(__file__).parents[3] / "docs" / "effects.md"
@@ -50,7 +50,7 @@ def test_every_key_of_a_parameter_is_on_the_page():
 
 def test_every_check_and_follower_is_on_the_page():
     assert [row[0] for row in rows("### What must hold")] == list(CHECKS)
-    assert [row[0].strip("`") for row in rows("### A new effect as a file")] == [*FOLLOWERS, "any input"]
+    assert [row[0].strip("`") for row in rows("### A new effect as a file")] == [*NAMES, "any input"]
 
 
 def test_the_example_of_the_page_passes(tmp_path, full, rig):

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from estimator.accuracy import polyline
 from estimator.accuracy.accuracy import accuracy, least_squares_line
 from estimator.accuracy.review import overall, review
-from estimator.inputs.phase import cooling, stops
 
 NAN = np.nan
 LENGTHS = st.floats(-50, 50)
@@ -136,13 +135,6 @@ def test_nis_is_the_mean_over_fused_channels(run, rig, full):
     known = np.isfinite(found.track.nis)  # the first sample only starts the filter
     assert found.nis_mean == pytest.approx(found.track.nis[known].sum() / found.track.nis_channels[known].sum())
     assert found.track.nis_channels.sum() == 90 * 15 + 30
-
-
-def test_cooling_is_the_hour_after_a_stop(small, driven):
-    drive = driven(small, 4000, (10, 50))
-    np.testing.assert_array_equal(np.flatnonzero(cooling(drive)), np.arange(50, 3650))
-    assert stops(drive) == [50.0]
-    assert stops(driven(small, 40, (10, 99))) == []
 
 
 def test_several_recordings_make_one_band(run, rig, full):

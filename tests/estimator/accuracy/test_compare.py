@@ -12,7 +12,6 @@ import pytest
 from estimator.accuracy.compare import compare
 from estimator.accuracy.horizon import horizons
 from estimator.batch.trial import Trial
-from estimator.inputs.phase import phase_of, speed_of
 from tests.conftest import ballscrew
 
 PAPER = Path(__file__).parents[3] / "recordings"
@@ -52,18 +51,6 @@ def test_held_out_is_what_the_model_was_not_fitted_to(both, rig, full, lived):
     assert true.held_out is not None
     alone = compare(full.with_values(TRUE), rig, [lived])
     assert true.held_out["open_loop"].temperature_K == pytest.approx(alone.whole["open_loop"].temperature_K, rel=1e-3)
-
-
-def test_phases_and_speeds_share_the_ticks_out(lived, rig):
-    phase = phase_of(lived)
-    names, counts = np.unique(phase, return_counts=True)
-    assert dict(zip(names.tolist(), counts.tolist(), strict=True)) == {
-        "drive": 580, "early_stop": 600, "late_stop": 320,
-    }  # fmt: skip
-    assert (phase[:20] == "late_stop").all()
-    speed = speed_of(lived, rig)
-    assert set(speed) == {0.0, 20.0}
-    assert (speed[20:] == 20.0).all()
 
 
 def test_parts_add_up_to_the_whole(both):

@@ -10,7 +10,7 @@ import pytest
 
 from estimator.batch.trial import trials_of
 from estimator.effects import CATALOGUE
-from estimator.inputs.follower import followers
+from estimator.inputs.follower import REST, followers
 from estimator.missing_effect.candidates import candidates, kind_of, places
 from estimator.missing_effect.hypothesis import refined
 from estimator.missing_effect.improve import improve
@@ -192,7 +192,7 @@ def test_radiation_and_still_air_are_a_tie(plain, bar, lives):
 
 
 def test_what_no_catalogue_has_is_placed_and_followed(plain, bar, lives):
-    follows = followers(bar).index("rest")
+    follows = followers(bar).index(REST)
     found = search(plain, bar, lives(with_effect(plain, "unknown_heat", power=4.0, at=60.0, follows=follows)))
     assert found.verdict == "nothing_in_catalogue"
     at = found.stranger.candidate.at

@@ -11,6 +11,7 @@ import pytest
 from estimator.accuracy.floor import Error
 from estimator.batch.coarse import coarse
 from estimator.effect import Effect, Param
+from estimator.inputs.follower import ALWAYS, known_followers
 from estimator.inputs.phase import PHASES
 from estimator.missing_heat.diagnose import diagnose
 from estimator.missing_heat.follows import Follows
@@ -101,12 +102,12 @@ def test_one_thermometer_with_an_offset(runs, lived, small_model):
     assert found.sentences[-1] == "T3 reads 0.40 K low from the first motion on."
 
 
-def test_sentences_put_what_matters_most_first():
+def test_sentences_put_what_matters_most_first(rig):
     chance = Follows(None, 0.4, 0.1)
-    heat = [Missing(100.0, 200.0, None, phase, 5.0, 0.5, 4.0, Follows("always", 0.0, 1.0)) for phase in PHASES] + [
+    heat = [Missing(100.0, 200.0, None, phase, 5.0, 0.5, 4.0, Follows(ALWAYS, 0.0, 1.0)) for phase in PHASES] + [
         Missing(None, None, "cup", "late_stop", -2.0, 0.1, 1.0, chance)
     ]
-    wrong = [Wrong("T1", "K", 0.1, 0.01, 0.2, 6.0, Follows("board", 0.001, 0.9))]
+    wrong = [Wrong("T1", "K", 0.1, 0.01, 0.2, 6.0, Follows(known_followers(rig)["board"], 0.001, 0.9))]
     told = sentences(False, Error(0.4, float("nan")), Error(0.05, float("nan")), heat, wrong)
     assert told == (
         "The model alone is 0.4 K off, 8 times what the sensors leave.",

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from estimator.missing_heat.follows import ALWAYS, Series, follows
+from estimator.inputs.follower import ALWAYS, DRIVE
+from estimator.missing_heat.follows import Series, follows
 
 NAMES = ("always", "drive", "speed", "time", "early_stop", "air")
+KNOWN = (ALWAYS, *(replace(DRIVE, name=name) for name in NAMES[1:]))
 BLOCKS = 15
 
 
@@ -37,7 +41,7 @@ def series(dice: np.random.Generator, recordings: int, lasting: float, **signal:
 @pytest.mark.parametrize("recordings", [1, 4])
 def test_p_of_noise_is_uniform_or_cautious(recordings, lasting):
     dice = np.random.default_rng(recordings)
-    p = np.array([follows(series(dice, recordings, lasting), NAMES).p for _ in range(80)])
+    p = np.array([follows(series(dice, recordings, lasting), KNOWN).p for _ in range(80)])
     assert np.mean(p < 0.05) < 0.11
     assert np.mean(p < 0.2) < 0.33
     assert 0.3 < np.median(p) < 0.7
@@ -45,29 +49,29 @@ def test_p_of_noise_is_uniform_or_cautious(recordings, lasting):
 
 @pytest.mark.parametrize("name", ["drive", "speed", "early_stop", "time"])
 def test_a_signal_is_named(name):
-    found = follows(series(np.random.default_rng(5), 4, 0.5, **{name: 12.0}), NAMES)
+    found = follows(series(np.random.default_rng(5), 4, 0.5, **{name: 12.0}), KNOWN)
     assert found.name == name
     assert found.p < 0.01
     assert found.explains > 0.7
 
 
 def test_what_does_not_change_is_always_there():
-    found = follows(series(np.random.default_rng(6), 4, 0.5, always=8.0), NAMES)
-    assert found.name == ALWAYS
-    assert follows(series(np.random.default_rng(6), 4, 0.5, always=8.0), NAMES, steady=False).name != ALWAYS
+    found = follows(series(np.random.default_rng(6), 4, 0.5, always=8.0), KNOWN)
+    assert found.follower is ALWAYS
+    assert follows(series(np.random.default_rng(6), 4, 0.5, always=8.0), KNOWN, steady=False).follower is not ALWAYS
 
 
 def test_one_recording_names_nothing_that_its_order_cannot_tell():
-    assert follows(series(np.random.default_rng(7), 1, 0.5, drive=30.0), NAMES).name is None
+    assert follows(series(np.random.default_rng(7), 1, 0.5, drive=30.0), KNOWN).name is None
 
 
 def test_the_answer_is_the_same_each_time():
-    one, other = (follows(series(np.random.default_rng(8), 3, 1.0, speed=1.0), NAMES) for _ in range(2))
+    one, other = (follows(series(np.random.default_rng(8), 3, 1.0, speed=1.0), KNOWN) for _ in range(2))
     assert one == other
 
 
 def test_too_few_values_and_no_variation_say_nothing():
     few = Series(np.ones(2), np.ones(2), np.ones((2, 6)))
     flat = Series(np.zeros(9), np.ones(9), np.ones((9, 6)))
-    assert follows([few], NAMES).name is None
-    assert follows([flat], NAMES).name is None
+    assert follows([few], KNOWN).name is None
+    assert follows([flat], KNOWN).name is None
