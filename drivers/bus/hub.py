@@ -9,10 +9,9 @@ from __future__ import annotations
 import asyncio
 import re
 import socket
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 
 from drivers.bus.stamp import Stamp
 from estimator.errors import SetupError
@@ -58,7 +57,7 @@ class Hub:
         while self.clients:
             await asyncio.sleep(0)
 
-    def share(self, sender: _Client, frames: list[tuple[bytes, bytes]]) -> None:
+    def pass_on(self, sender: _Client, frames: list[tuple[bytes, bytes]]) -> None:
         """Stamp frames, (id, data) as hex, and hand them to everybody else on the sender's channel."""
         text = b"".join(b"< frame %b %b %b >" % (number, self.stamp.next(), data) for number, data in frames)
         self.frames += len(frames)
@@ -104,17 +103,17 @@ class _Client(asyncio.Protocol):
             if self.channel and (frame := _frame(words)):
                 frames.append(frame)
                 continue
-            self._share(frames)
+            self._pass_on(frames)
             frames = []
             self._obey(words)
-        self._share(frames)
+        self._pass_on(frames)
         if len(self._rest) > _LONGEST:
             self._rest = b""
             self._refuse("no command is as long")
 
-    def _share(self, frames: list[tuple[bytes, bytes]]) -> None:
+    def _pass_on(self, frames: list[tuple[bytes, bytes]]) -> None:
         if frames:
-            self.hub.share(self, frames)
+            self.hub.pass_on(self, frames)
 
     def hear(self, text: bytes, count: int) -> None:
         """Pass on frames; a client that does not read them must neither stall the others nor fill the memory."""
@@ -176,22 +175,3 @@ def _frame(words: bytes) -> tuple[bytes, bytes] | None:
     if len(digits) != int(size) or (len(number) < 8 and int(number, 16) > 0x7FF):
         return None
     return number.zfill(3).upper(), b"".join(digits).upper()
-
-
-@contextmanager
-def hub_running(hub: Hub | None = None, port: int = 0) -> Iterator[int]:
-    """A hub on the loopback in a thread of this process; yields its port."""
-    hub = hub or Hub()
-    loop = asyncio.new_event_loop()
-    try:
-        opened = loop.run_until_complete(hub.open(port=port))
-        thread = threading.Thread(target=loop.run_forever, name="hub")
-        thread.start()
-        try:
-            yield opened
-        finally:
-            asyncio.run_coroutine_threadsafe(hub.close(), loop).result()
-            loop.call_soon_threadsafe(loop.stop)
-            thread.join()
-    finally:
-        loop.close()

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -105,20 +106,20 @@ class _Reader:
 
     def _decode(self, text: bytes, buffer: Bytes, starts: NDArray[np.intp], lengths: NDArray[np.intp]) -> None:
         todo = np.flatnonzero(lengths > 0)
-        found = []
-        for _ in range(_LAYOUTS):
+        tables = []
+        for attempt in count():
             layout, todo = self._layout(text, starts, lengths, todo)
             if layout is None:
                 break
-            same = todo[lengths[todo] == layout.end()]
+            # a file of a thousand layouts is taken line by line: to look for more of each would never end
+            same = todo[lengths[todo] == layout.end()] if attempt < _LAYOUTS else todo[:1]
             good, table = _cut(buffer, starts[same], layout)
             table["number"] = self.lines + 1 + same[good]
-            found.append(table)
+            tables.append(table)
             self.buses.add(layout[3])
-            todo = np.setdiff1d(todo, same[good], assume_unique=True)
-        found.extend(self._one_by_one(text, starts, lengths, todo))
-        if found:
-            self._keep(np.concatenate(found))
+            todo = np.setdiff1d(todo, same[good], assume_unique=True) if attempt < _LAYOUTS else todo[1:]
+        if tables:
+            self._keep(np.concatenate(tables))
 
     def _layout(
         self, text: bytes, starts: NDArray[np.intp], lengths: NDArray[np.intp], todo: NDArray[np.intp]
@@ -130,20 +131,6 @@ class _Reader:
                 return match, todo[position:]
             self._odd(words, self.lines + 1 + int(line))
         return None, todo[:0]
-
-    def _one_by_one(
-        self, text: bytes, starts: NDArray[np.intp], lengths: NDArray[np.intp], todo: NDArray[np.intp]
-    ) -> list[NDArray[np.void]]:
-        rows = []
-        for line in todo:
-            words = text[starts[line] : starts[line] + lengths[line]]
-            if match := _LINE.fullmatch(words):
-                _, table = _cut(np.frombuffer(words, np.uint8), np.zeros(1, np.intp), match)
-                table["number"] = self.lines + 1 + line
-                rows.append(table)
-            else:
-                self._odd(words, self.lines + 1 + int(line))
-        return rows
 
     def _odd(self, line: bytes, number: int) -> None:
         if not line.strip():

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from datetime import datetime
 from itertools import islice
 from pathlib import Path
@@ -40,9 +41,9 @@ class Table:
                 raise InputError(f"{path}: no CSV: {error}; expected commas and a header row") from None
         self.line = np.array([line for line, _ in cells], np.uint32)
         columns = list(zip(*(row for _, row in cells), strict=True)) or [()] * len(header)
-        self.time = self._times(columns[header.index(rig.log.time_column)])
+        self.time = _numbers(columns[header.index(rig.log.time_column)], _seconds)
         for name, index in where.items():
-            self.columns[name] = self._numbers(columns[index], name)
+            self.columns[name] = self._measured(columns[index], name)
         self._only_timed()
 
     def _where(self, header: list[str], rig: Rig) -> dict[str, int]:
@@ -72,18 +73,9 @@ class Table:
                 self.tally.skip("row with a wrong number of cells")
         return cells
 
-    def _times(self, cells: tuple[str, ...]) -> Array:
-        try:
-            return np.array(cells, dtype=float)
-        except ValueError:
-            return np.array([_seconds(cell) for cell in cells])
-
-    def _numbers(self, cells: tuple[str, ...], name: str) -> Array:
-        try:
-            return np.array(cells, dtype=float)
-        except ValueError:
-            values = np.array([_number(cell) for cell in cells])
-        wrong = np.isnan(values) & np.array([bool(cell.strip()) for cell in cells])
+    def _measured(self, cells: tuple[str, ...], name: str) -> Array:
+        values = _numbers(cells, _number)
+        wrong = np.isnan(values) & np.array([cell.strip().lower() not in ("", "nan") for cell in cells], bool)
         self.tally.skip(f"no number {name}", np.count_nonzero(wrong))
         return values
 
@@ -114,22 +106,28 @@ def _whole_lines(file: Iterator[str], tally: Tally, budget: Budget) -> Iterator[
         yield line.replace("\0", "?")
 
 
+def _numbers(cells: tuple[str, ...], number: Callable[[str], float]) -> Array:
+    try:
+        return np.array(cells, dtype=float)
+    except ValueError:
+        return np.array([number(cell) for cell in cells])
+
+
 def _seconds(cell: str) -> float:
     """Seconds from a number or an ISO time; NaN if it is neither."""
-    value = _number(cell)
-    if not np.isnan(value):
-        return value
     try:
-        return datetime.fromisoformat(cell.strip()).timestamp()
-    except (ValueError, OverflowError, OSError):
-        return float("nan")
+        return float(cell)
+    except ValueError:
+        with suppress(ValueError, OverflowError, OSError):
+            return datetime.fromisoformat(cell.strip()).timestamp()
+    return np.nan
 
 
 def _number(cell: str) -> float:
     try:
         return float(cell)
     except ValueError:
-        return float("nan")
+        return np.nan
 
 
 def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:

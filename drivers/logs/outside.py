@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import queue
 import struct
 import subprocess
 import sys
@@ -24,6 +25,7 @@ from drivers.budget import Budget
 from drivers.frames import FRAME, Frames, Tally
 
 HEAD = struct.Struct("<cId")  # kind of block, bytes that follow, share of the file read
+Blocks = queue.SimpleQueue[tuple[bytes, float, bytes]]  # kind of block, share of the file read, frames or account
 _BYTES_PER_S = 5e6  # a large file may take longer to its first frame
 
 
@@ -31,25 +33,24 @@ def read_outside(
     path: Path, tally: Tally, budget: Budget, progress: Callable[[float], None] | None = None
 ) -> tuple[Frames, str]:
     """All classic data frames that python-can finds, and what was found, in words."""
-    suffix = path.suffix.lower()
-    size = path.stat().st_size
-    memory = budget.memory + 8 * size + (4_000_000_000 if suffix == ".mf4" else 0)
-    child = _start(path, memory)
-    watch = _Watch(child, budget, budget.stall_s + size / _BYTES_PER_S)
+    suffix, size = path.suffix.lower(), path.stat().st_size
+    child = _start(path, budget.memory + 8 * size + (4_000_000_000 if suffix == ".mf4" else 0))
+    blocks: Blocks = queue.SimpleQueue()
+    thread = threading.Thread(target=_pass_on, args=(child.stdout, blocks), daemon=True)
+    thread.start()
     try:
-        blocks, account = _receive(child.stdout, watch, budget, progress)  # type: ignore[arg-type]
+        table, account, why = _receive(blocks, budget, budget.stall_s + size / _BYTES_PER_S, progress)
     finally:
-        watch.end()
+        child.kill()
+        child.wait()
+        thread.join()
     for reason, count in account.get("skipped", {}).items():
         tally.skip(reason, count)
     for sentence in account.get("notes", ()):
         tally.note(sentence)
+    if why:
+        tally.note(f"stopped after {len(table)} frames: {why}")
     unit = "line" if suffix in {".asc", ".csv", ".trc"} else "frame"
-    table = np.concatenate(blocks) if blocks else np.empty(0, FRAME)
-    if watch.why:
-        tally.note(f"stopped after {len(table)} frames: {watch.why}")
-    elif "found" not in account:
-        tally.note(f"stopped after {len(table)} frames: the reader died, probably out of memory")
     return Frames.of(table, unit), account.get("found", f"{size} bytes")
 
 
@@ -64,61 +65,40 @@ def _start(path: Path, memory: int) -> subprocess.Popen[bytes]:
 
 
 def _receive(
-    pipe: IO[bytes], watch: _Watch, budget: Budget, progress: Callable[[float], None] | None
-) -> tuple[list[NDArray[np.void]], dict[str, Any]]:
-    """Blocks of frames until the account, which comes last; a killed reader's pipe just ends."""
-    blocks: list[NDArray[np.void]] = []
-    count = 0
-    while len(head := pipe.read(HEAD.size)) == HEAD.size:
-        kind, size, share = HEAD.unpack(head)
-        body = pipe.read(size)
-        if len(body) < size:
+    blocks: Blocks, budget: Budget, stall_s: float, progress: Callable[[float], None] | None
+) -> tuple[NDArray[np.void], dict[str, Any], str]:
+    """Frames until the account, which comes last; why there is none, if the reader had to be ended or died."""
+    end = time.monotonic() + budget.seconds
+    tables = [np.empty(0, FRAME)]
+    count, account, why = 0, {}, ""
+    while not account and not why:
+        left_s = end - time.monotonic()
+        try:
+            kind, share, body = blocks.get(timeout=min(stall_s, left_s))
+        except (queue.Empty, ValueError):  # a time below 0 is no time to wait
+            late = f"reading took {budget.seconds:g} s"
+            why = late if left_s < stall_s else f"the reader gave no frame for {stall_s:.0f} s"
             break
         if kind == b"A":
-            return blocks, json.loads(body)
-        watch.alive()
-        blocks.append(np.frombuffer(body, FRAME))
-        count += len(blocks[-1])
-        if progress:
-            progress(min(share, 1.0))
-        if why := budget.spent(count, 0, late=False):
-            watch.kill(why)
-    return blocks, {}
+            account = json.loads(body)
+        elif kind == b"F":
+            tables.append(np.frombuffer(body, FRAME))
+            count += len(tables[-1])
+            why = budget.spent(count, 0, late=False)
+            if progress:
+                progress(min(share, 1.0))
+        else:
+            why = "the reader died, probably out of memory"
+    return np.concatenate(tables), account, why
 
 
-class _Watch:
-    """Kills the reader when it sends nothing for too long, or takes too long in all."""
-
-    def __init__(self, child: subprocess.Popen[bytes], budget: Budget, stall_s: float) -> None:
-        self.why = ""
-        self._child = child
-        self._stall_s = stall_s
-        self._total_s = budget.seconds
-        self._begin = self._heard = time.monotonic()
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-
-    def alive(self) -> None:
-        self._heard = time.monotonic()
-
-    def kill(self, why: str) -> None:
-        self.why = self.why or why
-        self._child.kill()
-
-    def end(self) -> None:
-        """No process and no thread stays behind."""
-        self._over.set()
-        self._thread.join()
-        self._child.kill()
-        self._child.wait()
-        if self._child.stdout:
-            self._child.stdout.close()
-
-    def _run(self) -> None:
-        while not self._over.wait(0.05):
-            now = time.monotonic()
-            if now - self._begin > self._total_s:
-                self.kill(f"reading took {self._total_s:g} s")
-            elif now - self._heard > self._stall_s:
-                self.kill(f"the reader gave no frame for {self._stall_s:.0f} s")
+def _pass_on(pipe: IO[bytes], blocks: Blocks) -> None:
+    """Pass on what the reader sends, and an empty block at its end; a killed reader's pipe just ends."""
+    with pipe:
+        while len(head := pipe.read(HEAD.size)) == HEAD.size:
+            kind, size, share = HEAD.unpack(head)
+            body = pipe.read(size)
+            if len(body) < size:
+                break
+            blocks.put((kind, share, body))
+    blocks.put((b"", 0.0, b""))

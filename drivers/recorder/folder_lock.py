@@ -13,10 +13,14 @@ from estimator.errors import SetupError
 
 
 def lock_folder(folder: Path) -> BaseFileLock:
-    """Hold `folder/.lock` until `release`; a second holder is a SetupError that names the process of the first."""
+    """Make a folder and hold its `.lock` until `release`.
+
+    A second holder is a SetupError that names the process of the first; so is a folder that cannot be used.
+    """
     path = folder / ".lock"
     lock = FileLock(path, thread_local=False, fallback_to_soft=False)
     try:
+        folder.mkdir(parents=True, exist_ok=True)
         lock.acquire(blocking=False)
     except Timeout:
         raise SetupError(
@@ -24,7 +28,7 @@ def lock_folder(folder: Path) -> BaseFileLock:
         ) from None
     except OSError as error:
         if error.errno not in (ENOLCK, ENOSYS, EOPNOTSUPP):  # a network folder without locks
-            raise
+            raise SetupError(f"{folder}: cannot record there: {error.strerror}; name another folder") from None
     else:
         with suppress(OSError):  # a full disk, or Windows: the lock holds all the same
             path.write_text(str(os.getpid()))

@@ -15,14 +15,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from filelock import BaseFileLock
-
 from drivers.budget import Budget
 from drivers.logs.candump_line import line_of
 from drivers.received import Received
 from drivers.recorder.folder_lock import lock_folder
 from drivers.recorder.part import Part, utc
-from estimator.errors import SetupError
 
 _RETRY_S = 1.0
 _MOST_NOTES = 50
@@ -62,7 +59,7 @@ class Recorder:
         self._lost_since = (0.0, 0)  # stamp of the first frame lost, frames lost before it
         self._mutex = threading.Lock()
         self._wake, self._over = threading.Event(), threading.Event()
-        self._held = _lock(self._folder)
+        self._held = lock_folder(self._folder)
         self._helper = threading.Thread(target=self._keep, args=(sync_s,), daemon=True, name="recorder")
         self._helper.start()
 
@@ -188,14 +185,6 @@ class Recorder:
     def _note(self, sentence: str) -> None:
         if len(self.notes) < _MOST_NOTES:  # a disk at its limit fails again and again
             self.notes.append(sentence)
-
-
-def _lock(folder: Path) -> BaseFileLock:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        return lock_folder(folder)
-    except OSError as error:
-        raise SetupError(f"{folder}: cannot record there: {error.strerror}; name another folder") from None
 
 
 def _reason(error: OSError) -> str:

@@ -1,7 +1,6 @@
 """The strokes and speeds of the experiments, by name: pattern, dash, speed in m/min."""
 
 import difflib
-import math
 
 from drivers.virtual_rig.machine.motion import Stroke
 
@@ -16,19 +15,12 @@ SLOWEST, FASTEST = 1.0, 25.0
 
 def stroke(name: str) -> Stroke:
     """The stroke of an experiment; any speed between 1 and 25 m/min may follow the pattern."""
-    pattern, dash, text = name.partition("-")
-    speed = _number(text)
-    if pattern not in PATTERNS or not dash or math.isnan(speed):
+    pattern, _, text = name.partition("-")
+    try:
+        (low, high), speed = PATTERNS[pattern], float(text)
+    except (KeyError, ValueError):
         near = difflib.get_close_matches(name.upper(), EXPERIMENTS, n=1, cutoff=0.0)[0]
-        raise ValueError(f"unknown experiment {name!r}; did you mean {near!r}?")
+        raise ValueError(f"unknown experiment {name!r}; did you mean {near!r}?") from None
     if not SLOWEST <= speed <= FASTEST:
         raise ValueError(f"experiment {name!r}: the speed must lie between {SLOWEST:g} and {FASTEST:g} m/min")
-    low, high = PATTERNS[pattern]
     return Stroke(low, high, speed * 1000.0 / 60.0)
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan

@@ -16,13 +16,13 @@ import numpy as np
 import pytest
 
 from drivers.budget import Budget
-from drivers.bus.hub import hub_running
 from drivers.frames import Tally
 from drivers.logs.candump import read_candump
 from drivers.recordings import read_recording
 from estimator.batch.replay import replay
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from tests.hub_fake import hub_running
 from tests.live_fake import Frames, dropped, rig_frames
 from tests.processes import PATIENCE_S, ended, started, until
 

@@ -14,9 +14,10 @@ from unittest import mock
 import can
 import pytest
 
-from drivers.bus.hub import Hub, hub_running
+from drivers.bus.hub import Hub
 from drivers.bus.stamp import Stamp
 from estimator.errors import SetupError
+from tests.hub_fake import hub_running
 from tests.processes import PATIENCE_S, ended, started, until
 
 

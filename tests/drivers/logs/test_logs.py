@@ -250,6 +250,7 @@ def test_budgets(tmp_path: Path) -> None:
     assert record.notes == (f"stopped at line {len(ROWS)}: 100 frames are the most that one recording may hold",)
     record = read_recording(make(tmp_path / "a.blf"), RIG, budget=Budget(frames=100))
     assert "100 frames are the most" in record.notes[0]
+    assert "stopped after 0 frames: reading took 0 s" in complaint(tmp_path / "a.blf", budget=Budget(seconds=0.0))
 
 
 def test_recordings_in_a_folder(tmp_path: Path) -> None:
