@@ -23,10 +23,9 @@ class Ticker:
         self.tally = tally or Tally()
         self.decoder = Decoder(rig, self.tally)
         modulus, budget = self.decoder.scan.modulus, budget or Budget()
-        self.clock = RigClock(rig.tick_s, modulus, self.tally, lambda frame: f"frame {frame + 1}", budget)
+        self.clock = RigClock(rig.tick_s, modulus, self.tally, lambda frame: f"frame {frame[0] + 1}", budget)
         self.ticks = Ticks(rig.tick_s, rig.log.closes is not None)
         self.frames = 0
-        self._waiting: dict[int, tuple[bytes, bool]] = {}
         self._open: list[tuple[int, bytes, float]] = []
 
     def feed(self, time_s: float, can_id: int, extended: bool, data: bytes) -> list[Sample]:
@@ -40,9 +39,9 @@ class Ticker:
             return []
         packed = PACKED.pack(time_s, can_id, extended, size, bytes(data), 0)
         scan = self.decoder.closing(can_id, extended, data)
-        number, self.frames = self.frames, self.frames + 1
-        self._waiting[number] = (packed, scan is not None)
-        return self._placed(self.clock.step(number, time_s, scan is not None, -1 if scan is None else scan))
+        frame = self.frames, packed, scan is not None
+        self.frames += 1
+        return self._placed(self.clock.step(frame, time_s, scan is not None, -1 if scan is None else scan))
 
     def advance(self, time_s: float) -> list[Sample]:
         """No frame came until `time_s` on the bus's clock: close the ticks whose timer ran out."""
@@ -57,18 +56,15 @@ class Ticker:
         self._open = []
         return out
 
-    def _placed(self, placed: list[tuple[int, float]]) -> list[Sample]:
+    def _placed(self, placed: list[tuple[tuple[int, bytes, bool], float]]) -> list[Sample]:
         out: list[Sample] = []
-        for number, now in placed:
-            packed, closes = self._waiting.pop(number)
+        for (number, packed, closes), now in placed:
             out += self._timed(self.ticks.due(now))
             self._open.append((number, packed, now))
             if closes and self.ticks.close(now):
                 out += self._close(now)
             elif closes:
                 self.tally.skip("closing message too soon (used)")
-        if not self.clock.waiting:
-            self._waiting.clear()
         return out
 
     def _timed(self, ticks: list[tuple[float, float]]) -> list[Sample]:

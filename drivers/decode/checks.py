@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from crccheck.crc import Crc8SaeJ1850, Crc16CcittFalse
 from numpy.typing import NDArray
 
 Bytes = NDArray[np.uint8]
 
 
-def _table(polynomial: int, width: int) -> NDArray[np.uint16]:
-    top, full = 1 << (width - 1), (1 << width) - 1
-    table = np.zeros(256, np.uint16)
-    for byte in range(256):
-        rest = byte << (width - 8)
-        for _ in range(8):
-            rest = (rest << 1) ^ polynomial if rest & top else rest << 1
-        table[byte] = rest & full
-    return table
-
-
-_CRC8 = _table(0x1D, 8)
-_CRC16 = _table(0x1021, 16)
+# What each byte adds; the library itself goes byte by byte.
+_CRC8 = np.array([Crc8SaeJ1850.calc([byte], 0) ^ 0xFF for byte in range(256)], np.uint16)
+_CRC16 = np.array([Crc16CcittFalse.calc([byte], 0) for byte in range(256)], np.uint16)
 
 
 def crc8_j1850(data: Bytes) -> NDArray[np.uint16]:

@@ -12,6 +12,7 @@ Time stamps of a bus are wall clock: they jump, stand still and are sometimes ru
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ class RigClock:
     where    says of a frame where it stands in the log
     """
 
-    def __init__(self, tick_s: float, modulus: int, tally: Tally, where: Callable[[int], str], budget: Budget) -> None:
+    def __init__(self, tick_s: float, modulus: int, tally: Tally, where: Callable[[Any], str], budget: Budget) -> None:
         self.tick_s = tick_s
         self.modulus = modulus
         self.tally = tally
@@ -45,10 +46,13 @@ class RigClock:
         self._still = 0  # scans since the stamps stand still
         self._since_scan = 0  # frames since the last closing message
         self._scan: tuple[float, float, int] | None = None  # stamp, rig clock and number of the last closing message
-        self._waiting: list[tuple[int, float, bool, int]] = []
+        self._waiting: list[tuple[Any, float, bool, int]] = []
 
-    def step(self, frame: int, stamp: float, closes: bool, scan: int) -> list[tuple[int, float]]:
-        """Take one frame; returns those now placed as (frame, rig clock in s), in order. `scan` is -1 if unknown."""
+    def step(self, frame: Any, stamp: float, closes: bool, scan: int) -> list[tuple[Any, float]]:
+        """Take one frame, by number or as it is; returns those now placed as (frame, rig clock in s), in order.
+
+        `scan` is -1 if unknown.
+        """
         if self.ended:
             self.tally.skip("after the end of the recording")
             return []
@@ -67,11 +71,11 @@ class RigClock:
         """Whether frames after a jump wait for the decision about it."""
         return bool(self._waiting)
 
-    def flush(self) -> list[tuple[int, float]]:
+    def flush(self) -> list[tuple[Any, float]]:
         """Decide on what still waits: no more frames come."""
         return self._decide() if self._waiting else []
 
-    def advance(self, stamp: float) -> list[tuple[int, float]]:
+    def advance(self, stamp: float) -> list[tuple[Any, float]]:
         """No frame came until `stamp`: the rig's clock goes on."""
         late = self._waiting and stamp - self._waiting[0][1] > _GAP * self.tick_s
         placed = self._decide() if late else []
@@ -118,7 +122,7 @@ class RigClock:
         else:
             self._since_scan += stop - start
 
-    def _place(self, item: tuple[int, float, bool, int]) -> tuple[int, float]:
+    def _place(self, item: tuple[Any, float, bool, int]) -> tuple[Any, float]:
         frame, stamp, closes, scan = item
         if closes and self._scan and stamp == self._scan[0] and self._since_scan > 1:
             self._stand_still(frame)
@@ -133,7 +137,7 @@ class RigClock:
             self._scan, self._since_scan = (stamp, self.now, scan), 0
         return frame, self.now
 
-    def _stand_still(self, frame: int) -> None:
+    def _stand_still(self, frame: Any) -> None:
         if not self._still:
             self.tally.note(
                 f"time stands still at {self.now:.3f} s ({self.where(frame)}): each scan counts as one tick"
@@ -141,7 +145,7 @@ class RigClock:
         self._still += 1
         self._offset -= self.tick_s
 
-    def _follow(self, item: tuple[int, float, bool, int]) -> list[tuple[int, float]]:
+    def _follow(self, item: tuple[Any, float, bool, int]) -> list[tuple[Any, float]]:
         """A frame after a jump: it shows whether the one before was stray, or the clock jumped, or it was silent."""
         stamp, first = item[1], self._waiting[0]
         from_old, from_new = stamp - self._stamp, stamp - self._waiting[-1][1]
@@ -157,7 +161,7 @@ class RigClock:
         known = item[2] or self._scan is None or self._scan[2] < 0 or stamp - first[1] > _GAP * self.tick_s
         return self._decide() if known else []
 
-    def _decide(self) -> list[tuple[int, float]]:
+    def _decide(self) -> list[tuple[Any, float]]:
         frame, stamp = self._waiting[0][:2]
         waiting, self._waiting = self._waiting, []
         jump = stamp - self._stamp
@@ -178,7 +182,7 @@ class RigClock:
         self._stamp = stamp
         return [self._place(item) for item in waiting]
 
-    def _rig_time(self, waiting: list[tuple[int, float, bool, int]], jump: float) -> float | None:
+    def _rig_time(self, waiting: list[tuple[Any, float, bool, int]], jump: float) -> float | None:
         """Where the rig's clock goes on after a jump of the stamps; None: the time really passed."""
         closing = next((item for item in waiting if item[2] and item[3] >= 0), None)
         if closing and self._scan and self._scan[2] >= 0:

@@ -196,12 +196,12 @@ def _layout(message: Any) -> Layout:
 
 
 def _bits(signal: Any) -> Bits:
+    from cantools.database.utils import start_bit  # of a big-endian signal its highest, counted from the first byte's
+
     big = signal.byte_order == "big_endian"
-    # A big-endian start is its highest bit, numbered 7..0 in each byte.
-    from_top = 8 * (signal.start // 8) + 7 - signal.start % 8
     return Bits(
         name=signal.name,
-        shift=64 - from_top - signal.length if big else signal.start,
+        shift=64 - start_bit(signal) - signal.length if big else signal.start,
         length=signal.length,
         big_endian=big,
         signed=bool(signal.is_signed),

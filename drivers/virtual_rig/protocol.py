@@ -86,9 +86,8 @@ class Experiment:
         rise = rig.mean - weather.start
         motor, free = float(self.motor_growth @ rise), float(self.free_growth @ rise)
         nut, anchor, housing, _ = rig.now.bodies
-        around = (weather.ambient(t), weather.base(t), anchor, housing, nut)
-        slow = (self.jig.probe, self.jig.bar, self.jig.board, rig.anchor_seat)
-        self.rows.append((t, rig.at_channels, motor, free, *around, *slow, *rig.torque))
+        around = (weather.ambient(t), weather.base(t), anchor, housing, nut, self.jig.probe, self.jig.bar)
+        self.rows.append((t, rig.at_channels, motor, free, around, self.jig.board, rig.anchor_seat, *rig.torque))
         if t % PROFILE_S == 0:
             self.profiles.append(rise)
 

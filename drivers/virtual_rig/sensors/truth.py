@@ -9,19 +9,16 @@ from drivers.virtual_rig.sensors.probes import Gauge
 
 
 class Truth(NamedTuple):
-    """One row a second (n,); `channels` (n, 15). Temperatures degC, growth um since the start, torques N m."""
+    """One row a second (n,); `channels` (n, 15). Temperatures degC, growth um since the start, torques N m.
+
+    `environment` is what the thermometers around the screw stand in.
+    """
 
     time_s: np.ndarray
     channels: np.ndarray
     motor_um: np.ndarray
     free_um: np.ndarray
-    ambient: np.ndarray
-    base: np.ndarray
-    bracket_anchor: np.ndarray
-    bracket_free: np.ndarray
-    nut: np.ndarray
-    probe: np.ndarray
-    bar: np.ndarray
+    environment: Environment
     board: np.ndarray
     seat: np.ndarray
     nut_torque: np.ndarray
@@ -30,7 +27,8 @@ class Truth(NamedTuple):
     @classmethod
     def of(cls, rows: list[tuple]) -> Self:
         """Columns from the rows of single ticks."""
-        return cls(*(np.array(column) for column in zip(*rows, strict=True)))
+        truth = cls(*(np.array(column) for column in zip(*rows, strict=True)))
+        return truth._replace(environment=Environment(*truth.environment.T))
 
     @property
     def elongation_um(self) -> np.ndarray:
@@ -45,16 +43,8 @@ class Truth(NamedTuple):
     @property
     def gauge(self) -> Gauge:
         """What the displacement readings follow."""
-        return Gauge(
-            self.motor_um, self.free_um, self.probe - self.probe[0], self.bar - self.bar[0], self.seat - self.seat[0]
-        )
-
-    @property
-    def environment(self) -> Environment:
-        """What the thermometers around the screw stand in."""
-        return Environment(
-            self.ambient, self.base, self.bracket_anchor, self.bracket_free, self.nut, self.probe, self.bar
-        )
+        rises = (t - t[0] for t in (self.environment.probe, self.environment.bar, self.seat))
+        return Gauge(self.motor_um, self.free_um, *rises)
 
 
 class Profile(NamedTuple):

@@ -129,8 +129,8 @@ def test_starts_in_equilibrium_and_rests_before_the_drive(fs20):
 
 
 def test_ambient_and_base_wander_by_tenths_of_a_kelvin(fs20):
-    assert 0.02 < np.ptp(fs20.truth.ambient) < 0.5
-    assert 0.01 < np.ptp(fs20.truth.base) < 0.3
+    assert 0.02 < np.ptp(fs20.truth.environment.ambient) < 0.5
+    assert 0.01 < np.ptp(fs20.truth.environment.base) < 0.3
 
 
 def test_elongation_is_the_integral_of_the_mean_rise(fs20):
