@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -65,9 +65,11 @@ class Bits:
         """Numbers in the DBC's unit, (n,)."""
         return raw.astype(float) * self.scale + self.offset
 
-    def present(self, words: Words) -> NDArray[np.bool_] | None:
-        """Where a multiplexed signal is in the frame; None: always."""
-        return None if self.selector is None else np.isin(self.selector.raw(words).astype(np.int64), self.selected)
+    def present(self, words: Words) -> NDArray[np.bool_]:
+        """Where the signal is in the frame, (n,): always, unless it is multiplexed."""
+        if self.selector is None:
+            return np.ones(len(words[0]), bool)
+        return np.isin(self.selector.raw(words).astype(np.int64), self.selected)
 
     @property
     def modulus(self) -> int:
@@ -119,6 +121,12 @@ class Condition:
     def holds(self, raw: NDArray[Any]) -> NDArray[np.bool_]:
         """Where the raw numbers meet it, (n,)."""
         return np.asarray(_COMPARE[self.compare](raw.astype(float), self.value))
+
+    def broken(self, words: Words, unknown: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+        """What else it says, as the DBC's text or `unknown`, and where, (n,)."""
+        raw = self.bits.raw(words)
+        for number in np.unique(raw[~self.holds(raw)]):
+            yield self.bits.texts.get(int(number), unknown), raw == number
 
 
 class Dbc:

@@ -50,7 +50,9 @@ class Scan:
         words = frames.take(last[self.closing.name][row]).words()
         whole = np.zeros(rows, bool)
         if self.state:
-            whole[row] |= self._state(self.state, self.state.bits.raw(words), tally)
+            for text, wrong in self.state.broken(words, "unknown"):
+                tally.skip(f"scan with {self.state.bits.name} {text}", np.count_nonzero(wrong))
+                whole[row] |= wrong
         if self.crc:
             whole[row] |= self._crc(self.crc.raw(words), frames, {n: i[row] for n, i in last.items()}, tally)
         bad = {signal: whole.copy() for signal in signals}
@@ -60,14 +62,6 @@ class Scan:
             tally.skip(f"fault bit {signal.split('.')[1]}", np.count_nonzero(faulty & ~whole[row]))
             bad[signal][row] |= faulty
         return bad
-
-    @staticmethod
-    def _state(state: Condition, raw: NDArray[np.uint64], tally: Tally) -> Mask:
-        wrong = ~state.holds(raw)
-        for number in np.unique(raw[wrong]):
-            text = state.bits.texts.get(int(number), "unknown")
-            tally.skip(f"scan with {state.bits.name} {text}", np.count_nonzero(raw[wrong] == number))
-        return wrong
 
     def _crc(self, told: NDArray[np.uint64], frames: Frames, last: dict[str, Index], tally: Tally) -> Mask:
         """Where the checksum is wrong; a scan that lost a frame cannot be checked and counts."""

@@ -38,17 +38,15 @@ class Source:
         raws = [bits.raw(words) for bits in self.parts]
         total = sum((bits.physical(raw) for bits, raw in zip(self.parts, raws, strict=True)), np.zeros(len(now)))
         value = self.rule.scale * total + self.rule.offset
-        use = np.ones(len(now), bool)
-        for bits in self.parts:
-            if (there := bits.present(words)) is not None:
-                use &= there
+        use = np.logical_and.reduce([bits.present(words) for bits in self.parts])
         if self.fresh:
             use &= self._fresh(self.fresh.raw(words).astype(np.int64), now, quiet_s, tally)
         for bits, raw in zip(self.parts, raws, strict=True):
             for number, text in bits.no_value.items():
                 use = self._drop(use, raw == number, f"{text} {self.name}", tally)
         if self.valid:
-            use = self._flagged(use, self.valid, words, tally)
+            for text, wrong in self.valid.broken(words, f"unknown {self.valid.bits.name}"):
+                use = self._drop(use, wrong, f"flagged {text} {self.name}", tally)
         use = self._drop(use, ~np.isfinite(value), f"no number {self.name}", tally)
         with np.errstate(invalid="ignore"):
             use = self._drop(use, (value < self.rule.lo) | (value > self.rule.hi), f"out of range {self.name}", tally)
@@ -57,22 +55,12 @@ class Source:
     def _fresh(self, number: NDArray[np.int64], now: NDArray[np.float64], quiet_s: float, tally: Tally) -> Mask:
         if not len(number):
             return np.zeros(0, bool)
-        first = self.held is None
-        before = np.roll(number, 1)
-        before[0] = number[0] if self.held is None else self.held
-        new: Mask = number != before
-        if first:
+        new: Mask = np.diff(number, prepend=number[0] if self.held is None else self.held) != 0
+        if self.held is None:
             new[0] = now[0] > quiet_s
             tally.skip(f"held since before the log {self.name}", int(not new[0]))
         self.held = int(number[-1])
         return new
-
-    def _flagged(self, use: Mask, valid: Condition, words: Words, tally: Tally) -> Mask:
-        raw = valid.bits.raw(words)
-        for number in np.unique(raw[use & ~valid.holds(raw)]):
-            text = valid.bits.texts.get(int(number), f"unknown {valid.bits.name}")
-            use = self._drop(use, raw == number, f"flagged {text} {self.name}", tally)
-        return use
 
     @staticmethod
     def _drop(use: Mask, bad: Mask, reason: str, tally: Tally) -> Mask:

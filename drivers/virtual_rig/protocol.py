@@ -9,14 +9,13 @@ import numpy as np
 from drivers.virtual_rig.machine.geometry import ANCHOR_BEARING_MM, OMEGA_20, SPAN_MM
 from drivers.virtual_rig.machine.heat import ThermalRig, step_middles
 from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
-from drivers.virtual_rig.machine.screw import CELL_MM, growth_weights
+from drivers.virtual_rig.machine.screw import growth_weights
 from drivers.virtual_rig.sensors.jig import jig
 from drivers.virtual_rig.sensors.probes import OVER_RANGE, Gauge, Probes, Reading
-from drivers.virtual_rig.sensors.truth import Profile, Truth
+from drivers.virtual_rig.sensors.truth import Truth
 
 REST_S = 20.0
 TARGET_UM = 49.5  # seen by the operator; the table then finishes its stroke
-PROFILE_S = 60
 
 Progress = Callable[[float, float], None]  # called each rig minute with the rig time (s) and the elongation (um)
 
@@ -42,7 +41,6 @@ class Experiment:
         self.free_growth = growth_weights(SPAN_MM[0], ANCHOR_BEARING_MM, expansion)
         self.jig = jig(rig.weather.start)
         self.rows: list[tuple] = []
-        self.profiles: list[np.ndarray] = []
         self.held: list[tuple[float, float, float, int]] = []
         self.start_at, self.cycles_done = REST_S, 0
 
@@ -88,8 +86,6 @@ class Experiment:
         nut, anchor, housing, _ = rig.now.bodies
         around = (weather.ambient(t), weather.base(t), anchor, housing, nut, self.jig.probe, self.jig.bar)
         self.rows.append((t, rig.at_channels, motor, free, around, self.jig.board, rig.anchor_seat, *rig.torque))
-        if t % PROFILE_S == 0:
-            self.profiles.append(rise)
 
     def _watch(self, t: float, plan: Plan) -> None:
         """The operator reads what was held and ends the drive with the stroke under way."""
@@ -120,12 +116,6 @@ class Experiment:
         gauge = Truth.of([self.rows[0], *self.rows[-2:]]).gauge
         late = t - self.rows[-2][0]
         return Gauge(*(column[1:2] + late * (column[2:3] - column[1:2]) for column in gauge))
-
-    @property
-    def profile(self) -> Profile:
-        """The whole screw, once a minute."""
-        times = np.arange(len(self.profiles)) * float(PROFILE_S)
-        return Profile(times, CELL_MM, np.array(self.profiles))
 
     @property
     def readings(self) -> tuple[np.ndarray, Reading]:

@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from drivers.virtual_rig.dice import dice
-from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
+from drivers.virtual_rig.machine.motion import TableMotion, Travel
 from drivers.virtual_rig.sensors.drive import DriveSignals, drive_signals
 from drivers.virtual_rig.sensors.environment import Environment
 from drivers.virtual_rig.sensors.probes import Reading
-from drivers.virtual_rig.sensors.truth import Profile, Truth
+from drivers.virtual_rig.sensors.truth import Truth
 
 
 class Holds(NamedTuple):
@@ -40,15 +40,9 @@ class Run:
     planted: dict[str, float]
     places: dict[str, float]
     truth: Truth
-    profile: Profile
     measured: Measured
     holds: Holds
     travel: Travel
-
-    @property
-    def drives(self) -> tuple[Drive, ...]:
-        """Every drive with its start and stop, s"""
-        return self.travel.drives
 
     def motion(self, time_s: np.ndarray) -> TableMotion:
         """The table's true motion at any instants."""

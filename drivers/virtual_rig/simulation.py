@@ -57,7 +57,6 @@ def _finished(name: str, seed: int, strength: Strengths, sources: Heaters, exper
         planted={effect: s for effect, s in strength.items() if s != float(effect in BASE)},
         places=sources.places | sensors.places,
         truth=truth,
-        profile=experiment.profile,
         measured=_measured(name, seed, sensors, truth, experiment),
         holds=Holds(centres, centres + freeze_delay_s(experiment.travel.stroke), reading),
         travel=experiment.travel,

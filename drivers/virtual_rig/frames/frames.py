@@ -111,7 +111,7 @@ def _drive_times(run: Run) -> np.ndarray:
     ticks = run.measured.time_s
     fast = [
         np.arange(round(drive.start_s * DRIVE_HZ), np.ceil(min(drive.stop_s, ticks[-1]) * DRIVE_HZ) + 1)
-        for drive in run.drives
+        for drive in run.travel.drives
     ]
     return np.unique(np.concatenate([ticks * DRIVE_HZ, *fast])) / DRIVE_HZ
 

@@ -17,6 +17,7 @@ NUT_ZERO_MM = 673.5  # nut centre at table position 0; the nut moves towards the
 NUT_LENGTH_MM = 175.0
 
 LEAD_MM = 12.0
+OMEGA_20 = 2.0 * np.pi * 20.0 / 60.0 / (LEAD_MM * 1e-3)  # 174.5 rad/s at 20 m/min, the reference of every speed law
 OUTER_RADIUS_M = 0.020
 BORE_RADIUS_M = 0.0085
 
@@ -24,11 +25,3 @@ BORE_RADIUS_M = 0.0085
 def nut_centre_mm(position_mm: np.ndarray) -> np.ndarray:
     """x_nut = 673.5 - z   mm"""
     return NUT_ZERO_MM - position_mm
-
-
-def omega_at(speed_m_min: float) -> float:
-    """omega = 2 pi v / lead   rad/s; 20 m/min is 174.5 rad/s"""
-    return 2.0 * np.pi * speed_m_min / 60.0 / (LEAD_MM * 1e-3)
-
-
-OMEGA_20 = omega_at(20.0)  # the reference speed of every speed law, rad/s

@@ -45,11 +45,3 @@ class Truth(NamedTuple):
         """What the displacement readings follow."""
         rises = (t - t[0] for t in (self.environment.probe, self.environment.bar, self.seat))
         return Gauge(self.motor_um, self.free_um, *rises)
-
-
-class Profile(NamedTuple):
-    """The whole screw's mean temperature rise now and then: time_s (m,), x_mm (436,), rise (m, 436) K"""
-
-    time_s: np.ndarray
-    x_mm: np.ndarray
-    rise: np.ndarray

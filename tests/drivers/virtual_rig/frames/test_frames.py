@@ -93,7 +93,7 @@ def test_current_carries_friction_and_acceleration(run):
 
 def test_drive_comes_each_10_ms_moving_and_each_second_at_rest(run, sent):
     times = np.array([message.timestamp - EPOCH_S for message in of(sent, "Drive")])
-    (drive,) = run.drives
+    (drive,) = run.travel.drives
     moving = (times >= drive.start_s) & (times < drive.stop_s)
     assert np.diff(times[moving]) == pytest.approx(0.01, abs=1e-6)
     assert np.diff(times[times <= drive.start_s]) == pytest.approx(1.0, abs=1e-6)
