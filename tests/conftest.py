@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import io
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from unittest import mock
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does: two threads take up to ten times as long
+
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from ballscrew.cli import main
 from drivers.virtual_rig import simulate, write
@@ -34,6 +38,9 @@ from estimator.state.open_loop import OpenLoop
 from estimator.state.prior import BODY_SD_K
 from estimator.step import Track
 from estimator.terms import Term
+
+settings.register_profile("ballscrew", deadline=None, derandomize=True)  # the same on every machine, however slow
+settings.load_profile("ballscrew")
 
 PAPER = Path(__file__).parents[1] / "recordings"
 FAST = 174.5  # rad/s: 20 m/min

@@ -7,6 +7,7 @@ thread could not be stopped and memory not be limited.
 from __future__ import annotations
 
 import json
+import math
 import os
 import queue
 import struct
@@ -71,14 +72,16 @@ def _receive(
     end = time.monotonic() + budget.seconds
     tables = [np.empty(0, FRAME)]
     count, account, why = 0, {}, ""
+    patience_s = math.inf  # how long a reader takes to start is no fault of the file
     while not account and not why:
         left_s = end - time.monotonic()
         try:
-            kind, share, body = blocks.get(timeout=min(stall_s, left_s))
+            kind, share, body = blocks.get(timeout=min(patience_s, left_s))
         except (queue.Empty, ValueError):  # a time below 0 is no time to wait
             late = f"reading took {budget.seconds:g} s"
-            why = late if left_s < stall_s else f"the reader gave no frame for {stall_s:.0f} s"
+            why = late if left_s < patience_s else f"the reader gave no frame for {stall_s:.0f} s"
             break
+        patience_s = stall_s
         if kind == b"A":
             account = json.loads(body)
         elif kind == b"F":

@@ -28,6 +28,7 @@ class Sender:
 
     def run(self) -> None:
         """Read to the end, or to where the reader gives up."""
+        self._send(b"F", b"")  # it has started: from now on it is the file that holds it up
         threading.Thread(target=self._flush_now_and_then, daemon=True).start()
         for message in self.messages:
             self._take(message)

@@ -143,8 +143,8 @@ def _fetch(url: str, folder: Path) -> bytes:
         for path in FILES:
             _file(folder, path).write_bytes(_get(f"http://{LOOPBACK}:{port}{path}"))
     finally:
-        program.terminate()
-        program.wait(10)
+        program.kill()
+        program.wait()
     index = _file(folder, "/")
     page = OUTSIDE.sub(b"", index.read_bytes())
     index.write_bytes(page)

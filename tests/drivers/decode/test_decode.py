@@ -8,7 +8,7 @@ import can
 import cantools
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from drivers.decode.checks import crc8_j1850, crc16_ccitt_false, lost
@@ -42,7 +42,6 @@ def words(data: list[bytes]):
     return table.view("<u8")[:, 0], table.view(">u8")[:, 0].astype(np.uint64)
 
 
-@settings(deadline=None)
 @example(data=[bytes.fromhex("00000000010080ff"), bytes.fromhex("000000000000a07f")], odd=True)  # signalling NaNs
 @given(data=st.lists(st.binary(min_size=8, max_size=8), min_size=1, max_size=20), odd=st.booleans())
 def test_numpy_equals_cantools(tmp_path_factory: pytest.TempPathFactory, data: list[bytes], odd: bool) -> None:

@@ -22,7 +22,6 @@ def speeds(stretches) -> np.ndarray:
     return np.concatenate([np.full(ticks, FAST * turns) for turns, ticks in stretches])
 
 
-@settings(deadline=None)
 @given(stretches=STRETCHES, cuts=st.lists(st.integers(1, 30), min_size=1, max_size=40), tick_s=TICKS)
 def test_pieces_are_the_whole(stretches, cuts, tick_s):
     omega = speeds(stretches)
@@ -38,7 +37,7 @@ def test_pieces_are_the_whole(stretches, cuts, tick_s):
     np.testing.assert_allclose(fresh, whole.freshness(30.0, 70.0), rtol=0, atol=1e-12)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(stretches=STRETCHES, decay=st.floats(5.0, 900.0), recovery=st.floats(5.0, 900.0), tick_s=TICKS)
 def test_freshness_solves_its_equation(stretches, decay, recovery, tick_s):
     """df/dt = -f / decay while turning, (1 - f) / recovery at rest: trapezoids of a hundredth of a tick."""
@@ -53,7 +52,6 @@ def test_freshness_solves_its_equation(stretches, decay, recovery, tick_s):
     np.testing.assert_allclose(found[:, 0], true, rtol=0, atol=1e-5)
 
 
-@settings(deadline=None)
 @given(stretches=STRETCHES, tick_s=TICKS)
 def test_the_columns_say_what_they_are_called(stretches, tick_s):
     omega = speeds(stretches)

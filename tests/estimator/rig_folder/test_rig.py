@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from estimator.errors import SetupError
@@ -72,7 +72,6 @@ def test_overlaps_of_neighbours_add_up(a, b, c):
     np.testing.assert_allclose(BAR.overlap(lo, mid) + BAR.overlap(mid, hi), BAR.overlap(lo, hi), atol=1e-9)
 
 
-@settings(deadline=None)
 @given(st.lists(PLACE, min_size=1, max_size=4))
 def test_overlap_of_many_is_that_of_each(places):
     lo = np.array(places)
