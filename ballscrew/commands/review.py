@@ -85,6 +85,8 @@ def _runs(rig: Rig, loaded: Sequence[Loaded], reviews: Sequence[Review]) -> list
             rig=rig,
             recording=r.recording,
             track=r.track,
+            smoothed_um=r.estimates["smoothed"],
+            smoothed_sd_um=r.smoothed_sd,
             polyline_um=r.estimates["polyline"],
             readings_um=r.readings,
             reference_um=r.reference,

@@ -28,6 +28,7 @@ class Review:
     reference     truth where there is one, else the displacement readings as the paper joins them; NaN without either
     readings_sd   (K,) um, what their own scatter makes of the joined readings
     sigma         standard deviation of each error by its estimate's own word, of filter and smoothed
+    smoothed_sd   (K,) um, of the smoothed estimate itself
     cooling       (K,) bool: within 60 min after a stop
     one_step_K    rms of thermometer minus prediction before its use; open_loop_K: minus what the model alone says
     """
@@ -41,6 +42,7 @@ class Review:
     readings: Array
     readings_sd: Array
     sigma: Mapping[str, Array]
+    smoothed_sd: Array
     cooling: Array
     polyline_channels: int
     one_step_K: float
@@ -100,7 +102,7 @@ def review(
         _judge_by_readings(errors, sigma, track, rig, readings_sd)
     return Review(
         recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, readings_sd, sigma,
-        cooling(recording), len(polyline.along_screw(rig, used)), *_temperature_errors(track, rig),
+        smoothed.sigma_um, cooling(recording), len(polyline.along_screw(rig, used)), *_temperature_errors(track, rig),
     )  # fmt: skip
 
 

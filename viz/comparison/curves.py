@@ -54,10 +54,7 @@ def _temperatures(rec: rr.RecordingStream, root: str, run: Compared, i: int) -> 
 def _elongation(rec: rr.RecordingStream, root: str, run: Compared) -> None:
     at = paths.compared(root, "elongation")
     for side, one in sides_of(run).items():
-        looks = rr.Measurements.from_fields(
-            names=f"{said(side, run)}filter ±2 sd", units="µm", colors=_pale(COLOURS[side]), widths=1.5
-        )
-        rec.log(f"{at}/{side}/filter", looks, static=True)
+        series.band(rec, f"{at}/{side}/filter", f"{said(side, run)}filter ±2 sd", _pale(COLOURS[side]), 1.5)
         middle, means = minutes(run.time_s, np.stack([one.elongation_um, one.sigma_um], axis=-1), MEAN_S)
         series.send_band(rec, f"{at}/{side}/filter", middle + MEAN_S / 2, means[:, 0], means[:, 1])
         series.lines(rec, f"{at}/{side}/open_loop", [f"{said(side, run)}open-loop [µm]"], [COLOURS[side]], 2.0)

@@ -3,14 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, TypeVar
 
 from estimator.rig import Rig
-from viz.drawing import paths
-
-Named = TypeVar("Named", bound=Any)  # a dataclass with a name
 
 APPLICATION = "ballscrew"
 TIMELINE = "time"
@@ -52,6 +46,7 @@ FILTER: Colour = (90, 170, 255)
 BAND: Colour = (40, 72, 128)
 BAND_EDGE: Colour = (70, 130, 220)
 OPEN_LOOP: Colour = (120, 210, 130)
+SMOOTHED: Colour = (190, 150, 255)
 POLYLINE: Colour = (240, 130, 60)
 READING: Colour = (250, 220, 60)
 REFERENCE: Colour = (240, 240, 240)
@@ -97,15 +92,3 @@ def thermometer_groups(rig: Rig) -> dict[str, slice]:
     plots = -(-count // LEGEND_ENTRIES)
     size = -(-count // max(plots, 1))
     return {f"{TEMPERATURES}/{i + 1}": slice(i * size, min((i + 1) * size, count)) for i in range(plots)}
-
-
-def distinct(runs: Sequence[Named]) -> list[Named]:
-    """The runs with names that lead to different paths: a name met before gets a number."""
-    found: dict[str, Named] = {}
-    for run in runs:
-        name, number = run.name, 1
-        while paths.root(name) in found:
-            number += 1
-            name = f"{run.name} ({number})"
-        found[paths.root(name)] = replace(run, name=name)
-    return list(found.values())

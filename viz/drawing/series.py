@@ -30,8 +30,7 @@ SPACING = 0.03  # of the plot, between readings drawn
 def style(rec: rr.RecordingStream, root: str, rig: Rig, models: Mapping[str, paths.Colour]) -> None:
     """Log names, units and colours of what every run has, once; `models` are drawn beside the filter."""
     at = f"{root}/{paths.ELONGATION}"
-    band = rr.Measurements.from_fields(names="filter ±2 sd", units="µm", colors=paths.FILTER, widths=2.0)
-    rec.log(f"{at}/filter", band, static=True)
+    band(rec, f"{at}/filter", "filter ±2 sd", paths.FILTER)
     lines(rec, f"{at}/models", list(models), list(models.values()), 1.5)
     dots(rec, f"{at}/readings", "readings [µm]", paths.READING, 3.0)
     rainbow = channel_colours(len(rig.thermometers))
@@ -49,10 +48,7 @@ def style_reference(rec: rr.RecordingStream, root: str, reference: str, dense: b
         lines(rec, f"{at}/reference", [f"{reference} [µm]"], [paths.REFERENCE], 1.0)
     else:
         dots(rec, f"{at}/reference", f"reference: {reference} [µm]", paths.REFERENCE, 1.5)
-    error = rr.Measurements.from_fields(
-        names=f"{reference} − filter ±2 sd", units="µm", colors=paths.FILTER, widths=2.0, aggregation_policy="MinMax"
-    )
-    rec.log(f"{root}/{paths.ERROR}/filter", error, static=True)
+    band(rec, f"{root}/{paths.ERROR}/filter", f"{reference} − filter ±2 sd", paths.FILTER, aggregation="MinMax")
     lines(rec, f"{root}/{paths.ERROR}/polyline", [f"{reference} − polyline [µm]"], [paths.POLYLINE], 1.5, "MinMax")
 
 
@@ -67,6 +63,21 @@ def lines(
     """Log how the lines of one entity look."""
     looks = rr.SeriesLines(
         names=list(names), colors=colours, widths=[width] * len(names), aggregation_policy=aggregation
+    )
+    rec.log(at, looks, static=True)
+
+
+def band(
+    rec: rr.RecordingStream,
+    at: str,
+    name: str,
+    colour: Sequence[int],
+    width: float = 2.0,
+    aggregation: Aggregation = "Average",
+) -> None:
+    """Log how a line of lengths with its band looks."""
+    looks = rr.Measurements.from_fields(
+        names=name, units="µm", colors=colour, widths=width, aggregation_policy=aggregation
     )
     rec.log(at, looks, static=True)
 

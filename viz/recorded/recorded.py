@@ -1,22 +1,16 @@
-"""Runs into one .rrd file, layout included.
-
-A file with several recordings would open with the first one only and no hint at the others, so all runs go into one
-recording, each below its own name, side by side on a timeline that starts with each run's first frame.
-"""
+"""Runs into one .rrd file, layout included."""
 
 from __future__ import annotations
 
-import uuid
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 import rerun as rr
 
-from estimator.errors import InputError
-from viz.drawing import columns, events, moment, paths, profile, residuals, screw, series
+from viz.drawing import columns, events, paths, profile, residuals, screw, series
 from viz.drawing.columns import Indices
-from viz.drawing.paths import distinct
+from viz.drawing.file import distinct, saved
 from viz.drawing.profile import picture_ticks
 from viz.drawing.scale import minutes
 from viz.recorded import accuracy, happened
@@ -26,23 +20,14 @@ from viz.recorded.run import Run, Scale, first_stop_s, scale_of
 
 def save(path: Path, runs: Sequence[Run], summary: str, progress: Callable[[int], None] = lambda _: None) -> None:
     """Write all runs into `path` (.rrd) with `summary` (markdown); `progress` hears how many runs are done."""
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: there is no folder {path.parent}")
     runs = distinct(runs)
     scales = [scale_of(run) for run in runs]
-    layout = blueprint(runs, scales)
-    rec = rr.RecordingStream(paths.APPLICATION, recording_id=uuid.uuid4())
-    rec.set_log_time_enabled(False)
-    rec.save(path, default_blueprint=layout)
-    rec.send_blueprint(layout, make_active=True, make_default=True)
-    rec.send_recording_name(", ".join(run.name for run in runs))
-    rec.log(paths.SUMMARY, rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
-    moment.send(rec, first_stop_s(runs[0]))
-    accuracy.send(rec, runs)
-    for done, (run, scale) in enumerate(zip(runs, scales, strict=True), start=1):
-        send(rec, run, scale)
-        progress(done)
-    rec.disconnect()
+    names = ", ".join(run.name for run in runs)
+    with saved(path, blueprint(runs, scales), names, summary, first_stop_s(runs[0])) as rec:
+        accuracy.send(rec, runs)
+        for done, (run, scale) in enumerate(zip(runs, scales, strict=True), start=1):
+            send(rec, run, scale)
+            progress(done)
 
 
 def send(rec: rr.RecordingStream, run: Run, scale: Scale) -> None:
@@ -62,6 +47,8 @@ def _curves(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> None:
     series.style(rec, root, run.rig, {**series.POLYLINE, **series.OPEN_LOOP})
     series.style_reference(rec, root, run.reference_name, dense)
     series.send_track(rec, root, run.rig, track)
+    series.band(rec, f"{at}/smoothed", "smoothed, after the fact, ±2 sd", paths.SMOOTHED, 1.5)
+    series.send_band(rec, f"{at}/smoothed", track.time_s, run.smoothed_um, run.smoothed_sd_um)
     series.send(rec, f"{at}/models", track.time_s, np.stack([run.polyline_um, track.open_loop_um], axis=-1))
     shown = series.spaced(track.time_s, run.readings_um, scale.time_s, scale.elongation_um)
     series.send_known(rec, f"{at}/readings", track.time_s[shown], run.readings_um[shown])

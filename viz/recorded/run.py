@@ -23,6 +23,7 @@ class Run:
     """One reviewed recording of K ticks.
 
     name            shown as the title of its tab
+    smoothed_um     (K,) elongation after the fact, from the readings before and after; smoothed_sd_um (K,)
     polyline_um     (K,) elongation by the polyline through the thermometers
     readings_um     (K,) displacement readings joined to the start, um; NaN where there is none
     reference_um    (K,) what the estimates are judged by; NaN where there is none
@@ -37,6 +38,8 @@ class Run:
     rig: Rig
     recording: Recording
     track: Track
+    smoothed_um: Array
+    smoothed_sd_um: Array
     polyline_um: Array
     readings_um: Array
     reference_um: Array

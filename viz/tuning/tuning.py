@@ -6,7 +6,6 @@ The innovations stand over their own sd, so that one scale suits every channel: 
 
 from __future__ import annotations
 
-import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,10 +13,9 @@ from pathlib import Path
 import numpy as np
 import rerun as rr
 
-from estimator.errors import InputError
 from estimator.record import Array
-from viz.drawing import moment, paths, series
-from viz.drawing.paths import distinct
+from viz.drawing import paths, series
+from viz.drawing.file import distinct, saved
 from viz.drawing.scale import minutes
 from viz.tuning import figures
 from viz.tuning.layout import blueprint
@@ -37,23 +35,15 @@ class Nis:
 
 def save(path: Path, channels: Sequence[str], runs: Sequence[Tuning], nis: Sequence[Nis], summary: str) -> None:
     """Write all runs into `path` (.rrd), with `summary` (markdown); m channels, by name."""
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: there is no folder {path.parent}")
     runs = distinct(runs)
     extent = figures.shades_of(*(side.autocorrelation for run in runs for side in (run.before, run.after)))
     layout = blueprint(channels, runs, [each.title for each in nis])
-    rec = rr.RecordingStream(paths.APPLICATION, recording_id=uuid.uuid4())
-    rec.set_log_time_enabled(False)
-    rec.save(path, default_blueprint=layout)
-    rec.send_blueprint(layout, make_active=True, make_default=True)
-    rec.send_recording_name("tuning: " + ", ".join(run.name for run in runs))
-    rec.log(paths.SUMMARY, rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
-    moment.send(rec, float(np.floor(max(run.time_s[-1] for run in runs))))
-    for i, each in enumerate(nis):
-        figures.send_bars(rec, f"{paths.BARS}/{i}", channels, each.before, each.after)
-    for run in runs:
-        _send(rec, channels, run, extent)
-    rec.disconnect()
+    name, last_s = "tuning: " + ", ".join(run.name for run in runs), max(run.time_s[-1] for run in runs)
+    with saved(path, layout, name, summary, float(np.floor(last_s))) as rec:
+        for i, each in enumerate(nis):
+            figures.send_bars(rec, f"{paths.BARS}/{i}", channels, each.before, each.after)
+        for run in runs:
+            _send(rec, channels, run, extent)
 
 
 def _send(rec: rr.RecordingStream, channels: Sequence[str], run: Tuning, extent: tuple[float, float]) -> None:

@@ -22,7 +22,7 @@ from rerun.experimental import ViewerClient
 
 from estimator.errors import BallscrewError, SetupError
 from viz.drawing import paths
-from viz.drawing.moment import moment_of
+from viz.drawing.file import opens_at
 from viz.viewer.address import free_port
 from viz.viewer.pages import pages_of
 from viz.viewer.viewer import connect, start
@@ -50,7 +50,7 @@ def render(
     """
     if not rrd.is_file():
         raise SetupError(f"pictures: {rrd}: no such file")
-    moment = moment_of(rrd) if at_s is None else at_s
+    moment = opens_at(rrd) if at_s is None else at_s
     if moment is None:
         raise SetupError(f"pictures: {rrd}: not written by ballscrew; give --at")
     folder.mkdir(parents=True, exist_ok=True)

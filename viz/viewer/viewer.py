@@ -17,7 +17,7 @@ from typing import IO
 from rerun.experimental import ViewerClient
 
 from viz.drawing import paths
-from viz.drawing.moment import moment_of
+from viz.drawing.file import opens_at
 from viz.viewer.address import LOOPBACK, free_port
 
 START_S = 20.0
@@ -30,7 +30,7 @@ def open_viewer(path: Path, at_s: float | None = None) -> bool:
         return False
     port = free_port()
     viewer = start([str(path)], port)
-    at_s = moment_of(path) if at_s is None else at_s
+    at_s = opens_at(path) if at_s is None else at_s
     if at_s is not None:
         connect(viewer, port).set_time(paths.TIMELINE, duration=at_s, play_state="paused")
     return True

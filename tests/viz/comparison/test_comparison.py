@@ -21,8 +21,8 @@ from viz.comparison.compared import Compared, HeatMap, Side
 from viz.comparison.comparison import save
 from viz.comparison.maps import HEAT, OPEN_LOOP, frame_of, map_of, scales_of
 from viz.drawing import paths
+from viz.drawing.file import opens_at
 from viz.drawing.frame import ROW, WIDTH
-from viz.drawing.moment import moment_of
 from viz.drawing.scale import DIVERGING, coloured
 from viz.viewer.printed import print_bars, print_maps
 
@@ -135,7 +135,7 @@ def test_every_view_says_its_unit_and_its_model(saved: Path) -> None:
 
 def test_summary_is_the_callers_and_the_end_is_the_moment(saved: Path) -> None:
     assert fixed(saved, "/summary", "TextDocument:text") == ["# By the caller"]
-    assert moment_of(saved) == SECONDS
+    assert opens_at(saved) == SECONDS
 
 
 def test_one_model_is_called_by_its_name(small: Rig, tmp_path: Path) -> None:

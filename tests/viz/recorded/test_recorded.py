@@ -15,8 +15,7 @@ from estimator.errors import InputError
 from tests.viz_fake import fake_run
 from tests.viz_read import fixed, rows, view_names
 from viz.drawing import profile, screw
-from viz.drawing.moment import moment_of
-from viz.drawing.paths import distinct
+from viz.drawing.file import distinct, opens_at
 from viz.recorded import accuracy
 from viz.recorded.recorded import save
 from viz.recorded.run import Run, first_stop_s, scale_of
@@ -45,6 +44,13 @@ def test_filter_and_its_band_are_the_tracks(saved: Path, run: Run) -> None:
     np.testing.assert_allclose(time_s, run.track.time_s)
     np.testing.assert_allclose(np.ravel(values), run.track.elongation_um)
     np.testing.assert_allclose(np.sqrt(np.ravel(variances)), 2 * run.track.sigma_um)
+
+
+def test_the_smoothed_elongation_stands_beside_the_filter_s_with_its_own_band(saved, run):
+    values = rows(saved, "/FS-20/elongation/smoothed", "Measurements:values")[1]
+    variances = rows(saved, "/FS-20/elongation/smoothed", "Measurements:variances")[1]
+    np.testing.assert_allclose(np.ravel(values), run.smoothed_um)
+    np.testing.assert_allclose(np.ravel(variances), (2 * run.smoothed_sd_um) ** 2)
 
 
 @pytest.mark.parametrize(
@@ -194,4 +200,4 @@ def test_no_folder_is_said(run: Run, tmp_path: Path) -> None:
 
 def test_the_first_stop_is_the_moment_to_show(saved: Path, run: Run) -> None:
     assert first_stop_s(run) == 243.0
-    assert moment_of(saved) == 243.0
+    assert opens_at(saved) == 243.0

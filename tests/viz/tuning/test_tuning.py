@@ -15,8 +15,8 @@ from estimator.errors import InputError
 from estimator.record import Array
 from tests.viz_read import fixed, rows, view_names
 from viz.drawing import paths
+from viz.drawing.file import opens_at
 from viz.drawing.frame import ROW, WIDTH
-from viz.drawing.moment import moment_of
 from viz.drawing.scale import DIVERGING
 from viz.tuning.figures import frame_of_map, shades_of, ticks_of_bars
 from viz.tuning.tuned import Side, Tuning
@@ -133,7 +133,7 @@ def test_views_stand_side_by_side_and_say_what_they_show(saved: Path) -> None:
 
 def test_summary_is_the_callers_and_the_end_is_the_moment(saved: Path) -> None:
     assert fixed(saved, "/summary", "TextDocument:text") == ["# By the caller"]
-    assert moment_of(saved) == 401.0
+    assert opens_at(saved) == 401.0
 
 
 def test_a_silent_channel_and_a_single_tick_leave_no_empty_chunk(tmp_path: Path) -> None:

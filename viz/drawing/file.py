@@ -1,0 +1,63 @@
+"""A saved file: one recording of the viewer's with its layout, its summary, and the moment worth opening it at.
+
+A layout cannot set the cursor, so the file remembers that moment. A file with several recordings would open with the
+first one only and no hint at the others, so all runs go into one, each below its own name, side by side on a timeline
+that starts with each run's first frame.
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+import rerun as rr
+import rerun.blueprint as rrb
+from rerun.chunk import RrdReader
+
+from estimator.errors import InputError
+from viz.drawing import paths
+
+Named = TypeVar("Named", bound=Any)  # a dataclass with a name
+
+
+@contextmanager
+def saved(
+    path: Path, layout: rrb.Blueprint, name: str, summary: str, opens_at_s: float
+) -> Iterator[rr.RecordingStream]:  # fmt: skip
+    """A stream into `path` (.rrd) until the block ends: layout, name and summary (markdown) are in it already."""
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: there is no folder {path.parent}")
+    rec = rr.RecordingStream(paths.APPLICATION, recording_id=uuid.uuid4())
+    rec.set_log_time_enabled(False)
+    rec.save(path, default_blueprint=layout)
+    rec.send_blueprint(layout, make_active=True, make_default=True)
+    rec.send_recording_name(name)
+    rec.log(paths.SUMMARY, rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
+    rec.log(paths.MOMENT, rr.AnyValues(time_s=opens_at_s), static=True)
+    yield rec
+    rec.disconnect()
+
+
+def opens_at(path: Path) -> float | None:
+    """The moment that a saved file remembers, s; None if it is not one of ours."""
+    for chunk in RrdReader(path).stream().filter(content=f"/{paths.MOMENT}").to_chunks():
+        batch = chunk.to_record_batch()
+        if "time_s" in batch.schema.names:
+            return float(batch.column("time_s")[0].as_py()[0])
+    return None
+
+
+def distinct(runs: Sequence[Named]) -> list[Named]:
+    """The runs with names that lead to different paths: a name met before gets a number."""
+    found: dict[str, Named] = {}
+    for run in runs:
+        name, number = run.name, 1
+        while paths.root(name) in found:
+            number += 1
+            name = f"{run.name} ({number})"
+        found[paths.root(name)] = replace(run, name=name)
+    return list(found.values())
