@@ -31,9 +31,13 @@ def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig |
     track = stepped(Filter(at_defaults(), rig), recording)
     measured = track.measured[:, :15]
     polyline = rig.screw.expansion * np.trapezoid(measured - measured[0], _places(rig), axis=1) * 1e3
-    errors = {"filter": elongation - track.elongation_um, "polyline": elongation - polyline}
-    readings = track.measured[:, 15] - track.measured[0, 15]
     smoothed = track.elongation_um + 0.1, 0.5 * track.sigma_um  # told apart from the filter's in the views
+    errors = {
+        "filter": elongation - track.elongation_um,
+        "smoothed": elongation - smoothed[0],
+        "polyline": elongation - polyline,
+    }
+    readings = track.measured[:, 15] - track.measured[0, 15]
     judged = "truth", errors, track.sigma_um, rise
     return Run(name, rig, recording, track, *smoothed, polyline, readings, elongation, *judged)
 

@@ -49,7 +49,8 @@ def style_reference(rec: rr.RecordingStream, root: str, reference: str, dense: b
     else:
         dots(rec, f"{at}/reference", f"reference: {reference} [µm]", paths.REFERENCE, 1.5)
     band(rec, f"{root}/{paths.ERROR}/filter", f"{reference} − filter ±2 sd", paths.FILTER, aggregation="MinMax")
-    lines(rec, f"{root}/{paths.ERROR}/polyline", [f"{reference} − polyline [µm]"], [paths.POLYLINE], 1.5, "MinMax")
+    for name, colour in (("smoothed", paths.SMOOTHED), ("polyline", paths.POLYLINE)):
+        lines(rec, f"{root}/{paths.ERROR}/{name}", [f"{reference} − {name} [µm]"], [colour], 1.5, "MinMax")
 
 
 def lines(

@@ -47,7 +47,7 @@ def _curves(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> None:
     series.style(rec, root, run.rig, {**series.POLYLINE, **series.OPEN_LOOP})
     series.style_reference(rec, root, run.reference_name, dense)
     series.send_track(rec, root, run.rig, track)
-    series.band(rec, f"{at}/smoothed", "smoothed, after the fact, ±2 sd", paths.SMOOTHED, 1.5)
+    series.band(rec, f"{at}/smoothed", "smoothed ±2 sd", paths.SMOOTHED, 1.5)
     series.send_band(rec, f"{at}/smoothed", track.time_s, run.smoothed_um, run.smoothed_sd_um)
     series.send(rec, f"{at}/models", track.time_s, np.stack([run.polyline_um, track.open_loop_um], axis=-1))
     shown = series.spaced(track.time_s, run.readings_um, scale.time_s, scale.elongation_um)
@@ -55,7 +55,8 @@ def _curves(rec: rr.RecordingStream, root: str, run: Run, scale: Scale) -> None:
     if not np.array_equal(run.reference_um, run.readings_um, equal_nan=True):
         series.send_known(rec, f"{at}/reference", track.time_s, run.reference_um)
     series.send_band(rec, f"{root}/{paths.ERROR}/filter", track.time_s, run.errors_um["filter"], run.error_sd_um)
-    series.send_known(rec, f"{root}/{paths.ERROR}/polyline", track.time_s, run.errors_um["polyline"])
+    for name in ("smoothed", "polyline"):
+        series.send_known(rec, f"{root}/{paths.ERROR}/{name}", track.time_s, run.errors_um[name])
     lengths = track.innovation[:, columns.lengths(run.rig)]
     read = np.flatnonzero(np.isfinite(lengths).any(axis=1))[1:]  # the first one sets the zero
     series.send(rec, f"{root}/{paths.DISPLACEMENT}", track.time_s[read], lengths[read])

@@ -28,8 +28,8 @@ class Run:
     readings_um     (K,) displacement readings joined to the start, um; NaN where there is none
     reference_um    (K,) what the estimates are judged by; NaN where there is none
     reference_name  what the reference is: "truth", "readings"
-    errors_um       (K,) reference minus estimate for "filter" and "polyline"; where the reference is a reading that the
-                    filter used, its error is that of the prediction before it
+    errors_um       (K,) reference minus estimate for "filter", "smoothed" and "polyline"; where the reference is a
+                    reading that the filter used, its error is that of the prediction before it
     error_sd_um     (K,) the filter's own standard deviation of its error
     truth_C_rise    (K, thermometers) true temperature rise at the thermometers, K; None where it is not known
     """

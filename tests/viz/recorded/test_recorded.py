@@ -51,6 +51,8 @@ def test_the_smoothed_elongation_stands_beside_the_filter_s_with_its_own_band(sa
     variances = rows(saved, "/FS-20/elongation/smoothed", "Measurements:variances")[1]
     np.testing.assert_allclose(np.ravel(values), run.smoothed_um)
     np.testing.assert_allclose(np.ravel(variances), (2 * run.smoothed_sd_um) ** 2)
+    errors = rows(saved, "/FS-20/error/smoothed", "Scalars:scalars")[1]
+    np.testing.assert_allclose(np.ravel(errors), run.errors_um["smoothed"])
 
 
 @pytest.mark.parametrize(
@@ -181,7 +183,7 @@ def test_a_rig_without_screw_has_no_profile(run: Run, tmp_path: Path) -> None:
 
 def test_a_run_without_reference_is_saved_all_the_same(run: Run, tmp_path: Path) -> None:
     nothing = np.full(len(run.track), np.nan)
-    errors = {"filter": nothing, "polyline": nothing}
+    errors = dict.fromkeys(run.errors_um, nothing)
     blind = replace(run, readings_um=nothing, reference_um=nothing, errors_um=errors, truth_C_rise=None)
     save(tmp_path / "blind.rrd", [blind], "")
     names = view_names(tmp_path / "blind.rrd")
