@@ -70,9 +70,9 @@ def _span(text: str, recording: Recording, rig: Rig) -> tuple[np.ndarray, float,
 
 def _named(name: str, rig: Rig) -> np.ndarray:
     if name == "telemeter":
-        return np.isin(rig.names, rig.thermometers)
+        return rig.is_thermometer
     if name == "displacement":
-        return ~np.isin(rig.names, rig.thermometers)
+        return ~rig.is_thermometer
     return np.arange(len(rig.names)) == rig.index(name)
 
 

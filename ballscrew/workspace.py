@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.resources import files
@@ -18,6 +18,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.work import Runs, Workers, silent
 
 BUILT_IN = Path(str(files("recordings")))
 
@@ -115,3 +116,11 @@ def load_apart(
         both = [one.path.name for one in loaded if one.recording.fingerprint in kept]
         terminal.say(f"held out, and so not used: {', '.join(both)}")
     return rest or loaded, apart, [*failed, *failed_too]
+
+
+def runs_of(
+    rig: Rig, loaded: Sequence[Loaded], workers: Workers = map, bar: Callable[[float, str], None] | None = None
+) -> Runs:
+    """What was loaded, as workers take it; a bar shows how far they are."""
+    progress = (lambda stage, done: bar(done, stage)) if bar else silent
+    return Runs(rig, [one.recording for one in loaded], workers, progress)

@@ -14,6 +14,7 @@ from benchmarks.measure import Row, say, table
 from benchmarks.shipped import Judged, stepped
 from drivers.recordings import read_recording
 from estimator.batch.trial import Trial
+from estimator.batch.trials import trials_of
 from estimator.fit.fit import Fit, fit
 from estimator.fit.posterior import Posterior
 from estimator.model import Model, Value
@@ -21,6 +22,7 @@ from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.work import Runs
 
 RUNS = ("FS-20", "FS-5", "CS-10", "ES-2.5")
 TEN = (
@@ -56,12 +58,12 @@ def markdown() -> str:
     recordings = [read_recording(FOLDER / f"{name}.blf", rig) for name in RUNS]
     say("  fit")
     cpu, wall = time.process_time(), time.perf_counter()
-    found = fit(model, rig, recordings)
+    found = fit(model, Runs(rig, recordings))
     cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
     say("  fit in threads")
-    with threads() as share:
+    with threads() as workers:
         began = time.perf_counter()
-        fit(model, rig, recordings, share=share)
+        fit(model, Runs(rig, recordings, workers))
         shared = time.perf_counter() - began
     naive = _naive(model, found.model, rig, recordings)
     ticks = sum(len(recording) for recording in recordings)
@@ -80,8 +82,8 @@ def _naive(model: Model, fitted: Model, rig: Rig, recordings: Sequence[Recording
     seconds = time.process_time() - began
     ours = sum(Trial(model, rig, recording).loglike(model) for recording in recordings)
     say("  L-BFGS-B")
-    with threads() as share:
-        posterior = Posterior(model, [Trial(fitted, rig, recording) for recording in recordings], TEN, share)
+    with threads() as workers:
+        posterior = Posterior(model, trials_of(fitted, Runs(rig, recordings, workers)), TEN)
         lo, hi = posterior.bounds
         search = minimize(
             lambda c: -posterior.value(c), posterior.start, method="L-BFGS-B", bounds=list(zip(lo, hi)),

@@ -29,8 +29,8 @@ from drivers.recordings import read_recording
 from drivers.virtual_rig import simulate, write
 from drivers.virtual_rig.machine.heaters import local_place
 from estimator.accuracy.floor import Error
-from estimator.accuracy.horizon import open_loop_only, overall
-from estimator.batch.trial import trials_of
+from estimator.accuracy.horizon import open_loop_error
+from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
 from estimator.fit.open_loop_fit import follow
 from estimator.missing_effect.candidates import kind_of
@@ -44,6 +44,7 @@ from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.work import Runs
 
 FOLDER = Path(__file__).parents[1] / "recordings"
 NEAR_MM = 60.0
@@ -87,16 +88,16 @@ def study(case: Case) -> Outcome:
     apart = apart if case.kind in ("one", "two") else ()
     seen, held = ([_recording(name, rig, plant, case, i) for i, name in enumerate(names)] for names in (used, apart))
     if case.kind == "fitted":
-        model = follow(model, rig, seen, model.free()).model
+        model = follow(model, Runs(rig, seen), model.free()).model
     effects = list(CATALOGUE.values())
     out = Outcome(case, kinds={name: _kind(name, model, rig) for name in CATALOGUE})
     if case.kind == "two":
-        steps = improve(model, rig, seen, held, effects)
+        steps = improve(model, Runs(rig, seen), Runs(rig, held), effects)
         out.added = tuple(each for step in steps.steps for each in (step.added, *step.tie) if each)
         out.verdict = steps.last.verdict
         out.before, out.after = _pair(steps.steps[0].held_out), _pair(steps.steps[-1].held_out)
     else:
-        _judge(out, suggest(model, rig, seen, effects), rig, held)
+        _judge(out, suggest(model, Runs(rig, seen), effects), rig, held)
     out.seconds = perf_counter() - began
     return out
 
@@ -133,7 +134,7 @@ def _judge(out: Outcome, found: Suggestion, rig: Rig, held: Sequence[Recording])
 def _held_out(h: Hypothesis, rig: Rig, held: Sequence[Recording]) -> Error | None:
     if not held:
         return None
-    return overall([open_loop_only(trial, h.model) for trial in trials_of(h.model, rig, held)], "open_loop")
+    return open_loop_error(slow_trials_of(h.model, Runs(rig, held)), h.model)
 
 
 def _pair(error: Error | None) -> tuple[float, float]:

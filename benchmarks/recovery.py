@@ -26,6 +26,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.work import Runs
 
 SEEDS = 100
 PATHS = ("nut_friction.power", "anchor_friction.power", "free_friction.power", "nut_body.g", "thermometers.tau")
@@ -68,7 +69,7 @@ def drive(rig: Rig) -> Recording:
     inputs = {name: np.full(SECONDS, AIR_C if signal.unit == "degC" else 0.0) for name, signal in rig.inputs.items()}
     inputs["position"] = position[:, -1]
     channels = np.zeros((SECONDS, len(rig.names)))
-    channels[0] = np.where([channel.is_thermometer for channel in rig.channels.values()], AIR_C, 0.0)
+    channels[0] = np.where(rig.is_thermometer, AIR_C, 0.0)
     return Recording("simulated", time_s, channels, np.zeros_like(channels), inputs, omega, coverage)
 
 
@@ -106,7 +107,7 @@ def one(seed: int) -> Found:
     dice = np.random.default_rng(seed)
     rig, start = load_rig(FOLDER), only(load_model(FOLDER / "model.toml"), PATHS)
     true = {path: start[path] * dice.uniform(1 - APART, 1 + APART) for path in PATHS}
-    found = fit(start, rig, [lived(start.with_values(true), rig, drive(rig), dice)])
+    found = fit(start, Runs(rig, [lived(start.with_values(true), rig, drive(rig), dice)]))
     by_path = {f.path: f for f in found.parameters}
     fitted, sd = (np.array([getattr(by_path[path], key) for path in PATHS]) for key in ("value", "sd"))
     wanted = np.array([true[path] for path in PATHS])

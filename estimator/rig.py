@@ -219,6 +219,11 @@ class Rig:
         """Names of the bodies that thermometers read."""
         return tuple(sorted({channel.node for channel in self.channels.values() if channel.node is not None}))
 
+    @cached_property
+    def is_thermometer(self) -> Vector:
+        """Which channels read a temperature, (m,) bool."""
+        return np.array([channel.is_thermometer for channel in self.channels.values()], dtype=bool)
+
     def index(self, name: str) -> int:
         """Column of a channel; an unknown name is a SetupError."""
         if name not in self.channels:

@@ -1,8 +1,31 @@
-"""How long work is shared out and told of: a job on every recording, by one thread or several."""
+"""Long work: on which recordings it is done, by which workers, and who hears how far it is."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-Share = Callable[[Callable[[Any], Any], Sequence[Any]], Iterable[Any]]
+from estimator.record import Recording
+from estimator.rig import Rig
+
+Workers = Callable[[Callable[[Any], Any], Sequence[Any]], Iterable[Any]]  # `map`, or that of a pool of threads
+Progress = Callable[[str, float], None]  # what is being done; the part of all that is done, or steps without an end
+
+
+def silent(stage: str, done: float) -> None:
+    """Progress that nobody hears."""
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Recordings of one rig to work on. The engine needs no lock of Python's, so that threads serve as workers."""
+
+    rig: Rig
+    recordings: Sequence[Recording]
+    workers: Workers = map
+    progress: Progress = silent
+
+    def each(self, job: Callable[[Recording], Any]) -> list[Any]:
+        """What a job makes of every recording."""
+        return list(self.workers(job, self.recordings))

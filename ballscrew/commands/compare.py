@@ -21,6 +21,7 @@ from estimator.inputs.phase import PHASES
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
+from estimator.work import Runs
 
 KEYS = {"one_step": "one_step", "ahead": "ahead_10min", "open_loop": "open_loop"}
 
@@ -72,10 +73,10 @@ def _compared(
     truths: Sequence[Array | None],
 ) -> list[Comparison]:  # fmt: skip
     found = []
-    with terminal.progress("comparing", len(models)) as update, threads() as share:
+    with terminal.progress("comparing", len(models)) as update, threads() as workers:
         for done, model in enumerate(models):
             update(done, model.name)
-            found.append(compare(model, rig, recordings, share, truths))
+            found.append(compare(model, Runs(rig, recordings, workers), truths))
     return found
 
 

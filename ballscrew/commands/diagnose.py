@@ -14,7 +14,7 @@ from ballscrew.options import logs_argument, output_options, rig_options, save_o
 from ballscrew.report.page import Section
 from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
-from ballscrew.workspace import load, open_model, open_rig
+from ballscrew.workspace import load, open_model, open_rig, runs_of
 from estimator.accuracy.quality import overall
 from estimator.errors import InputError
 from estimator.inputs.phase import PHASES
@@ -45,8 +45,8 @@ def command(
     if not loaded:
         return InputError.exit_code
     terminal.say_if_compiling("passes", "ahead")
-    with terminal.progress("diagnosing", 1.0) as update, threads() as share:
-        found = diagnose(model, rig, [one.recording for one in loaded], lambda stage, done: update(done, stage), share)
+    with terminal.progress("diagnosing", 1.0) as update, threads() as workers:
+        found = diagnose(model, runs_of(rig, loaded, workers, update))
     _print(terminal, found, tables := _sections(found))
     terminal.json(_as_json(found))
     if rrd is not None:

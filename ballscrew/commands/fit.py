@@ -10,7 +10,7 @@ import numpy as np
 from ballscrew.options import logs_argument, output_options, rig_options, writable
 from ballscrew.terminal import INTERRUPTED, Terminal
 from ballscrew.threads import threads
-from ballscrew.workspace import load, open_model, open_rig
+from ballscrew.workspace import load, open_model, open_rig, runs_of
 from estimator.accuracy.floor import Error
 from estimator.errors import InputError
 from estimator.fit.fit import Fit, Fitted, fit
@@ -57,11 +57,8 @@ def command(
         return InputError.exit_code
     terminal.say_if_compiling("passes", "loglike", "score", "gram", "ahead")
     label = f"fitting {len(model.free())} parameters to {len(loaded)} recordings"
-    with terminal.progress(label, None) as update, threads() as share:
-        found = fit(
-            model, rig, [one.recording for one in loaded],
-            lambda stage, n, value: update(n, f"{stage}, run {n}: {_progress(stage, value)}"), share,
-        )  # fmt: skip
+    with terminal.progress(label, None) as update, threads() as workers:
+        found = fit(model, runs_of(rig, loaded, workers, update))
     save_model(found.model, out)
     _print(terminal, found)
     terminal.say(f"model: {out}")
@@ -69,10 +66,6 @@ def command(
     if found.stopped:
         return INTERRUPTED
     return InputError.exit_code if failed else 0
-
-
-def _progress(stage: str, value: float) -> str:
-    return f"misfit {value:.3f}" if stage == "open loop" else f"log-likelihood {value:.1f}"
 
 
 def _print(terminal: Terminal, found: Fit) -> None:

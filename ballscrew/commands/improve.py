@@ -15,7 +15,7 @@ from ballscrew.report.improvement_report import Outcome, as_json, note, report, 
 from ballscrew.report.viewing import show, view_option
 from ballscrew.terminal import INTERRUPTED, Terminal
 from ballscrew.threads import threads
-from ballscrew.workspace import Loaded, load_apart, open_model, open_rig
+from ballscrew.workspace import Loaded, load_apart, open_model, open_rig, runs_of
 from estimator.errors import InputError
 from estimator.missing_effect.improve import Improvement, improve
 from estimator.model import Model
@@ -84,11 +84,9 @@ def _searched(
     terminal: Terminal, model: Model, rig: Rig, loaded: Sequence[Loaded], apart: Sequence[Loaded],
     effects: Sequence[Named],
 ) -> Improvement:  # fmt: skip
-    with terminal.progress("improving", 1.0) as update, threads() as share:
-        return improve(
-            model, rig, [one.recording for one in loaded], [one.recording for one in apart],
-            [one.effect for one in effects], lambda step, stage, part: update(part, f"step {step}: {stage}"), share,
-        )  # fmt: skip
+    with terminal.progress("improving", 1.0) as update, threads() as workers:
+        runs, held_out = runs_of(rig, loaded, workers, update), runs_of(rig, apart, workers)
+        return improve(model, runs, held_out, [one.effect for one in effects])
 
 
 def _kept(found: Improvement, effects: Sequence[Named], rig: Rig, recordings: Sequence[Recording], name: str) -> Model:
@@ -119,16 +117,15 @@ def _tell(
     )
 
     assert found.last is not None
-    recordings = [one.recording for one in loaded]
-    with terminal.progress("drawing before and after", None), threads() as share:
-        verdict = finding_of(found.last, rig, recordings, [], lambda stage, part: None, share)
+    with terminal.progress("drawing before and after", None), threads() as workers:
+        verdict = finding_of(found.last, runs_of(rig, loaded, workers), runs_of(rig, []))
         out = Outcome(found, verdict, found.steps[0].model, after, rig, loaded, apart, own)
-        runs = compared(rig, out.models, [*loaded, *apart], share)
+        runs = compared(rig, out.models, [*loaded, *apart], workers)
         runs[len(loaded) :] = [replace(run, name=f"{run.name} held out") for run in runs[len(loaded) :]]
         steps = zip(titles(found.steps), found.steps, strict=True)
         figures = error_bars([(title, step.cross_validated, step.held_out) for title, step in steps])
         pictures = write_pictures(md.with_suffix(""), runs, out.models, figures)
-        md.write_text(report(out, pictures, share))
+        md.write_text(report(out, pictures, workers))
         write_views(rrd, runs, out.models, [steps_section(out)], figures)
     terminal.say(f"\n{out.said}")
     terminal.say(f"report: {md}")

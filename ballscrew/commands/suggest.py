@@ -15,22 +15,20 @@ from ballscrew.own_effect.named import Named, named_effects
 from ballscrew.report.verdict import Finding, as_json, sentence
 from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
-from ballscrew.workspace import Loaded, load_apart, open_model, open_rig
+from ballscrew.workspace import Loaded, load_apart, open_model, open_rig, runs_of
 from estimator.accuracy.floor import Error
-from estimator.accuracy.horizon import open_loop_only, overall
-from estimator.batch.trial import trials_of
-from estimator.effect import Effect
+from estimator.accuracy.horizon import open_loop_error
+from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
 from estimator.errors import InputError
 from estimator.missing_effect.candidates import unfit
 from estimator.missing_effect.hypothesis import Hypothesis
 from estimator.missing_effect.next_run import next_run
-from estimator.missing_effect.suggest import Progress, suggest
+from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
-from estimator.record import Recording
 from estimator.rig import Rig
-from estimator.work import Share
+from estimator.work import Runs
 
 SHOWN = 6
 
@@ -86,11 +84,9 @@ def command(
     loaded, apart, failed = load_apart(logs, held_out, rig, terminal)
     if not loaded:
         return InputError.exit_code
-    with terminal.progress("looking for what is missing", 1.0) as update, threads() as share:
-        found = find(
-            model, rig, [one.recording for one in loaded], [one.recording for one in apart], effects,
-            lambda stage, part: update(part, stage), share,
-        )  # fmt: skip
+    with terminal.progress("looking for what is missing", 1.0) as update, threads() as workers:
+        runs = runs_of(rig, loaded, workers, update)
+        found = finding_of(suggest(model, runs, effects), runs, runs_of(rig, apart, workers))
     print_finding(terminal, found, rig)
     terminal.json(as_json(found, rig))
     if rrd is not None:
@@ -98,32 +94,16 @@ def command(
     return InputError.exit_code if failed else 0
 
 
-def find(
-    model: Model, rig: Rig, recordings: Sequence[Recording], held_out: Sequence[Recording],
-    effects: Sequence[type[Effect]], each: Progress, share: Share,
-) -> Finding:  # fmt: skip
-    """Search, then look at the recordings held out, and for a run that decides a tie."""
-    found = suggest(model, rig, recordings, effects, each, share)
-    return finding_of(found, rig, recordings, held_out, each, share)
-
-
-def finding_of(
-    found: Suggestion, rig: Rig, recordings: Sequence[Recording], held_out: Sequence[Recording], each: Progress,
-    share: Share,
-) -> Finding:  # fmt: skip
+def finding_of(found: Suggestion, runs: Runs, held_out: Runs) -> Finding:
     """What was found, with the run that decides a tie and the recordings held out."""
     run = None
     if found.verdict == "tie" and len(found.tie) > 1:
-        each("looking for the run that decides", 0.95)
+        runs.progress("looking for the run that decides", 0.95)
         rivals = [h for h in found.found if h.names[0] in found.tie][:2]
         if len(rivals) == 2:
-            run = next_run(rivals[0], rivals[1], rig, recordings, trials_of(rivals[1].model, rig, recordings), share)
-    held = [_held(h.model, rig, held_out) for h in (found.as_given, found.again, *found.found)] if held_out else []
-    return Finding(found, held, run)
-
-
-def _held(model: Model, rig: Rig, recordings: Sequence[Recording]) -> Error:
-    return overall([open_loop_only(trial, model) for trial in trials_of(model, rig, recordings)], "open_loop")
+            run = next_run(rivals[0], rivals[1], runs)
+    models = [h.model for h in (found.as_given, found.again, *found.found)] if held_out.recordings else []
+    return Finding(found, [open_loop_error(slow_trials_of(model, held_out), model) for model in models], run)
 
 
 def print_finding(terminal: Terminal, found: Finding, rig: Rig) -> None:

@@ -12,7 +12,7 @@ from ballscrew.options import logs_argument, output_options, rig_options, writab
 from ballscrew.report.page import page
 from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
-from ballscrew.workspace import Loaded, load, open_model, open_rig
+from ballscrew.workspace import Loaded, load, open_model, open_rig, runs_of
 from estimator.accuracy.quality import ChannelQuality, overall
 from estimator.errors import InputError
 from estimator.fit.tune import Tuned, tune
@@ -57,11 +57,8 @@ def command(
     if not loaded:
         return InputError.exit_code
     terminal.say_if_compiling("passes", "loglike", "score", "ahead")
-    with terminal.progress(f"tuning on {len(loaded)} recordings", None) as update, threads() as share:
-        found = tune(
-            model, rig, [one.recording for one in loaded],
-            lambda stage, n, value: update(n, f"{stage}, run {n}: log-likelihood {value:.1f}"), share,
-        )  # fmt: skip
+    with terminal.progress(f"tuning on {len(loaded)} recordings", None) as update, threads() as workers:
+        found = tune(model, runs_of(rig, loaded, workers, update))
     save_model(found.model, out)
     _print(terminal, found)
     terminal.say(f"model: {out}")

@@ -56,7 +56,7 @@ class Monitor:
     def __init__(self, model: Model, rig: Rig, mute: Mute | None = None, late_s: float = 0.0) -> None:
         self.model, self.rig, self.mute, self.late_s = model, rig, mute, late_s
         muted = mute(0.0) if mute else np.zeros(len(rig.names), dtype=bool)
-        self._used = int((np.isin(rig.names, rig.thermometers) & ~muted).sum())
+        self._used = int((rig.is_thermometer & ~muted).sum())
         self.tally, self.active = Tally(), dict[tuple[str, str, float], Alarm]()
         self.begin()
 

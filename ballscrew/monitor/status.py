@@ -90,7 +90,7 @@ def not_used(skipped: Mapping[str, int]) -> int:
 
 def fused_thermometers(moment: Moment, rig: Rig) -> int:
     """Thermometers that the estimate of this tick rests on."""
-    return int(moment.step.fused[np.isin(rig.names, rig.thermometers)].sum())
+    return int(moment.step.fused[rig.is_thermometer].sum())
 
 
 def _estimate(moment: Moment, rig: Rig) -> list[tuple[str, str]]:

@@ -20,7 +20,7 @@ from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import Track
-from estimator.work import Share
+from estimator.work import Runs, Workers
 from viz.comparison.bars import Bars, Series
 from viz.comparison.compared import Compared, HeatMap, Side
 from viz.comparison.comparison import save
@@ -35,8 +35,8 @@ def save_views(
     sections: Sequence[Section], figures: Sequence[Bars] = (),
 ) -> None:  # fmt: skip
     """Write the views of one model, or of two, before and after; `figures` stand beside the text."""
-    with terminal.progress(f"writing {path}", None), threads() as share:
-        runs = compared(rig, models, loaded, share)
+    with terminal.progress(f"writing {path}", None), threads() as workers:
+        runs = compared(rig, models, loaded, workers)
         write_views(path, runs, models, sections, figures)
     terminal.say_views(path)
 
@@ -64,10 +64,10 @@ def write_pictures(
     return pictures
 
 
-def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], share: Share = map) -> list[Compared]:
+def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], workers: Workers = map) -> list[Compared]:
     """Run each model over all recordings."""
     recordings = [one.recording for one in loaded]
-    sides = [_sides(model, rig, recordings, share) for model in models]
+    sides = [_sides(model, Runs(rig, recordings, workers)) for model in models]
     return [
         Compared(one.path.stem, rig, r.time_s, r.channels, _readings(r, rig, models[-1]), own)
         for one, r, own in zip(loaded, recordings, zip(*sides, strict=True), strict=True)
@@ -109,9 +109,9 @@ def _rms(runs: Sequence[Compared], columns: Array) -> list[Series]:
     return found
 
 
-def _sides(model: Model, rig: Rig, recordings: Sequence[Recording], share: Share) -> list[Side]:
-    tracks = share(lambda recording: _kept(replay(model, rig, recording)), recordings)
-    heats = missing_heat(list(share(lambda recording: misfit(model, rig, recording), recordings)), share)
+def _sides(model: Model, runs: Runs) -> list[Side]:
+    tracks = runs.each(lambda recording: _kept(replay(model, runs.rig, recording)))
+    heats = missing_heat(runs.each(lambda recording: misfit(model, runs.rig, recording)), runs.workers)
     return [Side(**track, **_missed(heat)) for track, heat in zip(tracks, heats, strict=True)]
 
 

@@ -12,13 +12,13 @@ import numpy as np
 from ballscrew.commands.compare import sections
 from ballscrew.report.page import Section, page
 from ballscrew.report.verdict import Finding, sentence
-from ballscrew.workspace import Loaded
+from ballscrew.workspace import Loaded, runs_of
 from estimator.accuracy.compare import compare
 from estimator.accuracy.floor import Error
 from estimator.missing_effect.improve import Improvement, Step
 from estimator.model import Model
 from estimator.rig import Rig
-from estimator.work import Share
+from estimator.work import Workers
 
 ALSO_CHOSEN = "cross-validated: each recording left out once, but all of them were also used for choosing"
 ONE = "not cross-validated: one recording, none left out, also used for choosing"
@@ -115,7 +115,7 @@ def as_json(found: Improvement) -> dict[str, Any]:
     return {"steps": steps, "verdict": found.last.verdict if found.last else "stopped"}
 
 
-def report(out: Outcome, pictures: dict[str, Path], share: Share) -> str:
+def report(out: Outcome, pictures: dict[str, Path], workers: Workers) -> str:
     """The report as Markdown; pictures by what they show, beside it."""
     text = [page([steps_section(out)]), *_shown(pictures, "steps", "Error of the model alone, step by step")]
     text += [page([_given(out), _effects(out), _parameters(out.before, out.after)], 2)]
@@ -123,8 +123,8 @@ def report(out: Outcome, pictures: dict[str, Path], share: Share) -> str:
     text += _shown(pictures, "missing-heat", "Heat that the model alone lacks")
     for what, some in (("used", out.used), ("held out", out.held_out)):
         if some:
-            recordings = [one.recording for one in some]
-            found = [replace(compare(model, out.rig, recordings, share), held_out=None) for model in out.models]
+            runs = runs_of(out.rig, some, workers)
+            found = [replace(compare(model, runs), held_out=None) for model in out.models]
             tables = [(f"Recordings {what}: {title}", *more) for title, *more in sections(found)]
             text.append(page(tables, 3))
     return "\n".join(text)

@@ -58,7 +58,7 @@ def blind(trial: Trial, model: Model) -> Blind:
         sds.append(sd[at])
         channels.append(np.nonzero(at)[1])
     channel = np.concatenate(channels)
-    heat = np.isin(trial.rig.names, trial.rig.thermometers)
+    heat = trial.rig.is_thermometer
     weight = np.where(heat, 1.0 / max(heat.sum(), 1), 1.0)[channel]
     return Blind(np.concatenate(errors), np.concatenate(sds), channel, weight)
 

@@ -15,11 +15,11 @@ from estimator.accuracy import displacement
 from estimator.accuracy.floor import FAR, Error, noise_floor
 from estimator.accuracy.horizon import HORIZONS, Horizons, horizons, overall
 from estimator.batch.trial import Trial
+from estimator.batch.trials import trials_of
 from estimator.inputs.phase import PHASES, phase_of, speed_of
 from estimator.model import Model
-from estimator.record import Array, Recording
-from estimator.rig import Rig
-from estimator.work import Share
+from estimator.record import Array
+from estimator.work import Runs
 
 ByHorizon = Mapping[str, Error]
 
@@ -46,18 +46,15 @@ class Comparison:
     recordings: int
 
 
-def compare(
-    model: Model, rig: Rig, recordings: Sequence[Recording], share: Share = map,
-    truths: Sequence[Array | None] | None = None,
-) -> Comparison:  # fmt: skip
+def compare(model: Model, runs: Runs, truths: Sequence[Array | None] | None = None) -> Comparison:
     """Judge one model on recordings.
 
     truths  true elongation at the ticks, (K,) um, of those for which it is known. Else the elongation is compared
             with the readings while driving, and at rest with the direct reading, joined at the stop
     """
+    rig, recordings, trials = runs.rig, runs.recordings, trials_of(model, runs)
     truths = truths or [None] * len(recordings)
-    trials = [Trial(model, rig, recording) for recording in recordings]
-    found: list[Horizons] = list(share(lambda trial: horizons(trial, model), trials))
+    found: list[Horizons] = trials.each(lambda trial: horizons(trial, model))
     references = [_reference(trial, model, truth) for trial, truth in zip(trials, truths, strict=True)]
     found = [replace(each, reference=reference) for each, reference in zip(found, references, strict=True)]
     known = set(model.about.get("fitted_on", {}).values())

@@ -17,7 +17,7 @@ FAR = 3.0  # an open-loop error this many times the noise floor is missing physi
 def noise_floor(model: Model, trial: Trial) -> Error:
     """What sensors alone would leave of an open-loop error: scatter and unknown zeros of thermometers, of the rest."""
     readings = trial.pose(model).forcing.readings
-    heat = np.isin(trial.rig.names, trial.rig.thermometers)
+    heat = trial.rig.is_thermometer
     known = np.isfinite(readings.sd)
     zero = np.where(heat, readings.zero_sd, 0.0)  # that of the displacement is taken out of an open-loop error
     variance = readings.sd**2 + zero**2

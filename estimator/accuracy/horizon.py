@@ -5,7 +5,7 @@ One-step error alone flatters: a filter that trusts its readings hides what its 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,7 +80,7 @@ def horizons(trial: Trial, model: Model) -> Horizons:
         starts, predicted = batch.ahead(long, steps, every)
         ahead[starts + steps] = np.where(told[starts] > 0, y[starts + steps] - predicted[:, :-1], np.nan)
         elongation["ahead"][starts + steps] = predicted[:, -1]
-    thermometers = np.isin(trial.rig.names, trial.rig.thermometers)
+    thermometers = trial.rig.is_thermometer
     unknown = np.full(len(y), np.nan)
     return Horizons(one_step, ahead, open_loop_misfit(trial, posed), thermometers, elongation, unknown)
 
@@ -91,8 +91,13 @@ def open_loop_only(trial: Trial, model: Model) -> Horizons:
     open_loop = open_loop_misfit(trial, posed)
     none, unknown = np.full_like(open_loop, np.nan), np.full(len(open_loop), np.nan)
     elongation = {"one_step": unknown, "ahead": unknown, "open_loop": posed.run.grown}
-    thermometers = np.isin(trial.rig.names, trial.rig.thermometers)
+    thermometers = trial.rig.is_thermometer
     return Horizons(none, none, open_loop, thermometers, elongation, unknown)
+
+
+def open_loop_error(trials: Iterable[Trial], model: Model) -> Error:
+    """rms by the model alone over several recordings together."""
+    return overall([open_loop_only(trial, model) for trial in trials], "open_loop")
 
 
 def overall(found: Sequence[Horizons], horizon: str) -> Error:
@@ -103,7 +108,7 @@ def overall(found: Sequence[Horizons], horizon: str) -> Error:
     )
 
 
-def errors(trials: Sequence[Trial], model: Model) -> dict[str, Error]:
+def errors(trials: Iterable[Trial], model: Model) -> dict[str, Error]:
     """Error of each horizon over several recordings together."""
     found = [horizons(trial, model) for trial in trials]
     return {name: overall(found, name) for name in HORIZONS}

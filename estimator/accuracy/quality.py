@@ -16,6 +16,7 @@ import numpy as np
 from estimator.accuracy.blind import blind
 from estimator.batch import batch
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.model import Model
 from estimator.record import Array
 
@@ -66,7 +67,7 @@ def innovations(trial: Trial, model: Model) -> Innovations:
     return Innovations(trial.rest.time_s, scaled, lags * tick_s, _autocorrelation(scaled, len(lags)))
 
 
-def quality(trials: Sequence[Trial], model: Model) -> tuple[ChannelQuality, ...]:
+def quality(trials: Sequence[Trial] | Trials, model: Model) -> tuple[ChannelQuality, ...]:
     """One model's filter on some recordings."""
     near = [innovations(trial, model) for trial in trials]
     ahead = [blind(trial, model) for trial in trials]

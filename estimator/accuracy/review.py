@@ -107,7 +107,7 @@ def review(
 
 
 def _temperature_errors(track: Track, rig: Rig) -> tuple[float, float]:
-    heat = np.isin(rig.names, rig.thermometers)
+    heat = rig.is_thermometer
     errors = track.innovation[1:, heat], (track.measured - track.open_loop)[1:, heat]
     return accuracy(errors[0]).rms_um, accuracy(errors[1]).rms_um
 

@@ -51,7 +51,7 @@ class Alarms:
         self.active: dict[tuple[str, str, float], Alarm] = {}
         self._tests = [WindowTest(rig, window, false_s) for window in WINDOWS]
         self._stuck = Stuck(len(rig.names))
-        self._heat = np.isin(rig.names, rig.thermometers)
+        self._heat = rig.is_thermometer
         self._silent = np.full(len(rig.names), -1)  # ticks since the last reading, -1: never read
 
     @property

@@ -28,7 +28,7 @@ class Watch:
         """`thermometers` are to be fused; by default all of the rig."""
         self.least = max(1, ceil(SHARE * (len(rig.thermometers) if thermometers is None else thermometers)))
         self.needs_drive = "speed" in rig.inputs
-        self._heat = np.isin(rig.names, rig.thermometers)
+        self._heat = rig.is_thermometer
         self._enough = self._displacement = self._drive = -np.inf
         self._moving = self._started = self._diverged = False
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from estimator.batch import batch
-from estimator.batch.coarse import coarse, serves
 from estimator.batch.nominal import Nominal, nominal
 from estimator.batch.system import Chunk, System
 from estimator.errors import InputError
@@ -142,9 +141,3 @@ def centred(rest: Array, trial: Trial) -> Array:
         if np.isfinite(rest[:, channel]).any():
             rest[:, channel] -= np.nanmean(rest[:, channel])
     return rest
-
-
-def trials_of(model: Model, rig: Rig, recordings: Sequence[Recording], gated: bool = True) -> list[Trial]:
-    """Recordings made ready for open-loop runs, at a tick that serves for slow heat."""
-    slower = (coarse(recording, rig, serves(rig)) for recording in recordings)
-    return [Trial(model, slow, short, gated=gated) for short, slow in slower]

@@ -13,6 +13,7 @@ from scipy.optimize import lsq_linear
 
 from estimator.fit.posterior import Posterior
 from estimator.record import Array
+from estimator.work import Progress
 
 ENOUGH = 0.05  # gain in log posterior that a step must promise, or the search is done
 STEPS = 40
@@ -20,10 +21,13 @@ HALVINGS = 12
 
 
 class Climb:
-    """The way up a log posterior; may be stopped by Ctrl-C at any time and then stands at the best place so far."""
+    """The way up a log posterior; may be stopped by Ctrl-C at any time and then stands at the best place so far.
 
-    def __init__(self, posterior: Posterior, each: Callable[[int, float], None] = lambda n, value: None) -> None:
-        self.posterior, self.each = posterior, each
+    after_step  hears how many steps were made and the log posterior there
+    """
+
+    def __init__(self, posterior: Posterior, after_step: Callable[[int, float], None] = lambda n, value: None) -> None:
+        self.posterior, self.after_step = posterior, after_step
         self.c = posterior.start
         self.value = self.first = -np.inf
         self.converged = self.stopped = False
@@ -56,7 +60,7 @@ class Climb:
             curvature, fresh = corrected(curvature, step, slope - there), False
             self.c, self.value, slope = self.c + step, value, there
             self.steps += 1
-            self.each(self.steps, self.value)
+            self.after_step(self.steps, self.value)
 
     def _curvature(self) -> Array:
         return positive(self.posterior.information(self.c).whole)
@@ -68,6 +72,11 @@ class Climb:
                 return step
             step = step / 2
         return np.zeros_like(step)
+
+
+def told(progress: Progress, stage: str) -> Callable[[int, float], None]:
+    """An `after_step` that tells of each step."""
+    return lambda n, value: progress(f"{stage}, run {n}: log-likelihood {value:.1f}", n)
 
 
 def bounded_step(curvature: Array, slope: Array, c: Array, bounds: tuple[Array, Array]) -> Array:

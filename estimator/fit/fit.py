@@ -11,31 +11,28 @@ noise says, it is raised (`tune`), and never lowered.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from estimator.accuracy.floor import Error
 from estimator.accuracy.horizon import errors
-from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials, trials_of
 from estimator.errors import InputError, SetupError
-from estimator.fit.climb import Climb, positive
+from estimator.fit.climb import Climb, positive, told
 from estimator.fit.noise import noise_levels
 from estimator.fit.open_loop_fit import Followed, follow, sandwich
 from estimator.fit.posterior import Posterior
 from estimator.fit.tune import scaled
 from estimator.model import Model, Value
-from estimator.record import Array, Recording
-from estimator.rig import Rig
-from estimator.work import Share
+from estimator.record import Array
+from estimator.work import Runs
 
 AT_BOUND = 1e-3  # of the width between the bounds
 ALIKE = 0.95  # a correlation worth naming
 WEAK = 1e-9  # curvature, against its diagonal, of a direction that the data leave open
 WORSE = 1.02  # an error ahead larger by this factor is worse
-
-Progress = Callable[[str, int, float], None]
 
 
 @dataclass(frozen=True)
@@ -92,31 +89,21 @@ class Candidate:
     alone: Array
 
 
-def fit(
-    model: Model,
-    rig: Rig,
-    recordings: Sequence[Recording],
-    each: Progress = lambda stage, n, value: None,
-    share: Share = map,
-) -> Fit:
-    """Fit all free parameters to all recordings. `each` hears the stage, the steps done and how well it fits.
-
-    Recordings that say nothing of any of them are an InputError.
-    """
+def fit(model: Model, runs: Runs) -> Fit:
+    """Fit all free parameters to all recordings; those that say nothing of any of them are an InputError."""
     paths = model.free()
     if not paths:
         raise SetupError(f"{model.name}: every parameter is fixed; nothing to fit")
-    trials = [Trial(model, rig, recording) for recording in recordings]
-    noise = Posterior(model, trials, paths).noise
+    noise = Posterior(model, trials_of(model, runs), paths).noise
     mean = [path for path, level in zip(paths, noise, strict=True) if not level]
-    followed = follow(model, rig, recordings, mean, lambda n, misfit: each("open loop", n, misfit)) if mean else None
+    followed = follow(model, runs, mean) if mean else None
     start = followed.model if followed else model
     left = dict(followed.left) if followed else {}
     if len(left) == len(paths):
         raise InputError(f"these recordings say nothing of {', '.join(left)}: free others, or record a longer drive")
     paths = [path for path in paths if path not in left]
-    trials = [Trial(start, rig, recording) for recording in recordings]
-    climb = Climb(Posterior(start, trials, paths, share), lambda n, value: each("likelihood", n, value))
+    trials = trials_of(start, runs)
+    climb = Climb(Posterior(start, trials, paths), told(runs.progress, "likelihood"))
     if followed is not None and followed.stopped:
         climb.stopped = True
     else:
@@ -124,7 +111,7 @@ def fit(
     found = [_likely(climb)]
     if followed is not None and followed.paths:
         found.append(_followed(followed, climb))
-    return _outcome(model, found, left, climb, trials, recordings, rig)
+    return _outcome(model, found, left, climb, runs)
 
 
 def _likely(climb: Climb) -> Candidate:
@@ -147,7 +134,7 @@ def _followed(followed: Followed, climb: Climb) -> Candidate:
     levels = [each.path for each in posterior.coordinates if each.noise]
     if not levels:
         return Candidate("open loop", followed.model, followed.paths, followed.covariance, alone)
-    search = Climb(Posterior(followed.model, posterior.trials, levels, posterior.share), climb.each)
+    search = Climb(Posterior(followed.model, posterior.trials, levels), climb.after_step)
     if not climb.stopped:
         search.run()
         climb.stopped = search.stopped
@@ -172,10 +159,8 @@ def _beside(a: Array, b: Array) -> Array:
     return np.block([[a, np.zeros((len(a), len(b)))], [np.zeros((len(b), len(a))), b]])
 
 
-def _outcome(
-    model: Model, found: Sequence[Candidate], left: Mapping[str, str], climb: Climb, trials: Sequence[Trial],
-    recordings: Sequence[Recording], rig: Rig,
-) -> Fit:  # fmt: skip
+def _outcome(model: Model, found: Sequence[Candidate], left: Mapping[str, str], climb: Climb, runs: Runs) -> Fit:
+    trials = climb.posterior.trials
     judged = [errors(trials, candidate.model) for candidate in found]
     at = 1 if len(found) > 1 and _worse(judged[0], judged[1]) else 0
     kept = found[at]
@@ -183,8 +168,8 @@ def _outcome(
     values = {f.path: Value(f.value, f.sd if np.isfinite(f.sd) else None) for f in fitted}
     fitted += tuple(_left(model, path, like) for path, like in left.items())
     fitted = tuple(sorted(fitted, key=lambda f: list(model.values).index(f.path)))
-    about = {"rig": rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in recordings}}
-    better, raised = _raised(model.with_values(values), trials, climb.posterior.share)
+    about = {"rig": runs.rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in runs.recordings}}
+    better, raised = _raised(model.with_values(values), trials)
     better = replace(better, about={**model.about, **about})
     return Fit(
         better, fitted, kept.name, raised, alike(kept), (climb.first, climb.value), errors(trials, model),
@@ -192,11 +177,11 @@ def _outcome(
     )  # fmt: skip
 
 
-def _raised(model: Model, trials: Sequence[Trial], share: Share) -> tuple[Model, float]:
+def _raised(model: Model, trials: Trials) -> tuple[Model, float]:
     """The model with its process noise raised to what ten blind minutes show, and the factor (1: it was enough)."""
     process = noise_levels(model, trials)["process"]
     fixed = [path for path in process if model.values[path].fixed]
-    louder, factor = scaled(model, trials, fixed, share=share)
+    louder, factor = scaled(model, trials, fixed)
     return (louder, factor) if factor > 1 else (model, 1.0)
 
 

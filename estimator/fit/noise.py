@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -15,7 +15,7 @@ COLOURED = 0.15  # an autocorrelation beyond that of chance from which on innova
 CHANCE = 2.0  # times 1 / sqrt(readings): about the largest of many autocorrelations of white innovations
 
 
-def noise_levels(model: Model, trials: Sequence[Trial]) -> dict[str, list[str]]:
+def noise_levels(model: Model, trials: Iterable[Trial]) -> dict[str, list[str]]:
     """Paths of the parameters that set a noise and nothing else: of measurement, and of the process."""
     posed = [trial.pose(model) for trial in trials]
     kinds: dict[str, list[str]] = {"measurement": [], "process": []}

@@ -12,7 +12,7 @@ temperatures a thousandth of a kelvin closer outweigh an elongation twice as far
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,30 +20,25 @@ from scipy.linalg import qr, solve_triangular
 from scipy.optimize import least_squares
 
 from estimator.accuracy.floor import BLOCK_S, GOOD_K, GOOD_UM
-from estimator.batch.coarse import coarse, serves
-from estimator.batch.trial import Trial, centred, known_of, open_loop_misfit
+from estimator.batch.trial import centred, known_of, open_loop_misfit
+from estimator.batch.trials import slow_trials_of
 from estimator.fit.posterior import size
 from estimator.model import Model
-from estimator.record import Array, Recording
-from estimator.rig import Rig
+from estimator.record import Array
 from estimator.sensitivity.sensitivity import nominal_column
 from estimator.sensitivity.tangent import tangent
+from estimator.work import Runs
 
 APART = 0.02  # what is left of a column without the others, over itself: below it the column is made of them
 EARLIER = 1e-6  # by so much a column is smaller than the one before it, so that of two alike the first is kept
-
-Progress = Callable[[int, float], None]
 
 
 class Follower:
     """Recordings made ready for many open-loop runs."""
 
-    def __init__(self, model: Model, rig: Rig, recordings: Sequence[Recording]) -> None:
-        self._trials = []
-        for recording in recordings:
-            short, slow = coarse(recording, rig, serves(rig))
-            self._trials.append(Trial(model, slow, short))
-        heat = np.isin(rig.names, rig.thermometers)
+    def __init__(self, model: Model, runs: Runs) -> None:
+        self._trials = slow_trials_of(model, runs)
+        heat = runs.rig.is_thermometer
         weight = np.where(heat, 1.0 / max(heat.sum(), 1), 1.0) * self._trials[0].rig.tick_s / BLOCK_S
         self._scale = np.where(heat, GOOD_K, GOOD_UM) / np.sqrt(weight)
         self._weight = sum(float((weight * known_of(trial)).sum()) for trial in self._trials)
@@ -103,11 +98,9 @@ class Followed:
     stopped: bool = False
 
 
-def follow(
-    model: Model, rig: Rig, recordings: Sequence[Recording], paths: Sequence[str], each: Progress = lambda n, cost: None
-) -> Followed:
-    """The model with these parameters fitted open loop. `each` hears the runs done and the misfit (1: as good as s)."""
-    follower = Follower(model, rig, recordings)
+def follow(model: Model, runs: Runs, paths: Sequence[str]) -> Followed:
+    """The model with these parameters fitted open loop."""
+    follower = Follower(model, runs)
     left = untold(np.vstack([follower.slopes(model, paths), np.diag(_priors(model, paths))]), paths)
     paths = [path for path in paths if path not in left]
     if not paths:
@@ -128,7 +121,7 @@ def follow(
         if all_of_it @ all_of_it < best_cost:
             best, best_cost = scaled.copy(), all_of_it @ all_of_it
         count += 1
-        each(count, float(np.sqrt(follower.mean_square(rest))))
+        runs.progress(f"open loop, run {count}: misfit {np.sqrt(follower.mean_square(rest)):.3f}", count)
         return all_of_it
 
     def jacobian(scaled: Array) -> Array:

@@ -8,21 +8,19 @@ their logarithm.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from estimator.accuracy.floor import BLOCK_S
-from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.effect import Param
 from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.score import score
 from estimator.sensitivity.sensitivity import information
 from estimator.sensitivity.tangent import tangent
-from estimator.work import Share
 
 LOG_STEP = 0.02
 
@@ -80,13 +78,10 @@ class Information:
 
 
 class Posterior:
-    """Log posterior of some parameters of a model on some trials, as a function of coordinates (p,).
+    """Log posterior of some parameters of a model on some trials, as a function of coordinates (p,)."""
 
-    share  how a job is done on every trial: `map`, or that of a pool of threads; the engine needs no lock of Python's
-    """
-
-    def __init__(self, model: Model, trials: Sequence[Trial], paths: Sequence[str], share: Share = map) -> None:
-        self.model, self.trials, self.share = model, trials, share
+    def __init__(self, model: Model, trials: Trials, paths: Sequence[str]) -> None:
+        self.model, self.trials = model, trials
         self.coordinates = [self._coordinate(path) for path in paths]
         self.noise = np.array([c.noise for c in self.coordinates], dtype=bool)
 
@@ -110,12 +105,12 @@ class Posterior:
     def value(self, c: Array) -> float:
         """Log posterior."""
         model = self.at(c)
-        return sum(self._each(lambda trial: trial.loglike(model))) - 0.5 * float((self._off(c) ** 2).sum())
+        return sum(self.trials.each(lambda trial: trial.loglike(model))) - 0.5 * float((self._off(c) ** 2).sum())
 
     def slope(self, c: Array) -> tuple[float, Array]:
         """Log posterior and its derivative, (p,)."""
         model, paths = self.at(c), [each.path for each in self.coordinates]
-        found = self._each(lambda trial: score(trial, model, paths))
+        found = self.trials.each(lambda trial: score(trial, model, paths))
         gradient = sum(slope for _, slope in found) * self.steps(c)
         off = self._off(c)
         value = sum(value for value, _ in found) - 0.5 * float((off**2).sum())
@@ -127,7 +122,9 @@ class Posterior:
         data, steps = np.zeros((p, p)), self.steps(c)
         mean = np.flatnonzero(~self.noise)
         model, paths = self.at(c), [self.coordinates[i].path for i in mean]
-        grams = np.concatenate(self._each(lambda trial: information(trial, model, paths, BLOCK_S))) if paths else None
+        grams = (
+            np.concatenate(self.trials.each(lambda trial: information(trial, model, paths, BLOCK_S))) if paths else None
+        )
         blocks = np.zeros((0 if grams is None else len(grams), p))
         if grams is not None:
             scale = np.append(steps[mean], 1.0)
@@ -163,9 +160,6 @@ class Posterior:
         """(theta - theta0) / sd of each parameter; 0 without a prior."""
         pairs = zip(self.coordinates, c, strict=True)
         return np.array([(e.value(x) - e.param.value) / e.param.sd if e.param.sd else 0.0 for e, x in pairs])
-
-    def _each(self, job: Callable[[Trial], Any]) -> list[Any]:
-        return list(self.share(job, self.trials))
 
 
 def size(value: float, lo: float, hi: float) -> float:

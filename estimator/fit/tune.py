@@ -14,7 +14,7 @@ alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,22 +24,18 @@ from estimator.accuracy.blind import blind
 from estimator.accuracy.floor import Error, missing_physics, noise_floor
 from estimator.accuracy.horizon import errors
 from estimator.accuracy.quality import ChannelQuality, quality
-from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials, trials_of
 from estimator.errors import SetupError
-from estimator.fit.climb import Climb
+from estimator.fit.climb import Climb, told
 from estimator.fit.noise import channels_of, coloured, noise_levels
 from estimator.fit.posterior import Posterior
 from estimator.model import Model
-from estimator.record import Recording
-from estimator.rig import Rig
-from estimator.work import Share
+from estimator.work import Progress, Runs, silent
 
 WIDEST = np.log(30.0)  # the factor on process noise is sought between 1/30 and 30
 STEP = 0.5  # of its logarithm, from which the search begins: there may be several peaks
 KNOWN = 1.0  # sd of that logarithm before anything was seen
 CLOSE = 0.1  # to which the logarithm of a factor is sought
-
-Progress = Callable[[str, int, float], None]
 
 
 @dataclass(frozen=True)
@@ -71,21 +67,15 @@ class Tuned:
     missing: float
 
 
-def tune(
-    model: Model,
-    rig: Rig,
-    recordings: Sequence[Recording],
-    each: Progress = lambda stage, n, value: None,
-    share: Share = map,
-) -> Tuned:
+def tune(model: Model, runs: Runs) -> Tuned:
     """Set the noise levels of a model by some recordings; every other parameter stays."""
-    trials = [Trial(model, rig, recording) for recording in recordings]
+    trials, progress = trials_of(model, runs), runs.progress
     kinds = noise_levels(model, trials)
     if not any(kinds.values()):
         raise SetupError(f"{model.name}: no effect has a noise level; nothing to tune")
-    better = _measured(model, trials, kinds["measurement"], each, share)
-    better, factor = scaled(better, trials, kinds["process"], each, share)
-    better = _measured(better, trials, kinds["measurement"], each, share)
+    better = _measured(model, trials, kinds["measurement"], progress)
+    better, factor = scaled(better, trials, kinds["process"], progress)
+    better = _measured(better, trials, kinds["measurement"], progress)
     levels = tuple(
         Level(path, kind, model[path], better[path], model.param(path).unit)
         for kind, paths in kinds.items()
@@ -98,11 +88,11 @@ def tune(
     )  # fmt: skip
 
 
-def _measured(model: Model, trials: Sequence[Trial], paths: Sequence[str], each: Progress, share: Share) -> Model:
+def _measured(model: Model, trials: Trials, paths: Sequence[str], progress: Progress) -> Model:
     """Measurement noise by the likelihood a tick ahead; not lowered for channels whose innovations are not white."""
     if not paths:
         return model
-    climb = Climb(Posterior(model, trials, paths, share), lambda n, value: each("measurement noise", n, value))
+    climb = Climb(Posterior(model, trials, paths), told(progress, "measurement noise"))
     climb.run()
     if climb.stopped:
         raise KeyboardInterrupt
@@ -115,13 +105,7 @@ def _measured(model: Model, trials: Sequence[Trial], paths: Sequence[str], each:
     return found.with_values({path: model[path] for path in kept})
 
 
-def scaled(
-    model: Model,
-    trials: Sequence[Trial],
-    paths: Sequence[str],
-    each: Progress = lambda stage, n, value: None,
-    share: Share = map,
-) -> tuple[Model, float]:
+def scaled(model: Model, trials: Trials, paths: Sequence[str], progress: Progress = silent) -> tuple[Model, float]:
     """Levels scaled together to be most likely after ten blind minutes, and the factor; 1 where no run is so long."""
     if not paths or not any(len(blind(trial, model).error) for trial in trials):
         return model, 1.0
@@ -135,8 +119,8 @@ def scaled(
         nonlocal count
         count += 1
         moved = at(log_factor)
-        value = sum(share(lambda trial: blind(trial, moved).loglike, trials))
-        each("blind minutes", count, value)
+        value = sum(trials.each(lambda trial: blind(trial, moved).loglike))
+        progress(f"blind minutes, run {count}: log-likelihood {value:.1f}", count)
         return 0.5 * (log_factor / KNOWN) ** 2 - value
 
     grid = np.arange(-WIDEST, WIDEST, STEP)

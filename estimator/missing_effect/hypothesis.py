@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
-from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.missing_effect.candidates import APART_MM, Candidate
 from estimator.missing_effect.moments import Column, moments
 from estimator.missing_effect.panel import Judged, Panel
 from estimator.model import Model, Value
 from estimator.rig import Rig
-from estimator.work import Share
 
 ROUNDS = 6
 HALVINGS = 4
 DONE = 0.01  # a round that gains less than this share of the misfit is the last
+
+NONE: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -47,9 +49,13 @@ class Hypothesis:
 
 
 def refined(
-    model: Model, trials: Sequence[Trial], added: Sequence[Candidate], refit: bool, first: dict[str, float],
-    share: Share = map, only: Sequence[str] = (),
-) -> Hypothesis:  # fmt: skip
+    model: Model,
+    trials: Trials,
+    added: Sequence[Candidate],
+    refit: bool,
+    first: Mapping[str, float] = NONE,
+    only: Sequence[str] = (),
+) -> Hypothesis:
     """Follow the recordings with these effects, in steps (Gauss-Newton), from the values `first` of some parameters.
 
     only  the model's own parameters that move where `refit` is not asked for
@@ -61,10 +67,10 @@ def refined(
     own = [p for each in added for p in wider.free() if p.partition(".")[0] == each.name]
     paths = tuple(dict.fromkeys([*(model.free() if refit else only), *own]))
     wider = wider.with_values(first)
-    best, panel = wider, _panel(wider, trials, paths, share)
+    best, panel = wider, _panel(wider, trials, paths)
     cost = panel.cost
     for _ in range(ROUNDS if paths else 0):
-        there, seen = _step(best, panel, paths, trials, cost, share)
+        there, seen = _step(best, panel, paths, trials, cost)
         if there is None:
             break
         gained = 1.0 - seen.cost / cost
@@ -75,15 +81,15 @@ def refined(
 
 
 def _step(
-    model: Model, panel: Panel, paths: Sequence[str], trials: Sequence[Trial], cost: float, share: Share
+    model: Model, panel: Panel, paths: Sequence[str], trials: Trials, cost: float
 ) -> tuple[Model, Panel] | tuple[None, Panel]:
     """One step, shortened until the misfit falls; None where it does not."""
     change = panel.judge(range(len(paths))).change
     for halving in range(HALVINGS):
         values = dict(zip(paths, panel.at + change * 0.5**halving, strict=True))
         there = model.with_values({p: _inside(model, trials[0].rig, p, value) for p, value in values.items()})
-        if _cost(there, trials, paths, share) < cost:
-            return there, _panel(there, trials, paths, share)
+        if _cost(there, trials, paths) < cost:
+            return there, _panel(there, trials, paths)
     return None, panel
 
 
@@ -97,11 +103,11 @@ def _inside(model: Model, rig: Rig, path: str, value: float) -> float:
     return float(np.clip(value, lo, hi))
 
 
-def _cost(model: Model, trials: Sequence[Trial], paths: Sequence[str], share: Share) -> float:
+def _cost(model: Model, trials: Trials, paths: Sequence[str]) -> float:
     """The misfit alone, priors of the parameters included."""
-    return Panel([], moments(trials, model, [], share)).cost_with([Column(model, path) for path in paths])
+    return Panel([], moments(trials, model, [])).cost_with([Column(model, path) for path in paths])
 
 
-def _panel(model: Model, trials: Sequence[Trial], paths: Sequence[str], share: Share) -> Panel:
+def _panel(model: Model, trials: Trials, paths: Sequence[str]) -> Panel:
     columns = [Column(model, path) for path in paths]
-    return Panel(columns, moments(trials, model, columns, share))
+    return Panel(columns, moments(trials, model, columns))

@@ -8,25 +8,20 @@ again, where that predicts recordings left out better.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from estimator.accuracy.floor import Error
-from estimator.accuracy.horizon import open_loop_only, overall
-from estimator.batch.trial import trials_of
+from estimator.accuracy.horizon import open_loop_error
+from estimator.batch.trials import slow_trials_of
 from estimator.effect import Effect
 from estimator.missing_effect.hypothesis import Hypothesis, refined
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import MATERIAL, Suggestion
 from estimator.model import Model
-from estimator.record import Recording
-from estimator.rig import Rig
-from estimator.work import Share
+from estimator.work import Runs
 
 MOST = 6
-
-Progress = Callable[[int, str, float], None]
 
 
 @dataclass(frozen=True)
@@ -58,28 +53,28 @@ class Improvement:
         return self.steps[-1].model
 
 
-def improve(
-    model: Model, rig: Rig, recordings: Sequence[Recording], held_out: Sequence[Recording],
-    effects: Sequence[type[Effect]], each: Progress = lambda step, stage, share: None, share: Share = map,
-) -> Improvement:  # fmt: skip
-    """Improve a model. `each` hears the step, the stage and the share of it done. Ctrl-C keeps the best so far."""
-    first = refined(model, trials_of(model, rig, recordings), [], False, {}, share)
-    steps = [_step("", (), first, rig, held_out)]
+def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Effect]]) -> Improvement:
+    """Improve a model. Ctrl-C keeps the best so far."""
+    steps = [_step("", (), refined(model, slow_trials_of(model, runs), [], False), held_out)]
     try:
         while True:
-            heard, added = partial(each, len(steps)), [step.added for step in steps]
-            found = suggest(steps[-1].model, rig, recordings, effects, heard, share, added)
+            found = suggest(steps[-1].model, _heard(runs, len(steps)), effects, [step.added for step in steps])
             taken = _taken(found) if len(steps) <= MOST else None
             if taken is None:
                 break
             name = taken.names[0] if taken.names else ""
-            steps.append(_step(name, tuple(n for n in found.tie if n != name), taken, rig, held_out))
+            steps.append(_step(name, tuple(n for n in found.tie if n != name), taken, held_out))
         last = _fitted(found)
         if last is not None:
-            steps.append(_step("", (), last, rig, held_out))
+            steps.append(_step("", (), last, held_out))
     except KeyboardInterrupt:
         return Improvement(tuple(steps), None)
     return Improvement(tuple(steps), found)
+
+
+def _heard(runs: Runs, step: int) -> Runs:
+    """The same runs, whose progress tells the step too."""
+    return replace(runs, progress=lambda stage, done: runs.progress(f"step {step}: {stage}", done))
 
 
 def with_sd(h: Hypothesis) -> Model:
@@ -103,9 +98,7 @@ def _fitted(found: Suggestion) -> Hypothesis | None:
     return found.before if found.before.misfit < MATERIAL * found.as_given.misfit else None
 
 
-def _step(added: str, tie: tuple[str, ...], h: Hypothesis, rig: Rig, held_out: Sequence[Recording]) -> Step:
-    model, held = with_sd(h), None
-    if held_out:
-        found = [open_loop_only(trial, model) for trial in trials_of(model, rig, held_out)]
-        held = overall(found, "open_loop")
+def _step(added: str, tie: tuple[str, ...], h: Hypothesis, held_out: Runs) -> Step:
+    model = with_sd(h)
+    held = open_loop_error(slow_trials_of(model, held_out), model) if held_out.recordings else None
     return Step(added, tie, model, Error(h.judged.heat_K, h.judged.length_um), held)

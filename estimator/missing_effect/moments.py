@@ -16,11 +16,11 @@ import numpy as np
 
 from estimator.accuracy.floor import BLOCK_S, GOOD_K, GOOD_UM
 from estimator.batch.trial import Trial, open_loop_misfit
+from estimator.batch.trials import Trials
 from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.sensitivity import nominal_column
 from estimator.sensitivity.tangent import tangent
-from estimator.work import Share
 
 
 @dataclass(frozen=True)
@@ -58,12 +58,13 @@ class Moments:
         return self.blocks * ((self.heat_count > 0) + (self.length_count > 0))
 
 
-def moments(trials: Sequence[Trial], model: Model, columns: Sequence[Column], share: Share = map) -> list[Moments]:
+def moments(trials: Trials, model: Model, columns: Sequence[Column]) -> list[Moments]:
     """Moments of each recording."""
-    return list(share(lambda trial: _moments(trial, model, columns), trials))
+    return trials.each(lambda trial: moments_of(trial, model, columns))
 
 
-def _moments(trial: Trial, model: Model, columns: Sequence[Column]) -> Moments:
+def moments_of(trial: Trial, model: Model, columns: Sequence[Column]) -> Moments:
+    """Moments of one recording."""
     posed = trial.pose(model)
     misfit = open_loop_misfit(trial, posed)
     known = np.isfinite(misfit)
@@ -75,7 +76,7 @@ def _moments(trial: Trial, model: Model, columns: Sequence[Column]) -> Moments:
             if known[:, channel].any():
                 row[:, channel] -= np.nanmean(row[:, channel])
     stack[-1] = misfit
-    heat = np.isin(trial.rig.names, trial.rig.thermometers)
+    heat = trial.rig.is_thermometer
     sums = []
     for family in (heat, ~heat):
         rows = stack[:, :, family][:, known[:, family]]

@@ -16,16 +16,17 @@ from scipy.signal import lfilter
 
 from estimator.batch.nominal import open_loop
 from estimator.batch.trial import Trial
+from estimator.batch.trials import slow_trials_of
 from estimator.inputs.phase import speed_of, turns
 from estimator.inputs.start import Start
 from estimator.missing_effect.hypothesis import Hypothesis
-from estimator.missing_effect.moments import Column, moments
+from estimator.missing_effect.moments import Column, moments, moments_of
 from estimator.missing_effect.panel import Panel
 from estimator.model import Model
 from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.work import Share
+from estimator.work import Runs
 
 PATTERNS = {"FS": (0.0, 1.0), "CS": (0.325, 0.6075), "ES": (0.505, 0.7875)}  # parts of the travel seen so far
 TICK_S = 5.0
@@ -45,21 +46,19 @@ class NextRun:
     separation_sd: float
 
 
-def next_run(
-    a: Hypothesis, b: Hypothesis, rig: Rig, recordings: Sequence[Recording], trials: Sequence[Trial],
-    share: Share = map,
-) -> NextRun | None:  # fmt: skip
+def next_run(a: Hypothesis, b: Hypothesis, runs: Runs) -> NextRun | None:
     """The run that sets two rivals furthest apart; None on a rig that does not travel."""
+    rig, recordings = runs.rig, runs.recordings
     if rig.nut is None or rig.screw is None or not {"speed", "position"} <= set(rig.inputs):
         return None
     slow, laws = replace(rig, tick_s=TICK_S), learned(recordings, rig)
     level = float(np.nanmedian([np.nanmedian(r.channels[0]) for r in recordings]))
     columns = [Column(b.model, path) for path in b.paths]
-    known = Panel(columns, moments(trials, b.model, columns, share))
+    known = Panel(columns, moments(slow_trials_of(b.model, runs), b.model, columns))
     plans = list(_plans(rig, recordings))
     if not plans:
         return None
-    apart = list(share(lambda plan: _apart(a.model, b.model, plan, slow, level, laws, known), plans))
+    apart = list(runs.workers(lambda plan: _apart(a.model, b.model, plan, slow, level, laws, known), plans))
     best = int(np.argmax(apart))
     return replace(plans[best], separation_sd=float(apart[best]))
 
@@ -115,7 +114,7 @@ def _apart(a: Model, b: Model, plan: NextRun, rig: Rig, level: float, laws: dict
     rises = foretold(laws, np.nan_to_num(np.nanmean(first.channels[:, heat], axis=1) - level), run.omega, rig.tick_s)
     run = replace(run, inputs={**run.inputs, **{name: level + rise for name, rise in rises.items()}})
     trial = Trial(b, rig, _lived(a, run, rig, level), gated=False)
-    return known.with_another(moments([trial], b, known.columns)[0])
+    return known.with_another(moments_of(trial, b, known.columns))
 
 
 def learned(recordings: Sequence[Recording], rig: Rig) -> dict[str, Array]:

@@ -11,12 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.missing_effect.candidates import Candidate
 from estimator.missing_effect.moments import Column, moments
 from estimator.missing_effect.panel import Judged, Panel
 from estimator.model import Model
-from estimator.work import Share
 
 GROUP = 96  # columns in one pass
 SEATS = 2  # of an effect, that are judged
@@ -65,9 +64,8 @@ class Screen:
 
 
 def screen(
-    model: Model, wide: Model, candidates: Sequence[Candidate], trials: Sequence[Trial], share: Share = map,
-    loose: Collection[str] = (),
-) -> Screen:  # fmt: skip
+    model: Model, wide: Model, candidates: Sequence[Candidate], trials: Trials, loose: Collection[str] = ()
+) -> Screen:
     """Screen candidates of a model; `wide` is the model with all of them at their nulls.
 
     loose  the model's own parameters that move although the others stay
@@ -77,12 +75,12 @@ def screen(
     own = [Column(wide, path) for path in model.free()]
     groups = _groups(candidates)
     found: list[Screened] = []
-    panel = Panel(own, moments(trials, wide, own, share))
+    panel = Panel(own, moments(trials, wide, own))
     anyhow = [i for i, column in enumerate(own) if column.path in loose]
     alone, again = panel.judge(anyhow), panel.judge(range(len(own)))
     for group in groups:
         columns = [Column(c.place(wide), path) for c in group for path in c.paths]
-        wider = Panel([*own, *columns], moments(trials, wide, [*own, *columns], share))
+        wider = Panel([*own, *columns], moments(trials, wide, [*own, *columns]))
         found += _screened(group, anyhow, len(own), wider)
     singly = {column.path: panel.judge(sorted({*anyhow, i})) for i, column in enumerate(own)}
     return Screen(alone, again, singly, tuple(found))

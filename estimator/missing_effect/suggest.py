@@ -13,18 +13,17 @@ beside it as a tie. Recordings held out are never looked at for this.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
-from types import MappingProxyType
 
 import numpy as np
 
 from estimator.accuracy.floor import GOOD_K, GOOD_UM, noise_floor
-from estimator.batch.trial import trials_of
+from estimator.batch.trials import slow_trials_of
 from estimator.effect import Effect
 from estimator.missing_effect.candidates import Candidate, candidates
-from estimator.missing_effect.hypothesis import Hypothesis, refined
+from estimator.missing_effect.hypothesis import NONE, Hypothesis, refined
 from estimator.missing_effect.moments import Column, moments
 from estimator.missing_effect.panel import Judged, Panel
 from estimator.missing_effect.screen import Screen, Screened, screen
@@ -32,9 +31,7 @@ from estimator.missing_effect.stand_ins import UnknownBodyHeat, UnknownHeat, Unk
 from estimator.missing_effect.suggestion import ALIKE, ALONE, GOOD, MATERIAL, Suggestion, alike, material
 from estimator.missing_effect.wrong_input import Mislabel, mislabel
 from estimator.model import Model
-from estimator.record import Recording
-from estimator.rig import Rig
-from estimator.work import Share
+from estimator.work import Runs
 
 EXPLAINS = 0.95  # of what a new fit of all parameters gains, that one effect alone may stand for ...
 FEW = 4.0  # ... if its misfit is within this of the best: one number instead of many
@@ -42,51 +39,40 @@ STRANGE = 0.8  # something unknown leaves at most this share of what the best ef
 FAR = 5.0  # times what a good model or the sensors leave, from which on something is missing, explained or not
 REFINED = 3  # effects of each kind that are fitted in full
 
-NONE: Mapping[str, float] = MappingProxyType({})
 
-Progress = Callable[[str, float], None]
-
-
-def suggest(
-    model: Model, rig: Rig, recordings: Sequence[Recording], effects: Iterable[type[Effect]],
-    each: Progress = lambda stage, share: None, share: Share = map, loose: Collection[str] = (),
-) -> Suggestion:  # fmt: skip
-    """Look for what is missing. `each` hears the stage and the share of the work that is done.
+def suggest(model: Model, runs: Runs, effects: Iterable[type[Effect]], loose: Collection[str] = ()) -> Suggestion:
+    """Look for what is missing.
 
     loose  effects of the model whose parameters were found from these recordings: what is missing has bent them
     """
-    return Search(model, rig, recordings, list(effects), each, share, loose).run()
+    return Search(model, runs, list(effects), loose).run()
 
 
 class Search:
     """One search: the recordings made ready once, and hypotheses tried on them."""
 
-    def __init__(
-        self, model: Model, rig: Rig, recordings: Sequence[Recording], effects: Sequence[type[Effect]],
-        each: Progress, share: Share, loose: Collection[str],
-    ) -> None:  # fmt: skip
-        self.model, self.rig, self.recordings, self.effects = model, rig, recordings, effects
-        self.each, self.share = each, share
+    def __init__(self, model: Model, runs: Runs, effects: Sequence[type[Effect]], loose: Collection[str]) -> None:
+        self.model, self.runs, self.effects = model, runs, effects
         self.loose = [path for path in model.free() if path.partition(".")[0] in loose]
-        self.wide, self.candidates = candidates(model, rig, effects)
+        self.wide, self.candidates = candidates(model, runs.rig, effects)
 
     def run(self) -> Suggestion:
         """All stages, and the verdict."""
-        self.each("reading the misfit", 0.0)
-        self.trials = trials_of(self.wide, self.rig, self.recordings)
+        self.runs.progress("reading the misfit", 0.0)
+        self.trials = slow_trials_of(self.wide, self.runs)
         as_given = self._refined([], False)
-        self.each("fitting the model again", 0.05)
+        self.runs.progress("fitting the model again", 0.05)
         again = self._refined([], True)
-        self.each("screening the catalogue", 0.15)
-        found = screen(self.model, self.wide, self.candidates, self.trials, self.share, self.loose)
-        self.each("fitting the best effects", 0.4)
+        self.runs.progress("screening the catalogue", 0.15)
+        found = screen(self.model, self.wide, self.candidates, self.trials, self.loose)
+        self.runs.progress("fitting the best effects", 0.4)
         fitted = self._fitted(found)
         before = min(as_given, again, key=lambda h: h.misfit)
         pair = self._pair(found)
         best = fitted[0].misfit if fitted else np.inf
-        self.each("looking for a wrong input", 0.75)
+        self.runs.progress("looking for a wrong input", 0.75)
         wrong = self._wrong(before, min(best, pair[1]))
-        self.each("looking for something unknown", 0.85)
+        self.runs.progress("looking for something unknown", 0.85)
         stranger = self._stranger(min(before.misfit, best, pair[1]))
         return self._verdict(as_given, again, fitted, pair, wrong, stranger, found)
 
@@ -107,7 +93,7 @@ class Search:
     ) -> Hypothesis:
         """Some effects more, beside what moves anyhow."""
         only = [*self.loose, *also]
-        return refined(self.model, self.trials, added, refit, dict(first), self.share, only)
+        return refined(self.model, self.trials, added, refit, first, only)
 
     def _pair(self, found: Screen) -> tuple[tuple[str, ...], float]:
         """The best two effects together, and their misfit; no names where there are none."""
@@ -118,7 +104,7 @@ class Search:
         for name, seat in seats.items():
             at[name] = range(len(columns), len(columns) + len(seat.paths))
             columns += [Column(seat.place(self.wide), path) for path in seat.paths]
-        panel = Panel(columns, moments(self.trials, self.wide, columns, self.share))
+        panel = Panel(columns, moments(self.trials, self.wide, columns))
         best: tuple[tuple[str, ...], float] = ((), np.inf)
         for a, b in combinations(seats, 2):
             for beside in (loose, range(len(own))):
@@ -131,10 +117,7 @@ class Search:
         """A wrong input that explains clearly more than any effects."""
         if best <= GOOD:
             return None
-        found = [
-            mislabel(self.model, self.rig, self.recordings, self.trials, free, self.share)
-            for free in (self.loose, self.model.free())
-        ]
+        found = [mislabel(self.model, self.runs, self.trials, free) for free in (self.loose, self.model.free())]
         known = [each for each in found if each is not None]
         if not known:
             return None
@@ -145,13 +128,13 @@ class Search:
         """What explains clearly more than the best effects, and is in no catalogue."""
         if best <= GOOD:
             return None
-        wide, unknown = candidates(self.model, self.rig, [UnknownHeat, UnknownBodyHeat, UnknownReading])
-        found = screen(self.model, wide, unknown, self.trials, self.share, self.loose)
+        wide, unknown = candidates(self.model, self.runs.rig, [UnknownHeat, UnknownBodyHeat, UnknownReading])
+        found = screen(self.model, wide, unknown, self.trials, self.loose)
         both = [(one, refit) for refit in (False, True) for one in found.best(refit)[:1]]
         if not both:
             return None
         one, refit = min(both, key=lambda pair: pair[0].judged(pair[1]).misfit)
-        least = STRANGE if len(self.recordings) > 1 else ALONE
+        least = STRANGE if len(self.trials) > 1 else ALONE
         return one if one.judged(refit).misfit < least * best else None
 
     def _verdict(

@@ -12,15 +12,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from estimator.batch.trial import Trial, trials_of
+from estimator.batch.trials import Trials, slow_trial
 from estimator.inputs.inputs import no_inputs
-from estimator.missing_effect.moments import Column, moments
+from estimator.missing_effect.moments import Column, moments, moments_of
 from estimator.missing_effect.panel import Judged, Panel
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.terms import Link
-from estimator.work import Share
+from estimator.work import Runs
 
 ODD = 3.0  # times the other runs' misfit makes a run odd ...
 BAD = 2.0  # ... if it is no good model either
@@ -43,24 +43,22 @@ class Mislabel:
     judged: Judged
 
 
-def mislabel(
-    model: Model, rig: Rig, recordings: Sequence[Recording], trials: Sequence[Trial], moving: Sequence[str],
-    share: Share = map,
-) -> Mislabel | None:  # fmt: skip
+def mislabel(model: Model, runs: Runs, trials: Trials, moving: Sequence[str]) -> Mislabel | None:
     """The wrong input of the oddest run that explains most; None where no run is odd, or none explains it.
 
     moving  parameters of the model that are fitted beside it
     """
+    rig, recordings = runs.rig, runs.recordings
     if len(recordings) < 3:
         return None
     free = [Column(model, path) for path in moving]
-    found = moments(trials, model, free, share)
-    runs = Panel(free, found).judge(range(len(free))).runs
-    odd = int(runs.argmax())
-    others = np.delete(runs, odd)
-    if runs[odd] < max(BAD, ODD * float(np.median(others))):
+    found = moments(trials, model, free)
+    misfits = Panel(free, found).judge(range(len(free))).runs
+    odd = int(misfits.argmax())
+    others = np.delete(misfits, odd)
+    if misfits[odd] < max(BAD, ODD * float(np.median(others))):
         return None
-    kept = [i for i in range(len(runs)) if i != odd]
+    kept = [i for i in range(len(misfits)) if i != odd]
     suits = Panel(free, [found[i] for i in kept]).judge(range(len(free)))
     values = {c.path: float(model[c.path]) + x for c, x in zip(free, suits.change, strict=True)}
     suited, best = model.with_values(values), None
@@ -70,8 +68,8 @@ def mislabel(
         size = _best(suited, rig, recordings[odd], signal)
         if abs(size) < (SURE_K if _is_shift(rig, signal) else SURE):
             continue
-        right = trials_of(model, rig, [corrected(recordings[odd], rig, signal, size)])
-        again = [*found[:odd], *moments(right, model, free, share), *found[odd + 1 :]]
+        right = slow_trial(model, rig, corrected(recordings[odd], rig, signal, size))
+        again = [*found[:odd], moments_of(right, model, free), *found[odd + 1 :]]
         judged = Panel(free, again).judge(range(len(free)))
         if best is None or judged.misfit < best.judged.misfit:
             shift = _is_shift(rig, signal)
@@ -122,8 +120,8 @@ def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> float:
     """Logarithm of the ratio, or shift in K, with which a model suits a run best."""
 
     def misfit(size: float) -> float:
-        trials = trials_of(model, rig, [corrected(recording, rig, signal, size)], gated=False)
-        return Panel([], moments(trials, model, [])).cost
+        trial = slow_trial(model, rig, corrected(recording, rig, signal, size), gated=False)
+        return Panel([], [moments_of(trial, model, [])]).cost
 
     widest = SHIFT_K if _is_shift(rig, signal) else WIDEST
     return float(minimize_scalar(misfit, bounds=(-widest, widest), method="bounded", options={"xatol": CLOSE}).x)

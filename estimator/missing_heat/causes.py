@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotri
 
 from estimator.record import Array
-from estimator.work import Share
+from estimator.work import Workers
 
 ROUNDS = 60
 STEADY = 0.03  # logarithm of a variance, within which it counts as found
@@ -66,13 +66,13 @@ def solved(measured: Measured, sizes: Mapping[str, float]) -> Solved:
 
 
 def most_likely(
-    found: Sequence[Measured], start: Mapping[str, float], least: Mapping[str, float], share: Share = map
+    found: Sequence[Measured], start: Mapping[str, float], least: Mapping[str, float], workers: Workers = map
 ) -> dict[str, float]:
     """Sizes of the causes, common to all recordings, from `start` on and never below `least`."""
     sizes = dict(start)
     for _ in range(ROUNDS):
         sums = dict.fromkeys(sizes, (0.0, 0.0))
-        for each in share(lambda one: _pulls(one, sizes), found):
+        for each in workers(lambda one: _pulls(one, sizes), found):
             for name, (pull, expected) in each.items():
                 sums[name] = sums[name][0] + pull, sums[name][1] + expected
         moved = 0.0

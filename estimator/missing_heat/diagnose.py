@@ -6,7 +6,7 @@ The open-loop misfit is divided into heat that the model lacks, by place and tim
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from estimator.accuracy.floor import Error, noise_floor
 from estimator.accuracy.horizon import errors
 from estimator.accuracy.quality import ChannelQuality, quality
-from estimator.batch.trial import Trial
+from estimator.batch.trials import trials_of
 from estimator.inputs.phase import turns
 from estimator.missing_heat.follows import Limits, limits_of
 from estimator.missing_heat.misfit import Misfit, misfit
@@ -23,11 +23,7 @@ from estimator.missing_heat.sentences import sentences
 from estimator.missing_heat.where import SHADOW, Missing, together, where
 from estimator.missing_heat.wrong_reading import Wrong, wrong_readings
 from estimator.model import Model
-from estimator.record import Recording
-from estimator.rig import Rig
-from estimator.work import Share
-
-Progress = Callable[[str, float], None]
+from estimator.work import Runs
 
 
 @dataclass(frozen=True)
@@ -52,25 +48,23 @@ class Diagnosis:
     maps: tuple[MissingHeat, ...]
 
 
-def diagnose(
-    model: Model, rig: Rig, recordings: Sequence[Recording],
-    each: Progress = lambda stage, share: None, share: Share = map,
-) -> Diagnosis:  # fmt: skip
-    """Judge a model by recordings. `each` hears the stage and the share of the work that is done."""
-    each("running the filter", 0.0)
-    trials = [Trial(model, rig, recording) for recording in recordings]
+def diagnose(model: Model, runs: Runs) -> Diagnosis:
+    """Judge a model by recordings."""
+    rig, progress = runs.rig, runs.progress
+    progress("running the filter", 0.0)
+    trials = trials_of(model, runs)
     judged = quality(trials, model)
     found = errors(trials, model)
-    each("running the model alone", 0.3)
-    misfits: list[Misfit] = list(share(lambda recording: misfit(model, rig, recording), recordings))
-    each("looking for missing heat", 0.7)
-    maps = missing_heat(misfits, share)
-    each("asking what it follows", 0.9)
+    progress("running the model alone", 0.3)
+    misfits: list[Misfit] = runs.each(lambda recording: misfit(model, rig, recording))
+    progress("looking for missing heat", 0.7)
+    maps = missing_heat(misfits, runs.workers)
+    progress("asking what it follows", 0.9)
     floor = noise_floor(model, trials[0])
     limits, alone = limits_of(rig, floor), open_loop(misfits)
     heat, wrong = without_shadows(where(maps, limits), wrong_readings(maps, limits))
     adequate = not (alone.temperature_K > limits.temperature_K or alone.elongation_um > limits.elongation_um)
-    moves = any(bool(turns(recording.omega).any()) for recording in recordings)
+    moves = any(bool(turns(recording.omega).any()) for recording in runs.recordings)
     told = sentences(adequate, alone, floor, heat, wrong, moves)
     return Diagnosis(adequate, {**found, "open_loop": alone}, floor, limits, judged, heat, wrong, told, tuple(maps))
 
@@ -89,6 +83,6 @@ def open_loop(misfits: Sequence[Misfit]) -> Error:
     """rms of the model alone over all recordings; NaN where a family was not measured."""
     rest = np.concatenate([each.open_loop for each in misfits])
     rig = misfits[0].trial.rig
-    heat = np.isin(rig.names, rig.thermometers)
+    heat = rig.is_thermometer
     levels = [values[np.isfinite(values)] for values in (rest[:, heat], rest[:, ~heat])]
     return Error(*(float(np.sqrt(np.mean(v**2))) if len(v) else float("nan") for v in levels))

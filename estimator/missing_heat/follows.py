@@ -129,7 +129,7 @@ def limits_of(rig: Rig, floor: Error) -> Limits:
     """What is good enough for a rig whose sensors leave this."""
     heat = float(np.fmax(GOOD_K, FLOORS * floor.temperature_K))
     length = float(np.fmax(GOOD_UM, FLOORS * floor.elongation_um))
-    return Limits(heat, length, np.isin(rig.names, rig.thermometers))
+    return Limits(heat, length, rig.is_thermometer)
 
 
 def followers_there(found: MissingHeat) -> tuple[Follower, ...]:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.batch.coarse import coarse, serves
 from estimator.batch.trial import Posed, Trial, open_loop_misfit
+from estimator.batch.trials import slow_trial
 from estimator.missing_heat.blocks import Blocks, blocks
 from estimator.missing_heat.zones import Zone, heat_of, zones
 from estimator.model import Model
@@ -51,10 +51,9 @@ class Misfit:
 
 def misfit(model: Model, rig: Rig, recording: Recording) -> Misfit:
     """Run the model alone beside a recording. The filter's gate has no say: it would hide a sensor that is far off."""
-    short, slow = coarse(recording, rig, serves(rig))
-    trial = Trial(model, slow, short, gated=False)
-    posed = trial.pose(model)
-    cut = blocks(trial.rest, slow.tick_s)
+    trial = slow_trial(model, rig, recording, gated=False)
+    posed, tick_s = trial.pose(model), trial.rig.tick_s
+    cut = blocks(trial.rest, tick_s)
     rest = open_loop_misfit(trial, posed)
     m = rest.shape[1]
     cell = cut.bin_of_tick[:, None] * m + np.arange(m)
@@ -71,7 +70,7 @@ def misfit(model: Model, rig: Rig, recording: Recording) -> Misfit:
     for k, column in enumerate(_columns(trial, posed, cut, places)):
         A[:, k] = mean(column)
     variance = mean(np.broadcast_to(posed.system.R, rest.shape)) / count
-    rate = np.diff(posed.run.lagged, axis=0, prepend=posed.run.spot[:1]) / slow.tick_s
+    rate = np.diff(posed.run.lagged, axis=0, prepend=posed.run.spot[:1]) / tick_s
     return Misfit(trial, cut, places, rest, mean(rest), variance, rows % m, rows // m, mean(rate), A)
 
 

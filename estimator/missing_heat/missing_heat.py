@@ -23,7 +23,7 @@ from estimator.missing_heat.causes import Cause, Measured, Solved, most_likely, 
 from estimator.missing_heat.misfit import Misfit
 from estimator.missing_heat.zones import Zone, alike
 from estimator.record import Array
-from estimator.work import Share
+from estimator.work import Workers
 
 HEATS = ("heat", "heat while driving", "changing heat", "changing heat while driving")
 ALL = "thermometers"  # an error that they share
@@ -79,7 +79,7 @@ class MissingHeat:
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0)).reshape(self.mean.shape)
 
 
-def missing_heat(found: Sequence[Misfit], share: Share = map) -> list[MissingHeat]:
+def missing_heat(found: Sequence[Misfit], workers: Workers = map) -> list[MissingHeat]:
     """The missing heat of some recordings of one rig and model."""
     measured = [_measured(each) for each in found]
     rig = found[0].trial.rig
@@ -88,7 +88,7 @@ def missing_heat(found: Sequence[Misfit], share: Share = map) -> list[MissingHea
         kind, _, channel = name.partition(" ")
         unit = 1.0 if channel in (ALL, *rig.thermometers) else PER_K
         first[name], least[name] = FIRST[kind] * unit, LEAST[kind] * unit
-    sizes = most_likely(measured, first, least, share)
+    sizes = most_likely(measured, first, least, workers)
     return [_answer(each, one, sizes) for each, one in zip(found, measured, strict=True)]
 
 
@@ -107,7 +107,7 @@ def _measured(found: Misfit) -> Measured:
         known[np.ix_(rows, rows)] += ZERO_UM**2
     every = np.arange(len(found.y))
     causes = {name: Cause(every, found.A @ prior @ found.A.T) for name, prior in _priors(found).items()}
-    names, heat = trial.rig.names, np.isin(trial.rig.names, trial.rig.thermometers)
+    names, heat = trial.rig.names, trial.rig.is_thermometer
     together = np.flatnonzero(heat[found.channel])
     if len(np.unique(found.channel[together])) > 2:
         causes |= _errors(found, ALL, together, ("drift", "lag"))

@@ -102,6 +102,6 @@ class Reporter:
 
 def modes(fused: Array, rig: Rig) -> Array:
     """What estimates rest on whose fused channels are (..., m): a Mode each."""
-    thermometers = np.isin(rig.names, rig.thermometers)
+    thermometers = rig.is_thermometer
     warm, other = fused[..., thermometers].any(axis=-1), fused[..., ~thermometers].any(axis=-1)
     return np.where(other, Mode.UPDATE, np.where(warm, Mode.PREDICT, Mode.COASTING))

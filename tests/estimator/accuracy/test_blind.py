@@ -10,6 +10,7 @@ import pytest
 from estimator.accuracy.blind import Blind, blind
 from estimator.batch.coarse import coarse
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.filter import Filter
 from estimator.fit.tune import scaled
 from estimator.rig import Rig
@@ -149,6 +150,6 @@ def test_the_composite_likelihood_is_largest_near_the_true_process_noise(honest,
     factors = 1.5 ** np.arange(-5.0, 6.0)
     best = factors[np.argmax([value(factor) for factor in factors])]
     assert 1 / 1.6 < best < 1.6
-    _, found = scaled(model, honest, PROCESS)
+    _, found = scaled(model, Trials(honest), PROCESS)
     assert 1 / 1.5 < found < 1.5
     assert value(found) >= value(best) - 1e-6

@@ -12,6 +12,7 @@ import pytest
 from estimator.accuracy.compare import compare
 from estimator.accuracy.horizon import horizons
 from estimator.batch.trial import Trial
+from estimator.work import Runs
 from tests.conftest import ballscrew
 
 PAPER = Path(__file__).parents[3] / "recordings"
@@ -28,7 +29,7 @@ def lived(rig, full, driven, live):
 def both(rig, full, lived):
     known = replace(full.with_values(TRUE), about={"fitted_on": {"lived": lived.fingerprint}})
     other = replace(lived, channels=lived.channels + 0.0, time_s=lived.time_s + 0.5)
-    return compare(known, rig, [lived, other]), compare(full, rig, [lived])
+    return compare(known, Runs(rig, [lived, other])), compare(full, Runs(rig, [lived]))
 
 
 def test_the_true_model_is_at_the_floor_and_the_other_is_warm_where_it_is_wrong(both):
@@ -49,7 +50,7 @@ def test_held_out_is_what_the_model_was_not_fitted_to(both, rig, full, lived):
     true, off = both
     assert off.held_out is None  # a model that was never fitted has nothing held out
     assert true.held_out is not None
-    alone = compare(full.with_values(TRUE), rig, [lived])
+    alone = compare(full.with_values(TRUE), Runs(rig, [lived]))
     assert true.held_out["open_loop"].temperature_K == pytest.approx(alone.whole["open_loop"].temperature_K, rel=1e-3)
 
 
@@ -62,7 +63,7 @@ def test_parts_add_up_to_the_whole(both):
 
 
 def test_elongation_is_compared_with_the_truth_where_it_is_known(rig, full, lived):
-    known = compare(full.with_values(TRUE), rig, [lived], truths=[np.full(len(lived), 7.0)])
+    known = compare(full.with_values(TRUE), Runs(rig, [lived]), truths=[np.full(len(lived), 7.0)])
     run = horizons(Trial(full.with_values(TRUE), rig, lived), full.with_values(TRUE))
     expected = np.sqrt(np.mean((7.0 - run.elongation["open_loop"]) ** 2))
     assert known.whole["open_loop"].elongation_um == pytest.approx(expected)

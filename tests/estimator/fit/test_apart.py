@@ -10,6 +10,7 @@ import pytest
 from estimator.errors import InputError
 from estimator.fit.fit import fit
 from estimator.fit.open_loop_fit import untold
+from estimator.work import Runs
 
 DICE = np.random.default_rng(3)
 
@@ -48,13 +49,13 @@ def test_at_one_speed_a_fit_leaves_the_exponent_where_it_was(rig, full, driven, 
     loose = full.with_values({path: replace(value, fixed=path not in free) for path, value in full.values.items()})
     slow = live(true, rig, driven(rig, 400, (20, 240), 87.3), seed=5).recording
     fast = live(true, rig, driven(rig, 400, (20, 240), 174.5), seed=6).recording
-    power, _, n = fit(loose, rig, [slow]).parameters
+    power, _, n = fit(loose, Runs(rig, [slow])).parameters
     assert n.value == loose["nut_friction.n"]
     assert n.like in free[:2]
     assert np.isnan(n.sd)
     at_slow = 66.0 * 0.5**1.2
     assert power.value * (87.3 / 174.5) ** n.value == pytest.approx(at_slow, rel=0.01)
-    power, _, n = fit(loose, rig, [slow, fast]).parameters
+    power, _, n = fit(loose, Runs(rig, [slow, fast])).parameters
     assert (power.value, n.value) == pytest.approx((66.0, 1.2), rel=0.02)
     assert not n.like
 
@@ -67,7 +68,7 @@ def test_recordings_that_say_nothing_of_a_parameter_are_refused(rig, full, drive
         return full.with_values({path: replace(value, fixed=path not in free) for path, value in full.values.items()})
 
     with pytest.raises(InputError, match=r"say nothing of nut_friction\.power, nut_friction\.n: free others"):
-        fit(loose("nut_friction.power", "nut_friction.n"), rig, [still])
-    power, sd = fit(loose("nut_friction.power", "thermometers.sd"), rig, [still]).parameters
+        fit(loose("nut_friction.power", "nut_friction.n"), Runs(rig, [still]))
+    power, sd = fit(loose("nut_friction.power", "thermometers.sd"), Runs(rig, [still])).parameters
     assert power.value == full["nut_friction.power"]
     assert np.isfinite(sd.sd)

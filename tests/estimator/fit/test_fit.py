@@ -18,6 +18,7 @@ from estimator.fit.fit import fit
 from estimator.fit.open_loop_fit import follow
 from estimator.model import Value
 from estimator.terms import Heat
+from estimator.work import Runs
 
 TRUE = {"nut_friction.power": 66.0, "anchor_friction.power": 24.0, "thermometers.tau": 6.5}
 
@@ -40,7 +41,7 @@ def lived(rig, full, drive, live):
 
 @pytest.fixture(scope="module")
 def found(rig, full, lived):
-    return fit(only(full, *TRUE), rig, [lived])
+    return fit(only(full, *TRUE), Runs(rig, [lived]))
 
 
 def test_parameters_of_a_simulated_recording_are_found_again(found):
@@ -57,7 +58,7 @@ def test_parameters_of_a_simulated_recording_are_found_again(found):
 def test_sd_is_no_smaller_than_the_scatter(seed, rig, full, drive, live):
     """Also for a recording shorter than the ten minutes that count as one reading."""
     powers = ("nut_friction.power", "anchor_friction.power")
-    for f in fit(only(full, *powers), rig, [live(full.with_values(TRUE), rig, drive, seed).recording]).parameters:
+    for f in fit(only(full, *powers), Runs(rig, [live(full.with_values(TRUE), rig, drive, seed).recording])).parameters:
         off = abs(f.value - TRUE[f.path])
         assert off < 3 * f.sd, f.path
         assert f.sd < 0.1 * f.value
@@ -86,9 +87,9 @@ def test_a_fit_that_makes_the_elongation_worse_says_so(found):
 def test_a_model_that_misses_an_effect_is_trusted_less(rig, full, driven, live):
     """Without the bearings ten blind minutes end more than a kelvin off: the filter must not believe the model."""
     lived = live(full.with_values(TRUE), rig, driven(rig, 1500, (20, 900)), seed=5).recording
-    assert fit(only(full, *TRUE), rig, [lived]).raised == 1.0
+    assert fit(only(full, *TRUE), Runs(rig, [lived])).raised == 1.0
     poor = only(full - "anchor_friction" - "free_friction", "nut_friction.power")
-    left = fit(poor, rig, [lived])
+    left = fit(poor, Runs(rig, [lived]))
     assert left.after["open_loop"].temperature_K > 0.5
     assert left.raised > 5
     assert left.model["conduction.noise"] == pytest.approx(left.raised * full["conduction.noise"])
@@ -104,7 +105,7 @@ def test_the_fitted_model_knows_what_it_was_fitted_to(found, rig, lived, full):
 
 def test_a_parameter_stops_at_its_bound_and_says_so(rig, full, lived, drive, live):
     hot = live(full.with_values({"nut_friction.power": 400.0}), rig, drive).recording
-    (power,) = fit(only(full, "nut_friction.power"), rig, [hot]).parameters
+    (power,) = fit(only(full, "nut_friction.power"), Runs(rig, [hot])).parameters
     assert power.at_bound
     assert power.value == pytest.approx(300.0, abs=0.3)
 
@@ -119,7 +120,7 @@ def test_a_prior_pulls_as_much_as_the_data_leave_open(rise, rig, full, driven, l
     rest = driven(rig, 400, (400, 400))
     warm = replace(rest, inputs={**rest.inputs, "probe": 22 + probe})
     recording = live(full.with_values({"displacement.probe": 0.9}), rig, warm).recording
-    found = follow(full, rig, [recording], ["displacement.probe"]).model["displacement.probe"]
+    found = follow(full, Runs(rig, [recording]), ["displacement.probe"]).model["displacement.probe"]
     steps = probe.reshape(80, 5).mean(axis=1)[1:]  # the first is the start
     data, prior = len(steps) * steps.var() / 0.2**2 / 120, 1 / 0.3**2
     assert found == pytest.approx((data * 0.9 + prior * 0.3) / (data + prior), abs=0.0005)
@@ -127,9 +128,10 @@ def test_a_prior_pulls_as_much_as_the_data_leave_open(rise, rig, full, driven, l
 
 def test_each_evaluation_is_told(rig, full, lived):
     heard = []
-    fit(only(full, "thermometers.tau"), rig, [lived], lambda *told: heard.append(told))
-    alone = [(n, misfit) for stage, n, misfit in heard if stage == "open loop"]
-    likely = [(n, value) for stage, n, value in heard if stage == "likelihood"]
+    fit(only(full, "thermometers.tau"), Runs(rig, [lived], progress=lambda *told: heard.append(told)))
+    told = [(stage.partition(",")[0], n, float(stage.rpartition(" ")[2])) for stage, n in heard]
+    alone = [(n, misfit) for what, n, misfit in told if what == "open loop"]
+    likely = [(n, value) for what, n, value in told if what == "likelihood"]
     assert [n for n, _ in alone] == list(range(1, len(alone) + 1))
     assert [n for n, _ in likely] == list(range(1, len(likely) + 1))
     assert alone[-1][1] < alone[0][1]
@@ -138,21 +140,21 @@ def test_each_evaluation_is_told(rig, full, lived):
 
 def test_a_model_without_free_parameters_cannot_be_fitted(rig, full, lived):
     with pytest.raises(SetupError, match=r"^full: every parameter is fixed; nothing to fit$"):
-        fit(only(full), rig, [lived])
+        fit(only(full), Runs(rig, [lived]))
 
 
 def test_a_recording_without_a_thermometer_is_named(rig, full, lived):
     silent = replace(lived, channels=lived.channels.copy(), name="FS-20.blf")
     silent.channels[:, :15] = np.nan
     with pytest.raises(InputError, match=r"^FS-20.blf: no thermometer was ever read; nothing to compare with a model$"):
-        fit(only(full, "thermometers.tau"), rig, [lived, silent])
+        fit(only(full, "thermometers.tau"), Runs(rig, [lived, silent]))
 
 
 def test_gaps_and_spoilt_readings_of_one_channel_do_not_stop_a_fit(rig, full, lived):
     gappy = replace(lived, channels=lived.channels.copy())
     gappy.channels[:, 3] = np.nan
     gappy.channels[100:200, 15] = np.nan
-    power = fit(only(full, "nut_friction.power", "thermometers.tau"), rig, [gappy]).parameters[0]
+    power = fit(only(full, "nut_friction.power", "thermometers.tau"), Runs(rig, [gappy])).parameters[0]
     assert np.isfinite([power.value, power.sd]).all()
     assert power.value == pytest.approx(66.0, rel=0.1)
 
@@ -169,7 +171,7 @@ class Leak(Effect):
 def test_a_users_own_parameter_is_fitted_like_the_others(rig, full, drive, live):
     model = full + Leak
     recording = live(model.with_values({"leak.power": 12.0}), rig, drive, seed=1).recording
-    (leak,) = fit(only(model, "leak.power"), rig, [recording]).parameters
+    (leak,) = fit(only(model, "leak.power"), Runs(rig, [recording])).parameters
     assert leak.value == pytest.approx(12.0, abs=max(3 * leak.sd, 0.1))
     assert not leak.at_bound
 

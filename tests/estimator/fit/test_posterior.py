@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.effect import Effect, Param
 from estimator.fit.climb import ENOUGH, Climb, bounded_step, corrected, positive
 from estimator.fit.fit import fit
@@ -22,6 +23,7 @@ from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.sensitivity import information
 from estimator.terms import Heat
+from estimator.work import Runs
 
 TRUE = {"nut_friction.power": 75.0, "nut_body.g": 3.0, "thermometers.sd": 0.04}
 FREE = [*TRUE, "displacement.sd", "displacement.probe", "conduction.noise"]
@@ -97,7 +99,7 @@ def trials(small, model, drive, live) -> list[Trial]:
 
 @pytest.fixture(scope="module")
 def posterior(model, trials) -> Posterior:
-    return Posterior(model, trials, FREE)
+    return Posterior(model, Trials(trials), FREE)
 
 
 def difference(f: Callable[[Array], float | Array], c: Array, i: int, step: float) -> float | Array:
@@ -133,7 +135,7 @@ def test_the_slope_is_the_derivative_of_the_value(posterior):
 def test_a_prior_pulls_back_with_its_width(model, trials):
     """All else is the readings': the same recordings under a prior and without one."""
     paths = ["displacement.probe"]
-    posterior = Posterior(model, trials, paths)
+    posterior = Posterior(model, Trials(trials), paths)
     free = replace(posterior.coordinates[0], param=replace(posterior.coordinates[0].param, sd=None))
     c = np.array([2.5])
     with_it = posterior.slope(c)[1], posterior.information(c).whole
@@ -164,7 +166,7 @@ def test_the_information_of_noise_levels_is_the_curvature_of_the_value(posterior
 
 def test_a_prior_on_a_noise_level_is_no_information_of_the_data(model, trials):
     """At the prior's own middle it adds its width, and nothing to the rest."""
-    posterior = Posterior(model, trials, ["thermometers.sd"])
+    posterior = Posterior(model, Trials(trials), ["thermometers.sd"])
     (seen,) = posterior.coordinates
     without = posterior.information(posterior.start)
     posterior.coordinates = [replace(seen, param=replace(seen.param, sd=0.0002))]
@@ -180,7 +182,7 @@ def test_blocks_are_the_slopes_of_ten_minutes_each_and_without_noise_levels(smal
     quiet = model.with_values({"nut_friction.noise": 0.0})
     drive = driven(exact, 1501, (10, 1300), stroke=(0.0, 100.0))
     run = live(quiet, exact, drive, 1, process=True).recording
-    posterior = Posterior(quiet, [Trial(quiet, exact, run)] * 2, ["nut_friction.power", "thermometers.sd"])
+    posterior = Posterior(quiet, Trials([Trial(quiet, exact, run)] * 2), ["nut_friction.power", "thermometers.sd"])
     found = posterior.information(posterior.start)
     assert found.blocks.shape == (6, 2)
     np.testing.assert_array_equal(found.blocks[:3], found.blocks[3:])
@@ -190,13 +192,13 @@ def test_blocks_are_the_slopes_of_ten_minutes_each_and_without_noise_levels(smal
 
 def test_recordings_side_by_side_give_the_same(posterior, model, trials):
     with ThreadPoolExecutor(2) as pool:
-        shared = Posterior(model, trials, FREE, pool.map)
+        shared = Posterior(model, Trials(trials, pool.map), FREE)
         np.testing.assert_array_equal(shared.slope(posterior.start)[1], posterior.slope(posterior.start)[1])
 
 
 def test_a_power_is_no_noise_level_because_the_first_recording_rests(small, model, trials, drive, live):
     rest = Trial(model, small, live(model, small, drive(60, 10), seed=3).recording)
-    assert not Posterior(model, [rest, trials[0]], ["nut_friction.power"]).noise.any()
+    assert not Posterior(model, Trials([rest, trials[0]]), ["nut_friction.power"]).noise.any()
 
 
 class Draught(Effect):
@@ -212,21 +214,23 @@ def test_a_parameter_without_influence_stays_at_zero(small, model, driven, live)
     model = model + Draught
     steady = driven(small, 60, (10, 40), stroke=(0.0, 100.0))
     trial = Trial(model, small, live(model, small, steady, seed=1).recording)
-    posterior = Posterior(model, [trial], ["draught.a"])
+    posterior = Posterior(model, Trials([trial]), ["draught.a"])
     assert posterior.at(posterior.start)["draught.a"] == 0.0
 
 
 def test_a_zero_that_is_known_may_be_free(small, model, trials):
     """Its sd is 0 and stays there: no likelihood has a slope at an sd of nothing."""
     known = model.with_values({"thermometers.zero_sd": 0.0})
-    posterior = Posterior(known, [Trial(known, small, trials[0].recording)], ["thermometers.zero_sd", "nut_body.g"])
+    posterior = Posterior(
+        known, Trials([Trial(known, small, trials[0].recording)]), ["thermometers.zero_sd", "nut_body.g"]
+    )
     slope, alone = posterior.slope(posterior.start)[1], Posterior(known, posterior.trials, ["nut_body.g"])
     assert slope == pytest.approx([0.0, alone.slope(alone.start)[1][0]], rel=1e-9)
 
 
 def test_the_information_of_a_noise_level_at_its_upper_bound(model, trials):
     def information_at(sd: float) -> float:
-        posterior = Posterior(model.with_values({"thermometers.sd": sd}), trials, ["thermometers.sd"])
+        posterior = Posterior(model.with_values({"thermometers.sd": sd}), Trials(trials), ["thermometers.sd"])
         return float(posterior.information(posterior.start).data[0, 0])
 
     assert information_at(0.5) == pytest.approx(information_at(0.48), rel=0.2)
@@ -245,7 +249,7 @@ def top(posterior) -> Climb:
 @pytest.fixture(scope="module")
 def summit(top, model, trials) -> float:
     """The highest there is: of a second climb from where the first one ended."""
-    again = Climb(Posterior(top.posterior.at(top.c), trials, FREE))
+    again = Climb(Posterior(top.posterior.at(top.c), Trials(trials), FREE))
     again.run()
     return again.value
 
@@ -301,7 +305,7 @@ def test_every_step_is_heard_and_higher_than_the_one_before(posterior, top):
     ids=lambda bad: ", ".join(f"{path} {value}" for path, value in bad.items()),
 )
 def test_it_climbs_there_from_a_bad_start(bad, model, trials, summit):
-    climb = Climb(Posterior(model.with_values(bad), trials, FREE))
+    climb = Climb(Posterior(model.with_values(bad), Trials(trials), FREE))
     climb.run()
     assert climb.converged
     assert climb.first < summit - 20
@@ -311,7 +315,7 @@ def test_it_climbs_there_from_a_bad_start(bad, model, trials, summit):
 
 def test_it_stops_at_a_bound_and_never_leaves_them(small, model, drive, live):
     hot = live(model.with_values({"nut_friction.power": 380.0}), small, drive(200, 100), seed=1).recording
-    posterior = Posterior(model, [Trial(model, small, hot)], ["nut_friction.power", "thermometers.tau"])
+    posterior = Posterior(model, Trials([Trial(model, small, hot)]), ["nut_friction.power", "thermometers.tau"])
     seen, at = [], posterior.at
     with mock.patch.object(posterior, "at", lambda c: seen.append(c.copy()) or at(c)):
         climb = Climb(posterior)
@@ -339,7 +343,7 @@ def test_ctrl_c_between_steps_leaves_the_best_so_far(posterior, top):
 
 
 def test_ctrl_c_within_a_step_leaves_the_one_before(model, trials):
-    posterior = Posterior(model, trials, FREE)
+    posterior = Posterior(model, Trials(trials), FREE)
     climb, real = Climb(posterior), posterior.slope
 
     def interrupted(c: Array) -> tuple[float, Array]:
@@ -357,14 +361,14 @@ def test_ctrl_c_within_a_step_leaves_the_one_before(model, trials):
 def test_ctrl_c_in_the_second_search_of_a_fit_is_told(small, model, trials):
     searches = []
 
-    def interrupt(stage: str, n: int, value: float) -> None:
-        if (stage, n) == ("likelihood", 1):
-            searches.append(value)
+    def interrupt(stage: str, n: float) -> None:
+        if stage.startswith("likelihood, run 1:"):
+            searches.append(n)
             if len(searches) == 2:
                 raise KeyboardInterrupt
 
     free = {path: replace(value, fixed=path not in FREE) for path, value in model.values.items()}
-    found = fit(model.with_values(free), small, [trials[1].recording], interrupt)
+    found = fit(model.with_values(free), Runs(small, [trials[1].recording], progress=interrupt))
     assert len(searches) == 2
     assert found.stopped
 

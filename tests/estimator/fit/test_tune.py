@@ -12,12 +12,14 @@ import pytest
 from estimator.accuracy.floor import Error, missing_physics, noise_floor
 from estimator.batch.coarse import coarse
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.effect import Effect, Param
 from estimator.errors import SetupError
 from estimator.fit.noise import noise_levels
 from estimator.fit.tune import Tuned, scaled, tune
 from estimator.model import Model, model_of
 from estimator.terms import Read, Store
+from estimator.work import Runs
 
 TICK_S = 5
 MEASUREMENT = {"thermometers.sd": 0.022, "displacement.sd": 0.15}
@@ -54,7 +56,7 @@ def heard() -> list:
 @pytest.fixture(scope="module")
 def tuned(model, driving, runs, heard) -> Tuned:
     """From twice the measurement noise and a fifth of the process noise."""
-    return tune(model.with_values(OFF), driving[1], runs, lambda *told: heard.append(told))
+    return tune(model.with_values(OFF), Runs(driving[1], runs, progress=lambda *told: heard.append(told)))
 
 
 def test_the_scatter_of_thermometers_is_found(tuned):
@@ -104,13 +106,13 @@ def test_quality_improves_to_what_honest_noise_has(tuned, driving):
 
 
 def test_it_tells_what_it_does(heard):
-    assert {stage for stage, _, _ in heard} == {"measurement noise", "blind minutes"}
-    assert [n for stage, n, _ in heard if stage == "blind minutes"][:3] == [1, 2, 3]
-    assert np.isfinite([value for _, _, value in heard]).all()
+    assert {stage.partition(",")[0] for stage, _ in heard} == {"measurement noise", "blind minutes"}
+    assert [n for stage, n in heard if stage.startswith("blind minutes")][:3] == [1, 2, 3]
+    assert np.isfinite([float(stage.rpartition(" ")[2]) for stage, _ in heard]).all()
 
 
 def test_tuning_again_changes_next_to_nothing(tuned, driving, runs):
-    again = tune(tuned.model, driving[1], runs)
+    again = tune(tuned.model, Runs(driving[1], runs))
     assert again.factor == pytest.approx(1.0, abs=0.05)
     for level in again.levels:
         assert level.after == pytest.approx(level.before, rel=0.05), level.path
@@ -147,7 +149,7 @@ def test_the_highest_peak_counts_and_a_flat_likelihood_leaves_the_noise(peaks, f
         return SimpleNamespace(error=[0.0], loglike=max(h * np.exp(-0.5 * ((at - m) / w) ** 2) for m, h, w in peaks))
 
     with mock.patch("estimator.fit.tune.blind", likely):
-        _, factor = scaled(model, [Trial(model, driving[1], runs[0])], [path])
+        _, factor = scaled(model, Trials([Trial(model, driving[1], runs[0])]), [path])
     assert np.log(factor) == pytest.approx(found, abs=0.15)
 
 
@@ -162,14 +164,14 @@ def steady(model, driving, live):
 
 
 def test_an_effect_left_out_is_missed(model, driving, steady):
-    found = tune(model - "nut_body", driving[1], [steady])
+    found = tune(model - "nut_body", Runs(driving[1], [steady]))
     assert found.missing == pytest.approx(found.errors["open_loop"].temperature_K / found.floor.temperature_K)
     assert found.missing > 3
     assert found.factor > 3
 
 
 def test_nothing_is_missed_of_a_complete_model(model, driving, steady):
-    found = tune(model, driving[1], [steady])
+    found = tune(model, Runs(driving[1], [steady]))
     assert np.isnan(found.missing)
     assert found.factor < 1
 
@@ -194,7 +196,7 @@ def test_what_stands_for_constant_errors_of_sensors_is_no_noise_level(rig, full,
 
 def test_a_noise_level_of_zero_stays_zero(model, driving, runs):
     quiet = model.with_values({"nut_friction.noise": 0.0})
-    found = tune(quiet, driving[1], runs[:1])
+    found = tune(quiet, Runs(driving[1], runs[:1]))
     assert found.model["nut_friction.noise"] == 0.0
     assert "nut_friction.noise" not in [level.path for level in found.levels]
 
@@ -202,7 +204,7 @@ def test_a_noise_level_of_zero_stays_zero(model, driving, runs):
 def test_short_recordings_leave_the_process_noise_alone(model, driving, runs):
     rig = driving[1]
     short = runs[0].rows(slice(0, 100))
-    found = tune(model.with_values({path: OFF[path] for path in MEASUREMENT}), rig, [short])
+    found = tune(model.with_values({path: OFF[path] for path in MEASUREMENT}), Runs(rig, [short]))
     assert found.factor == 1.0
     assert found.model["conduction.noise"] == 1.2
     assert found.model["thermometers.sd"] == pytest.approx(0.022, rel=0.15)
@@ -212,7 +214,7 @@ def test_process_noise_stays_inside_its_bounds(model, driving, runs):
     """The nut's may not exceed 100 W/sqrt(Hz): the others go on without it."""
     rig = driving[1]
     high = model.with_values({"nut_body.noise": 60.0, "conduction.noise": 0.05, "nut_friction.noise": 0.01})
-    better, factor = scaled(high, [Trial(high, rig, runs[0])], list(PROCESS))
+    better, factor = scaled(high, Trials([Trial(high, rig, runs[0])]), list(PROCESS))
     assert better["conduction.noise"] == pytest.approx(max(0.05 * factor, 0.01))
     assert better["nut_body.noise"] == pytest.approx(min(60.0 * factor, 100.0))
 
@@ -236,16 +238,16 @@ class Glass(Effect):
 
 def test_a_model_without_noise_levels_cannot_be_tuned(driving, runs):
     with pytest.raises(SetupError, match=r"^bare: no effect has a noise level; nothing to tune$"):
-        tune(model_of([Body, Glass], "bare"), driving[1], runs[:1])
+        tune(model_of([Body, Glass], "bare"), Runs(driving[1], runs[:1]))
 
 
 def test_ctrl_c_ends_the_tuning(model, driving, runs):
-    def interrupt(stage: str, n: int, value: float) -> None:
-        if stage == "measurement noise":
+    def interrupt(stage: str, n: float) -> None:
+        if stage.partition(",")[0] == "measurement noise":
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        tune(model.with_values(OFF), driving[1], runs[:1], interrupt)
+        tune(model.with_values(OFF), Runs(driving[1], runs[:1], progress=interrupt))
 
 
 def test_noise_is_not_lowered_where_errors_last(model, driving, runs):
@@ -256,5 +258,5 @@ def test_noise_is_not_lowered_where_errors_last(model, driving, runs):
     lasting[:, :4] = 0.06 * np.repeat(dice.standard_normal((len(runs[0]) // 6 + 1, 4)), 6, axis=0)[: len(runs[0])]
     off = model.with_values({"thermometers.sd": 0.1})
     spoilt = replace(runs[0], channels=runs[0].channels + lasting)
-    assert tune(off, rig, [spoilt]).model["thermometers.sd"] == 0.1
-    assert tune(off, rig, [runs[0]]).model["thermometers.sd"] == pytest.approx(0.022, rel=0.05)
+    assert tune(off, Runs(rig, [spoilt])).model["thermometers.sd"] == 0.1
+    assert tune(off, Runs(rig, [runs[0]])).model["thermometers.sd"] == pytest.approx(0.022, rel=0.05)

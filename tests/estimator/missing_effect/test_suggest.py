@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.batch.trial import trials_of
+from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
 from estimator.inputs.follower import REST, followers
 from estimator.missing_effect.candidates import candidates, kind_of, places
@@ -25,6 +25,7 @@ from estimator.missing_effect.wrong_input import corrected, mislabel
 from estimator.model import Model
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
+from estimator.work import Runs
 
 DRIVES = (  # rad/s, stroke mm, from s, to s
     (174.5, (0, 100), (20, 400)),
@@ -71,7 +72,7 @@ def with_effect(model: Model, name: str, **values: float) -> Model:
 
 
 def search(plain: Model, bar: Rig, runs: Sequence[Recording]) -> Suggestion:
-    return suggest(plain, bar, runs, CATALOGUE.values())
+    return suggest(plain, Runs(bar, runs), CATALOGUE.values())
 
 
 def test_candidates_fit_the_rig_and_are_absent(plain, bar):
@@ -92,7 +93,7 @@ def test_all_candidates_at_their_nulls_leave_the_model_as_it_is(plain, bar, live
     wide, _ = candidates(plain, bar, CATALOGUE.values())
     runs = lives(plain)[:1]
     (alone,), (beside,) = (
-        moments(trials_of(model, bar, runs), model, [], map) for model in (plain, wide)
+        moments(slow_trials_of(model, Runs(bar, runs)), model, []) for model in (plain, wide)
     )  # fmt: skip
     np.testing.assert_allclose(beside.heat, alone.heat, rtol=1e-9)
 
@@ -103,7 +104,7 @@ def panel(plain, bar, lives) -> Panel:
     runs = lives(with_effect(plain, "churning", share=0.1))
     paths = ["still_air.h", "nut_friction.power", *(path for c in found for path in c.paths)]
     columns = [Column(wide, path) for path in paths]
-    return Panel(columns, moments(trials_of(wide, bar, runs), wide, columns))
+    return Panel(columns, moments(slow_trials_of(wide, Runs(bar, runs)), wide, columns))
 
 
 def test_left_out_misfit_is_what_the_others_predict(panel):
@@ -146,7 +147,7 @@ def test_a_change_stays_inside_its_bounds(panel):
 def test_the_screen_puts_the_planted_place_first(plain, bar, lives):
     runs = lives(with_effect(plain, "local_heat", power=2.0, at=150.0))
     wide, found = candidates(plain, bar, CATALOGUE.values())
-    best = screen(plain, wide, found, trials_of(wide, bar, runs)).best(refit=False)[0]
+    best = screen(plain, wide, found, slow_trials_of(wide, Runs(bar, runs))).best(refit=False)[0]
     assert best.candidate.name == "local_heat"
     assert best.candidate.at["local_heat.at"] == pytest.approx(150.0, abs=20.0)
     assert best.first_stay["local_heat.power"] == pytest.approx(2.0, rel=0.3)
@@ -156,7 +157,7 @@ def test_a_fit_in_full_finds_place_and_size(plain, bar, lives):
     runs = lives(with_effect(plain, "local_heat", power=2.0, at=150.0))
     wide, found = candidates(plain, bar, [CATALOGUE["local_heat"]])
     seat = min(found, key=lambda c: abs(c.at["local_heat.at"] - 120.0))
-    h = refined(plain, trials_of(wide, bar, runs), [seat], False, {"local_heat.power": 1.0})
+    h = refined(plain, slow_trials_of(wide, Runs(bar, runs)), [seat], False, {"local_heat.power": 1.0})
     values = h.parameters()
     assert values["local_heat.at"].value == pytest.approx(150.0, abs=3.0)
     assert values["local_heat.power"].value == pytest.approx(2.0, rel=0.03)
@@ -212,27 +213,27 @@ def test_a_wrong_label_names_run_and_signal(wrong, plain, bar, lives):
 
 def test_no_run_is_odd_where_all_fit_alike(plain, bar, lives):
     runs = lives(plain)
-    assert mislabel(plain, bar, runs, trials_of(plain, bar, runs), []) is None
+    assert mislabel(plain, Runs(bar, runs), slow_trials_of(plain, Runs(bar, runs)), []) is None
 
 
 def test_a_run_that_decides_sets_rivals_apart(plain, bar, lives):
     """Churning against a nut that simply rubs more: a long drive tells, since churning fades."""
     runs = lives(with_effect(plain, "churning", share=0.3))[:1]
     wide, found = candidates(plain, bar, [CATALOGUE["churning"]])
-    trials = trials_of(wide, bar, runs)
+    trials = slow_trials_of(wide, Runs(bar, runs))
     churning = refined(plain, trials, found, False, {"churning.share": 0.3})
     rubbing = refined(plain, trials, [], False, {}, only=["nut_friction.power"])
-    run = next_run(churning, rubbing, bar, runs, trials)
+    run = next_run(churning, rubbing, Runs(bar, runs))
     assert run.separation_sd > 3
     assert run.pattern in ("FS", "CS", "ES")
-    itself = next_run(churning, churning, bar, runs, trials)
+    itself = next_run(churning, churning, Runs(bar, runs))
     assert itself.separation_sd < 0.2
 
 
 def test_improve_adds_both_of_two(plain, bar, lives):
     truth = with_effect(with_effect(plain, "churning", share=0.5), "local_heat", power=2.0, at=150.0)
     runs = lives(truth)
-    found = improve(plain, bar, runs[:3], runs[3:], list(CATALOGUE.values()))
+    found = improve(plain, Runs(bar, runs[:3]), Runs(bar, runs[3:]), list(CATALOGUE.values()))
     assert {step.added for step in found.steps} >= {"churning", "local_heat"}
     errors = [step.held_out.temperature_K for step in found.steps]
     assert errors == sorted(errors, reverse=True)
@@ -245,11 +246,11 @@ def test_what_an_earlier_step_added_moves_with_the_next(plain, bar, lives):
     truth = with_effect(with_effect(plain, "churning", share=0.5), "local_heat", power=2.0, at=150.0)
     bent = with_effect(plain, "churning", share=0.6)
     wide, seats = candidates(bent, bar, [CATALOGUE["local_heat"]])
-    trials = trials_of(wide, bar, lives(truth))
+    trials = slow_trials_of(wide, Runs(bar, lives(truth)))
     held, moved = (screen(bent, wide, seats, trials, loose=loose) for loose in ((), ("churning.share",)))
     assert moved.stay.misfit < held.stay.misfit
     best = moved.best(refit=False)[0]
     assert best.stay.misfit < 0.5 * held.best(refit=False)[0].stay.misfit
     assert best.first(refit=False)["churning.share"] == pytest.approx(0.5, abs=0.03)
-    found = suggest(bent, bar, lives(truth), [CATALOGUE["local_heat"]], loose=["churning"])
+    found = suggest(bent, Runs(bar, lives(truth)), [CATALOGUE["local_heat"]], loose=["churning"])
     assert found.as_given.paths == ("churning.share",)

@@ -20,6 +20,7 @@ from estimator.missing_heat.where import Missing
 from estimator.missing_heat.wrong_reading import Wrong
 from estimator.rig import Signal
 from estimator.terms import SCREW, Heat
+from estimator.work import Runs
 from tests.conftest import FAST, ballscrew
 
 TICK_S = 15
@@ -55,7 +56,7 @@ def lived(runs, live):
 
 
 def test_the_true_model_is_adequate(runs, lived, small_model):
-    found = diagnose(small_model, runs[1], lived(small_model))
+    found = diagnose(small_model, Runs(runs[1], lived(small_model)))
     assert found.adequate
     assert found.where == ()
     assert found.readings == ()
@@ -64,7 +65,9 @@ def test_the_true_model_is_adequate(runs, lived, small_model):
 
 def test_heat_is_named_with_its_place_phase_and_follower(runs, lived, small_model):
     stages = []
-    found = diagnose(small_model, runs[1], lived(small_model + Rub), lambda stage, share: stages.append(share))
+    found = diagnose(
+        small_model, Runs(runs[1], lived(small_model + Rub), progress=lambda stage, share: stages.append(share))
+    )
     assert not found.adequate
     assert found.readings == ()
     most = found.where[0]
@@ -83,7 +86,7 @@ def test_an_error_of_the_displacement_alone_is_no_heat(runs, lived, small_model)
     recordings = lived(small_model)
     for each in recordings:
         each.channels[:, 4] += 1.5 * (each.channels[:, :4].mean(axis=1) - 22.0)
-    found = diagnose(small_model, runs[1], recordings)
+    found = diagnose(small_model, Runs(runs[1], recordings))
     assert not found.adequate
     assert found.where == ()
     assert [wrong.channel for wrong in found.readings] == ["displacement"]
@@ -94,7 +97,7 @@ def test_one_thermometer_with_an_offset(runs, lived, small_model):
     recordings = lived(small_model)
     for each in recordings:
         each.channels[each.time_s > 600, 2] -= 0.4
-    found = diagnose(small_model, runs[1], recordings)
+    found = diagnose(small_model, Runs(runs[1], recordings))
     assert found.where == ()
     (wrong,) = found.readings
     assert wrong.channel == "T3"
