@@ -98,7 +98,7 @@ def test_the_report_says_where_it_fails_with_pictures_beside_it(searching, fs20_
     assert "also used for choosing" in text
     assert "| churning.share | new | 0.4 | 0.25 | 1 |" in text
     assert "| + churning | 0.100 | 0.40 | radiation |" in text
-    assert "| first 10 min after a stop |" in text
+    assert "| in the first ten minutes after a stop |" in text
     for what in ("steps", "residuals", "missing-heat"):
         assert f"](b-{what}.png)" in text
         assert (tmp_path / f"b-{what}.png").stat().st_size > 5000

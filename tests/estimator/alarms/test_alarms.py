@@ -19,7 +19,8 @@ def step_of(rig: Rig, k: int, innovation: np.ndarray, nis: float, measured: np.n
     m, fused, empty = len(rig.names), np.isfinite(innovation), np.empty(0)
     return Step(
         time_s=k * rig.tick_s, mode=Mode.UPDATE, elongation_um=0.0, sigma_um=0.1, open_loop_um=0.0, profile_C=empty,
-        profile_sd_K=empty, bodies_C=empty, error_at_table_um=0.0, error_at_table_sd_um=0.0, names=tuple(rig.names),
+        profile_sd_K=empty, bodies_C=empty, error_at_table_um=0.0, error_at_table_sd_um=0.0, position_mm=0.0,
+        names=tuple(rig.names),
         measured=innovation if measured is None else measured, predicted=np.zeros(m), innovation=innovation,
         innovation_sd=np.full(m, SD), fused=fused, why=tuple("" if f else "not measured" for f in fused),
         open_loop=np.zeros(m), nis=nis, nis_channels=int(fused.sum()),
