@@ -8,6 +8,7 @@ from __future__ import annotations
 import datetime
 import importlib
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -25,7 +26,14 @@ def main(names: list[str]) -> None:
     for name in names or STUDIES:
         tables = importlib.import_module(f"benchmarks.{name}").markdown().strip()
         print(tables, flush=True)
-        _keep(name, f"*{datetime.date.today():%Y-%m-%d}, {machine()}*\n\n{tables}")
+        _keep(name, f"*{datetime.date.today():%Y-%m-%d}, {_commit()}, {machine()}*\n\n{tables}")
+
+
+def _commit() -> str:
+    """What was measured: the commit, and whether files have been changed since."""
+    git = ["git", "-C", str(RESULTS.parent), "describe", "--always", "--dirty", "--exclude=*"]
+    done = subprocess.run(git, capture_output=True, text=True)
+    return f"commit {done.stdout.strip()}" if done.returncode == 0 else "no commit"
 
 
 def _keep(name: str, text: str) -> None:

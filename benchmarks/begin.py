@@ -23,7 +23,7 @@ import sys, time
 began, spent = time.perf_counter(), time.process_time()
 import pickle
 from pathlib import Path
-from estimator.model import load_model
+from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.batch.trial import Trial
 folder = Path(sys.argv[1])

@@ -5,7 +5,6 @@ Views know nothing of logs and filters, so this script brings them together. `ma
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.step import Step
 from viz.live.live import LiveViews
-from viz.viewer import live_pictures
+from viz.viewer.pictures import render_stream
 
 PICTURES = Path(__file__).parent / "pictures" / "live"
 RECORDINGS = Path(__file__).parents[1] / "recordings"
@@ -52,15 +51,16 @@ def feed(views: LiveViews) -> None:
     views.flush()
 
 
-def main() -> int:
+def main() -> None:
     """Feed, look, write."""
     views = LiveViews(load_rig(RECORDINGS), RUN, port=0)
     try:
         feed(views)
-        return live_pictures.main([views.url, str(PICTURES), "--window", WINDOW])
+        for path in render_stream(views.url, PICTURES, WINDOW):
+            print(path)
     finally:
         views.close()
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -34,6 +34,14 @@ PATIENCE_S = 20.0
 NO_ADAPTER = "pictures: no Vulkan adapter that the viewer can use; install one: apt-get install mesa-vulkan-drivers"
 
 
+def render_stream(url: str, folder: Path, window: str = WINDOW) -> list[Path]:
+    """Write FOLDER/TAB.png for each tab of what the live stream at `url` shows now."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with headless(["--connect", url], window) as client:
+        time.sleep(GREETING_S)
+        return list(walk(client, folder, set(), views=False))
+
+
 def render(
     rrd: Path,
     folder: Path,

@@ -5,14 +5,12 @@ from __future__ import annotations
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
-from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
 
 from estimator.errors import SetupError
 from tests.processes import PATIENCE_S
-from viz.viewer import browser, live_pictures
 from viz.viewer.web import WebPage
 
 
@@ -75,8 +73,3 @@ def test_nothing_else_is_served(page: WebPage, path: str, host: str, status: int
 def test_a_page_shows_live_streams_only(url: str) -> None:
     with pytest.raises(SetupError, match="not a live stream"):
         WebPage(url)
-
-
-def test_without_a_browser_there_is_no_picture_of_the_page(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(browser, "browser", lambda: None)
-    assert live_pictures.render_page("rerun+http://127.0.0.1:9/proxy", tmp_path) == []
