@@ -1,18 +1,23 @@
-"""Options that every command shares."""
+"""Options that several commands share, and what they make of words on the command line."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import wraps
 from pathlib import Path
 from typing import Any
 
 import click
 
+from ballscrew.terminal import STDOUT, Terminal
 from estimator.errors import SetupError
 
-STDOUT = "-"
+Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+PATH = click.Path(path_type=Path)
 MANY = ("--held-out", "--bus-kwargs")  # options that a shell's *.log may follow
 INPUTS = {".log", ".blf", ".asc", ".trc", ".mf4", ".csv", ".toml"}
+NEAREST_RIG = "else the nearest one at or above the first log that holds a rig.toml, else the built-in rig."
 
 
 def json_apart(arguments: Sequence[str]) -> list[str]:
@@ -63,54 +68,94 @@ def _try_to_write(path: Path) -> None:
         path.unlink()
 
 
-def rig_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """--rig and --model, the same on every command."""
-    model = click.option(
-        "--model", "model_path", type=click.Path(path_type=Path), help="Model TOML; else the rig folder's model.toml."
-    )
-    rig = click.option(
-        "--rig",
-        "rig_path",
-        type=click.Path(path_type=Path),
-        help="Rig folder; else the nearest one at or above the first log that holds a rig.toml, else the built-in rig.",
-    )
-    return rig(model(command))
+def stacked(*options: Decorator) -> Decorator:
+    """Several options as one decorator, in the order of the help."""
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
 
 
-def output_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """--json, --quiet and --debug, the same on every command."""
-    options = (
+def output_file(*names: str, **more: Any) -> Decorator:
+    """A file that the command writes."""
+    return click.option(*names, type=PATH, callback=writable, **more)
+
+
+def model_output(help: str = "Write the model here.") -> Decorator:
+    """-o MODEL."""
+    return output_file("-o", "out", metavar="MODEL", required=True, help=help)
+
+
+def rig_option(help: str) -> Decorator:
+    """--rig."""
+    return click.option("--rig", "rig_path", type=PATH, help=help)
+
+
+def terminal_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """--json, --quiet and --debug, the same on every command, which gets a `terminal` that heeds them."""
+
+    @wraps(command)
+    def with_terminal(json_path: str | None, quiet: bool, debug: bool, **given: Any) -> Any:
+        return command(Terminal(json_path, quiet), **given)
+
+    return stacked(
         click.option(
             "--json", "json_path", is_flag=False, flag_value=STDOUT, metavar="[FILE]", callback=writable,
             help="Write the result as JSON; to stdout without FILE, and the tables then go to stderr.",
         ),
         click.option("--quiet", is_flag=True, help="No tables, no progress; errors only."),
         click.option("--debug", is_flag=True, help="Show the traceback of an error."),
-    )  # fmt: skip
-    for option in reversed(options):
-        command = option(command)
-    return command
-
-
-save_option = click.option(
-    "--save", "rrd", type=click.Path(path_type=Path), callback=writable, metavar="OUT.rrd",
-    help="Write the views as a rerun file.",
-)  # fmt: skip
-logs_argument = click.argument(
-    "logs", nargs=-1, required=True, type=click.Path(path_type=Path, readable=False), metavar="LOG..."
-)
+    )(with_terminal)  # fmt: skip
 
 
 def bus_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options, the same on every command that opens a bus."""
-    options = (
+    """Where a bus is, the same on every command that opens one: it gets `bus`, None without --interface."""
+
+    @wraps(command)
+    def with_bus(
+        *passed: Any, interface: str | None, channel: str | None, bitrate: int | None, bus_kwargs: Sequence[str],
+        **given: Any,
+    ) -> Any:  # fmt: skip
+        from drivers.bus import bus  # python-can takes a while to import
+
+        address = bus.BusAddress(interface, channel, bitrate, bus.bus_options(bus_kwargs))
+        return command(*passed, bus=address if interface is not None else None, **given)
+
+    return stacked(
         click.option("--interface", help="python-can interface: socketcan, pcan, vector, slcan, socketcand ..."),
         click.option("--channel", help="Channel of the interface, like can0."),
         click.option("--bitrate", type=int, help="Bit rate of the bus, 1/s."),
         click.option(
             "--bus-kwargs", multiple=True, metavar="K=V ...", help="Passed to the interface, like host=127.0.0.1."
         ),
-    )
-    for option in reversed(options):
-        command = option(command)
-    return command
+    )(with_bus)
+
+
+logs_argument = click.argument(
+    "logs", nargs=-1, required=True, type=click.Path(path_type=Path, readable=False), metavar="LOG..."
+)
+rig_options = stacked(
+    rig_option(f"Rig folder; {NEAREST_RIG}"),
+    click.option("--model", "model_path", type=PATH, help="Model TOML; else the rig folder's model.toml."),
+)
+save_option = output_file("--save", "rrd", metavar="OUT.rrd", help="Write the views as a rerun file.")
+view_option = click.option("--view", is_flag=True, help="Open the views in the rerun viewer, where there is a screen.")
+channels_option = click.option(
+    "--channels", metavar="2,4,..", help="Use only these thermometers, by number or name; default: all."
+)
+no_displacement_option = click.option(
+    "--no-displacement", is_flag=True, help="Do not use the displacement readings."
+)  # fmt: skip
+search_options = stacked(
+    click.option(
+        "--held-out", "held_out", multiple=True, type=PATH, metavar="LOG",
+        help="A recording, or folder of them, that is never used to choose or fit, only reported; may be repeated.",
+    ),
+    click.option(
+        "--effects", "own", multiple=True, metavar="FILE.py[:Class]",
+        help="Effects of your own to try as well. The file is Python, and runs.",
+    ),
+)  # fmt: skip

@@ -16,8 +16,9 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from ballscrew.options import STDOUT
+Rows = Sequence[Sequence[str]]  # of a table, its head first
 
+STDOUT = "-"
 INTERRUPTED = 130
 FILE_WIDTH = 120  # of tables that go to a file or a pipe
 
@@ -26,7 +27,7 @@ class Terminal:
     """Where a command writes: tables to stdout, or to stderr when stdout carries JSON; nothing when quiet."""
 
     def __init__(self, json_path: str | None = None, quiet: bool = False) -> None:
-        self._json = json_path
+        self.json_path = json_path
         self.quiet = quiet
         self.out = Console(stderr=json_path == STDOUT, quiet=quiet, highlight=False, soft_wrap=True)
         if not self.out.is_terminal:
@@ -57,16 +58,25 @@ class Terminal:
         """One line on stderr: an input that could not be used."""
         self.err.print(f"error: {text}", markup=False)
 
-    def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], prose: int = -1) -> None:
-        """A table: first a name, then numbers with their unit in the header; the column `prose` holds text."""
+    def table(self, rows: Rows, prose: int = -1, title: str = "") -> None:
+        """A table, its head first: a name, then numbers with their unit in the head; the column `prose` holds text."""
         table = Table(
             title=title, title_justify="left", title_style="bold", box=None, pad_edge=False, header_style="dim"
         )
-        for i, column in enumerate(columns):
+        head, *rest = rows
+        for i, column in enumerate(head):
             table.add_column(column, justify="left" if i in (0, prose) else "right", no_wrap=i != prose)
-        for row in rows:
+        for row in rest:
             table.add_row(*row)
         self.out.print(table, soft_wrap=False)
+
+    def show_views(self, path: Path, view: bool, at_s: float | None = None) -> None:
+        """Say where the views are, and open them if asked, with the cursor at `at_s` or at their own moment."""
+        from viz.viewer.viewer import open_viewer  # rerun takes half a second to import
+
+        self.say_views(path)
+        if view and not open_viewer(path, at_s):
+            self.say("no screen here: the viewer was not started")
 
     @contextmanager
     def progress(self, label: str, total: float | None) -> Iterator[Any]:
@@ -85,13 +95,13 @@ class Terminal:
 
     def json(self, data: Mapping[str, Any]) -> None:
         """Write the result where --json asked for it."""
-        if self._json is None:
+        if self.json_path is None:
             return
         text = json.dumps(plain(data), indent=2, ensure_ascii=False)
-        if self._json == STDOUT:
+        if self.json_path == STDOUT:
             print(text)
         else:
-            Path(self._json).write_text(text + "\n")
+            Path(self.json_path).write_text(text + "\n")
 
 
 def plain(value: Any, digits: int = 6) -> Any:

@@ -1,14 +1,18 @@
-"""What a command works on: the rig, the model and the recordings that its arguments name."""
+"""What a command works on: the rig, the models and the recordings that its arguments name."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
 
+import click
+
 from ballscrew.terminal import Terminal
+from ballscrew.threads import threads
 from drivers.logs.joined import Progress
 from drivers.logs.truth import Truth, read_truth
 from drivers.recordings import find_recordings, read_joined, read_recording
@@ -18,7 +22,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
-from estimator.work import Runs, Workers, silent
+from estimator.work import Runs, Workers
 
 BUILT_IN = Path(str(files("recordings")))
 
@@ -34,6 +38,81 @@ class Loaded:
     def truth(self) -> Truth | None:
         """The truth beside the recording, None without one: opened only by who prints errors."""
         return read_truth(self.path)
+
+
+@dataclass
+class Workspace:
+    """A rig and a model, the recordings to use and those held out, and what could not be used, in words."""
+
+    terminal: Terminal
+    rig: Rig
+    model: Model
+    loaded: list[Loaded] = field(default_factory=list)
+    held_out: list[Loaded] = field(default_factory=list)
+    failed: list[str] = field(default_factory=list)
+
+    @property
+    def recordings(self) -> list[Recording]:
+        """Those to use."""
+        return [one.recording for one in self.loaded]
+
+    @contextmanager
+    def runs(self, label: str, total: float | None = 1.0) -> Iterator[Runs]:
+        """The recordings to use, with a thread for each core, and a bar that shows how far the work is."""
+        with self.terminal.progress(label, total) as update, threads() as workers:
+            yield Runs(self.rig, self.recordings, workers, lambda stage, done: update(done, stage))
+
+    @property
+    def status(self) -> int:
+        """What the command ends with when all else went well."""
+        return InputError.exit_code if self.failed else 0
+
+    def read(self, logs: Sequence[Path], held_out: Sequence[Path] = (), join: bool = False) -> None:
+        """Read recordings; ends the command where none can be used. One that is in both is held out.
+
+        `join`: the logs are parts of one recording.
+        """
+        self.loaded, self.failed = load(logs, self.rig, self.terminal, join)
+        if held_out:
+            self.held_out, failed = load(held_out, self.rig, self.terminal)
+            self.failed += failed
+            self._take_out()
+        if not self.loaded:
+            raise click.exceptions.Exit(InputError.exit_code)
+
+    def _take_out(self) -> None:
+        """Use nothing of what is held out."""
+        kept = {one.recording.fingerprint for one in self.held_out}
+        both = [one for one in self.loaded if one.recording.fingerprint in kept]
+        if self.loaded and len(both) == len(self.loaded):
+            self.terminal.warn(
+                "every recording is held out: all are used all the same, and what is held out says nothing new"
+            )
+        elif both:
+            self.terminal.say(f"held out, and so not used: {', '.join(one.path.name for one in both)}")
+            self.loaded = [one for one in self.loaded if one.recording.fingerprint not in kept]
+
+    def fail(self, error: InputError) -> None:
+        """Go on without what cannot be used."""
+        self.terminal.error(str(error))
+        self.failed.append(str(error))
+
+    def truth_of(self, one: Loaded) -> Array | None:
+        """True elongation at the ticks, (K,) um; a malformed truth file is reported, and the readings serve instead."""
+        try:
+            return one.truth.at(one.recording.time_s) if one.truth else None
+        except InputError as error:
+            self.fail(error)
+            one.truth = None
+            return None
+
+
+def open_workspace(
+    terminal: Terminal, logs: Sequence[Path], rig_path: Path | None, model_path: Path | None
+) -> Workspace:
+    """The rig and the model; recordings are still to be read."""
+    rig = open_rig(logs, rig_path, terminal)
+    return Workspace(terminal, rig, open_model(rig, model_path, terminal))
 
 
 def open_rig(logs: Sequence[Path], rig_path: Path | None, terminal: Terminal) -> Rig:
@@ -89,38 +168,6 @@ def _read(parts: Sequence[Path], rig: Rig, progress: Progress) -> Loaded:
     return Loaded(*read_joined(parts, rig, progress))
 
 
-def true_elongation(one: Loaded, terminal: Terminal, failed: list[str]) -> Array | None:
-    """True elongation at the ticks, (K,) um; a malformed truth file is reported, and the readings serve instead."""
-    try:
-        return one.truth.at(one.recording.time_s) if one.truth else None
-    except InputError as error:
-        terminal.error(str(error))
-        failed.append(str(error))
-        one.truth = None
-        return None
-
-
-def load_apart(
-    logs: Sequence[Path], held_out: Sequence[Path], rig: Rig, terminal: Terminal
-) -> tuple[list[Loaded], list[Loaded], list[str]]:
-    """The recordings to use, those held out, and what could not be read; one that is in both is held out."""
-    loaded, failed = load(logs, rig, terminal)
-    if not held_out:
-        return loaded, [], failed
-    apart, failed_too = load(held_out, rig, terminal)
-    kept = {one.recording.fingerprint for one in apart}
-    rest = [one for one in loaded if one.recording.fingerprint not in kept]
-    if loaded and not rest:
-        terminal.warn("every recording is held out: all are used all the same, and what is held out says nothing new")
-    elif len(rest) < len(loaded):
-        both = [one.path.name for one in loaded if one.recording.fingerprint in kept]
-        terminal.say(f"held out, and so not used: {', '.join(both)}")
-    return rest or loaded, apart, [*failed, *failed_too]
-
-
-def runs_of(
-    rig: Rig, loaded: Sequence[Loaded], workers: Workers = map, bar: Callable[[float, str], None] | None = None
-) -> Runs:
-    """What was loaded, as workers take it; a bar shows how far they are."""
-    progress = (lambda stage, done: bar(done, stage)) if bar else silent
-    return Runs(rig, [one.recording for one in loaded], workers, progress)
+def runs_of(rig: Rig, loaded: Sequence[Loaded], workers: Workers = map) -> Runs:
+    """What was loaded, as workers take it."""
+    return Runs(rig, [one.recording for one in loaded], workers)

@@ -135,5 +135,10 @@ def test_nobody_imports_the_application():
     assert {Path(user).parts[0] for user in users} == {"ballscrew"}
 
 
+@pytest.mark.parametrize("path", files("ballscrew", "commands"), ids=name)
+def test_no_command_imports_another(path):
+    assert not [module for module in imported(path) if module.startswith("ballscrew.commands")]
+
+
 def test_the_filter_uses_filterpy():
     assert "filterpy.kalman" in imported(ROOT / "estimator" / "filter.py")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import output_options, writable
+from ballscrew.options import PATH, model_output, rig_option, terminal_options
 from ballscrew.own_effect.named import named_effect
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_rig
@@ -16,26 +16,17 @@ from estimator.network.check import checked_terms
 from estimator.rig_folder.model_toml import load_model, save_model
 
 
-@click.command("add", help=__doc__)
+@click.command("add")
 @click.argument("effect", metavar="EFFECT")
-@click.argument("model_path", type=click.Path(path_type=Path), metavar="MODEL")
-@click.option(
-    "-o", "out", type=click.Path(path_type=Path), required=True, callback=writable, metavar="MODEL",
-    help="Write the model here; the same file to change it in place.",
-)  # fmt: skip
-@click.option(
-    "--rig", "rig_path", type=click.Path(path_type=Path),
-    help="Rig folder that it must fit; else the nearest one at or above MODEL, else the built-in rig.",
-)  # fmt: skip
-@output_options
-def command(
-    effect: str, model_path: Path, out: Path, rig_path: Path | None, json_path: str | None, quiet: bool, debug: bool
-) -> None:
+@click.argument("model_path", type=PATH, metavar="MODEL")
+@model_output("Write the model here; the same file to change it in place.")
+@rig_option("Rig folder that it must fit; else the nearest one at or above MODEL, else the built-in rig.")
+@terminal_options
+def command(terminal: Terminal, effect: str, model_path: Path, out: Path, rig_path: Path | None) -> None:
     """Add EFFECT to MODEL, at its default values.
 
     EFFECT is an effect of the catalogue, or your own: FILE.py:Class. That file is Python, and runs.
     """
-    terminal = Terminal(json_path, quiet)
     one, model = named_effect(effect), load_model(model_path)
     name = one.effect.name
     if name in model.effects:

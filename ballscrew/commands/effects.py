@@ -7,8 +7,9 @@ from pathlib import Path
 import click
 from rich.markup import escape
 
-from ballscrew.options import output_options
+from ballscrew.options import rig_option, terminal_options
 from ballscrew.own_effect.named import Named, named_effects
+from ballscrew.report.page import print_effect
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_model, open_rig
 from estimator.battery.battery import Finding, battery
@@ -21,22 +22,16 @@ from estimator.rig import Rig
 KINDS = {"structure": STRUCTURE, "heat": HEAT, "reading": READING}
 
 
-@click.command("effects", help=__doc__)
+@click.command("effects")
 @click.argument("name", required=False, metavar="[NAME]")
 @click.option("--check", is_flag=True, help="Run the battery on it that every effect must pass.")
-@click.option(
-    "--rig", "rig_path", type=click.Path(path_type=Path),
-    help="Check it on this rig folder and its model; else the nearest at or above the file, else the built-in rig.",
-)  # fmt: skip
-@output_options
-def command(
-    name: str | None, check: bool, rig_path: Path | None, json_path: str | None, quiet: bool, debug: bool
-) -> int:
+@rig_option("Check it on this rig folder and its model; else the nearest at or above the file, else the built-in rig.")
+@terminal_options
+def command(terminal: Terminal, name: str | None, check: bool, rig_path: Path | None) -> int:
     """Print the catalogue, or the effect NAME with its equation, its parameters and what it leaves in the readings.
 
     NAME is an effect of the catalogue, or your own: FILE.py or FILE.py:Class. That file is Python, and runs.
     """
-    terminal = Terminal(json_path, quiet)
     if name is None:
         if check:
             raise SetupError("--check: of which effect? Name it: ballscrew effects NAME --check")
@@ -60,7 +55,7 @@ def command(
 
 def _print_catalogue(terminal: Terminal) -> None:
     for kind, effects in KINDS.items():
-        terminal.table(kind, ["effect", ""], [[effect.name, effect.sentence()] for effect in effects], prose=1)
+        terminal.table([["effect", ""], *([effect.name, effect.sentence()] for effect in effects)], prose=1, title=kind)
         terminal.say()
     terminal.say(
         "ballscrew effects NAME prints one of them in full, ballscrew add NAME MODEL -o MODEL adds it to a model"
@@ -68,8 +63,7 @@ def _print_catalogue(terminal: Terminal) -> None:
 
 
 def _print(terminal: Terminal, effect: type[Effect]) -> None:
-    terminal.out.print(f"[bold]{effect.name}[/bold]  {escape(effect.sentence())}")
-    terminal.say("    " + effect.equation().replace("\n", "\n    "))
+    print_effect(terminal, effect)
     rows = []
     for key, param in effect.params.items():
         null = "" if param.null is None else f"{param.null:g}"
@@ -77,7 +71,7 @@ def _print(terminal: Terminal, effect: type[Effect]) -> None:
         bounds = f"{param.lo:g} ... {param.hi:g}"
         rows.append([f"    {key}", f"{param.value:g}", param.unit, bounds, null, kind, escape(param.source)])
     if rows:
-        terminal.table("", ["    parameter", "value", "unit", "bounds", "null", "", "source"], rows, prose=6)
+        terminal.table([["    parameter", "value", "unit", "bounds", "null", "", "source"], *rows], prose=6)
     if effect.trace:
         terminal.say(f"    leaves: {effect.trace}")
     if effect.scales:
@@ -88,7 +82,7 @@ def _print(terminal: Terminal, effect: type[Effect]) -> None:
 def _checked(terminal: Terminal, one: Named, model: Model, rig: Rig) -> list[Finding]:
     findings = battery(one.effect, model, rig)
     rows = [[f"    {f.check}", "passes" if f.ok else "FAILS", escape(f.detail)] for f in findings]
-    terminal.table("", ["    check", "", ""], rows, prose=2)
+    terminal.table([["    check", "", ""], *rows], prose=2)
     terminal.say()
     if failing := [finding for finding in findings if not finding.ok]:
         terminal.error(f"{one.use} fails: " + "; ".join(f"{finding.check} ({finding.detail})" for finding in failing))

@@ -12,7 +12,7 @@ from typing import Any
 
 import click
 
-from ballscrew.options import logs_argument, output_options, writable
+from ballscrew.options import logs_argument, output_file, terminal_options
 from ballscrew.terminal import Terminal, duration
 from drivers.frames import Tally
 from drivers.logs.every_frame import every_frame
@@ -42,19 +42,18 @@ class Source:
 
 @click.command("export")
 @logs_argument
-@click.option(
-    "-o", "out", type=click.Path(path_type=Path), metavar="FILE", required=True, callback=writable,
+@output_file(
+    "-o", "out", metavar="FILE", required=True,
     help="Log to write; its suffix says the format: .blf, .mf4, .asc, .trc or .log.",
 )  # fmt: skip
-@output_options
-def command(logs: tuple[Path, ...], out: Path, json_path: str | None, quiet: bool, debug: bool) -> int:
+@terminal_options
+def command(terminal: Terminal, logs: tuple[Path, ...], out: Path) -> int:
     """Convert each LOG, or several to one in the order of their times.
 
     All frames go over, remote, error and FD frames too, with their time on the clock to the microsecond. Two formats
     hold less: .asc keeps local time without a zone, and of an error frame only that there was one; .trc keeps data
     frames only, and what it cannot hold is counted. A folder means all logs in it.
     """
-    terminal = Terminal(json_path, quiet)
     check_format(out)
     sources = [Source(path) for path in find_recordings(logs)]
     if not sources:

@@ -9,7 +9,7 @@ from ipaddress import ip_address
 
 import click
 
-from ballscrew.options import output_options
+from ballscrew.options import terminal_options
 from ballscrew.terminal import Terminal
 from drivers.bus.hub import Hub
 
@@ -21,15 +21,14 @@ from drivers.bus.hub import Hub
 @click.option(
     "--bind", default="127.0.0.1", show_default=True, help="Address to listen on; this one is for this machine only."
 )
-@output_options
-def command(port: int, bind: str, json_path: str | None, quiet: bool, debug: bool) -> None:
+@terminal_options
+def command(terminal: Terminal, port: int, bind: str) -> None:
     """Share a CAN bus between programs of this machine, without CAN hardware, until Ctrl-C.
 
     Every frame that one program sends on a channel goes to all others on it. The hub speaks the socketcand protocol:
     python-can's interface `socketcand` connects to it, and so does `ballscrew simulate`. It carries classic data
     frames; a program that reads too slowly loses frames, which is said here.
     """
-    terminal = Terminal(json_path, quiet)
     if not _is_loopback(bind):
         terminal.warn(f"--bind {bind}: whoever reaches this address can read and send frames, without a password")
     hub = Hub(lambda sentence: terminal.warn(f"hub: {sentence}"))

@@ -18,11 +18,17 @@ from ballscrew.monitor.monitor import Monitor
 from ballscrew.monitor.session import Session
 from ballscrew.monitor.voice import stop_asked, voice
 from ballscrew.muting import chosen_thermometers
-from ballscrew.options import bus_options, output_options, rig_options, save_option
+from ballscrew.options import (
+    bus_options,
+    channels_option,
+    no_displacement_option,
+    rig_options,
+    save_option,
+    terminal_options,
+)
 from ballscrew.terminal import INTERRUPTED, Terminal
-from ballscrew.workspace import open_model, open_rig
+from ballscrew.workspace import open_workspace
 from drivers.bus.bus import BusAddress
-from drivers.bus.bus import bus_options as options_of
 from drivers.bus.publisher import Publisher
 from drivers.bus.receiver import Receiver
 from drivers.bus.rig_time import FastTime, RigTime
@@ -47,45 +53,40 @@ LATE_S = 0.5  # wall time that frames of a bus faster than the rig may be late
 @click.option("--bind", default="127.0.0.1", show_default=True, help="Address that views are served on.")
 @save_option
 @click.option("--publish", is_flag=True, help="Transmit Estimate and Compensation each second. Else nothing is sent.")
-@click.option("--channels", "chosen", metavar="2,4,..", help="Use only these thermometers; default: all.")
-@click.option("--no-displacement", is_flag=True, help="Do not use the displacement readings.")
+@channels_option
+@no_displacement_option
 @click.option("--speed-up", default=1.0, show_default=True, help="The bus runs so many times faster than the rig.")
 @click.option("--seconds", type=float, metavar="S", help="End after this time of the rig; default: never.")
-@output_options
+@terminal_options
 def command(
-    interface: str | None, channel: str | None, bitrate: int | None, bus_kwargs: tuple[str, ...],
-    rig_path: Path | None, model_path: Path | None, record: Path | None, view: str, bind: str, rrd: Path | None,
-    publish: bool, chosen: str | None, no_displacement: bool, speed_up: float, seconds: float | None,
-    json_path: str | None, quiet: bool, debug: bool,
+    terminal: Terminal, bus: BusAddress | None, rig_path: Path | None, model_path: Path | None, record: Path | None,
+    view: str, bind: str, rrd: Path | None, publish: bool, channels: str | None, no_displacement: bool,
+    speed_up: float, seconds: float | None,
 ) -> int:  # fmt: skip
     """Listen to a rig on a CAN bus: profile, elongation and residuals as they come, alarms when rig and model part.
 
     Nothing is transmitted unless --publish is given. Ends with Ctrl-C or SIGTERM, every file closed. --json writes a
     line a tick.
     """
-    terminal = Terminal(json_path, quiet)
-    if interface is None:
+    if bus is None:
         raise click.UsageError("say which bus: --interface and --channel, as python-can names them")
     if speed_up <= 0:
         raise click.UsageError("--speed-up must be above 0")
-    rig = open_rig([], rig_path, terminal)
-    model = open_model(rig, model_path, terminal)
-    address = BusAddress(interface, channel, bitrate, options_of(bus_kwargs))
-    mute = _mute(rig, chosen_thermometers(chosen, rig), no_displacement)
+    work = open_workspace(terminal, [], rig_path, model_path)
+    rig, model = work.rig, work.model
+    mute = _mute(rig, chosen_thermometers(channels, rig), no_displacement)
     decoder = Decoder(rig, Tally())
     clock = _clock(rig, decoder, speed_up)
     with stop_asked() as stopped, ExitStack() as open_parts, voice(terminal) as person:
-        about = {"bus": str(address), "rig": rig.name, "model": model.name, "speed_up": speed_up}
+        about = {"bus": str(bus), "rig": rig.name, "model": model.name, "speed_up": speed_up}
         recorder = open_parts.enter_context(Recorder(record, about, own=decoder.own)) if record else None
-        receiver = Receiver(address.listen, clock, recorder.write if recorder else _nowhere, address.name)
-        publisher = Publisher(rig, address.open) if publish else None
+        receiver = Receiver(bus.listen, clock, recorder.write if recorder else _nowhere, bus.name)
+        publisher = Publisher(rig, bus.open) if publish else None
         views, views_at = _views(terminal, rig, model.name, view, bind, rrd, open_parts)
         late_s = LATE_S * max(speed_up - 1.0, 0.0)
-        lines = open_parts.enter_context(json_lines(json_path))
+        lines = open_parts.enter_context(json_lines(terminal.json_path))
         monitor = Monitor(model, rig, mute, late_s)
-        session = Session(
-            monitor, receiver, clock, str(address), person.say, lines, recorder, publisher, views, views_at
-        )
+        session = Session(monitor, receiver, clock, str(bus), person.say, lines, recorder, publisher, views, views_at)
         open_parts.callback(receiver.stop)
         if publisher is not None:
             open_parts.callback(publisher.close)

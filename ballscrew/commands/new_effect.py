@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import output_options, writable
+from ballscrew.options import output_file, rig_option, terminal_options
 from ballscrew.own_effect.class_file import with_class
 from ballscrew.own_effect.own_effect import ALL, VOCABULARY, Wanted, effect_text
 from ballscrew.terminal import Terminal
@@ -20,7 +20,7 @@ from estimator.rig import Rig
 HEAD = '"""Effects of this rig that the catalogue does not have."""\n'
 
 
-@click.command("new-effect", help=__doc__)
+@click.command("new-effect")
 @click.argument("name")
 @click.option(
     "--at", metavar="350mm|BODY", help="Heat around this place, or into this body; default: all along the screw."
@@ -30,24 +30,19 @@ HEAD = '"""Effects of this rig that the catalogue does not have."""\n'
     help=f"{', '.join(NAMES)}, or an input of the rig, of which it follows the rise; default: always.",
 )  # fmt: skip
 @click.option("--reading", metavar="CHANNEL|all", help="Shift this channel's readings, or all thermometers', not heat.")
-@click.option(
-    "-o", "out", type=click.Path(path_type=Path), default=Path("effects.py"), callback=writable, metavar="FILE.py",
+@output_file(
+    "-o", "out", default=Path("effects.py"), metavar="FILE.py",
     help="Write it into this file, after what is there; default: effects.py.",
 )  # fmt: skip
-@click.option(
-    "--rig", "rig_path", type=click.Path(path_type=Path),
-    help="Rig folder; else the nearest one at or above the file, else the built-in rig.",
-)  # fmt: skip
-@output_options
+@rig_option("Rig folder; else the nearest one at or above the file, else the built-in rig.")
+@terminal_options
 def command(
-    name: str, at: str | None, follows: str, reading: str | None, out: Path, rig_path: Path | None,
-    json_path: str | None, quiet: bool, debug: bool,
-) -> None:  # fmt: skip
+    terminal: Terminal, name: str, at: str | None, follows: str, reading: str | None, out: Path, rig_path: Path | None
+) -> None:
     """Write the effect NAME: a class with its equation, its parameters and its terms, which passes all checks as it is.
 
     Then change it: its numbers are guesses.
     """
-    terminal = Terminal(json_path, quiet)
     rig = open_rig([out], rig_path, terminal)
     cls, place = _class_name(name), _place(at, reading, rig)
     wanted = Wanted(cls, _follower(follows, rig), *place, _channel(reading, rig))

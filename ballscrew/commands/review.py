@@ -3,40 +3,46 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import click
 
 from ballscrew.muting import chosen_thermometers, muted
-from ballscrew.options import logs_argument, output_options, rig_options, save_option
-from ballscrew.report.report import as_json, markdown, print_reviews
-from ballscrew.report.viewing import show, view_option
+from ballscrew.options import (
+    channels_option,
+    logs_argument,
+    no_displacement_option,
+    rig_options,
+    save_option,
+    terminal_options,
+    view_option,
+)
+from ballscrew.report.review_report import as_json, print_reviews
 from ballscrew.terminal import Terminal
-from ballscrew.workspace import Loaded, load, open_model, open_rig, true_elongation
+from ballscrew.workspace import Loaded, Workspace, open_workspace
 from estimator.accuracy.review import Review, review
 from estimator.errors import InputError
-from estimator.rig import Rig
-from viz.recorded.run import Run, first_stop_s
+from estimator.record import Recording
+from estimator.state.gate import Mute
 
 
 @click.command("review")
 @logs_argument
 @rig_options
 @click.option("--join", is_flag=True, help="The LOGs are parts of one recording: one estimate runs through them.")
-@click.option("--channels", metavar="2,4,..", help="Use only these thermometers, by number or name; default: all.")
-@click.option("--no-displacement", is_flag=True, help="Do not use the displacement readings.")
+@channels_option
+@no_displacement_option
 @click.option(
     "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO]",
     help="Do not use a channel, `telemeter` or `displacement` from FROM to TO: seconds from the start, or stop1 ...",
 )  # fmt: skip
 @save_option
 @view_option
-@output_options
+@terminal_options
 def command(
-    logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, join: bool, channels: str | None,
-    no_displacement: bool, spans: tuple[str, ...], rrd: Path | None, view: bool, json_path: str | None, quiet: bool,
-    debug: bool,
+    terminal: Terminal, logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, join: bool,
+    channels: str | None, no_displacement: bool, spans: tuple[str, ...], rrd: Path | None, view: bool,
 ) -> int:  # fmt: skip
     """Run the Kalman filter over each LOG and print how far its elongation is from the reference.
 
@@ -44,64 +50,36 @@ def command(
     reference is the truth where a NAME.truth.csv lies beside the log, else the displacement readings. A folder means
     all recordings in it.
     """
-    terminal = Terminal(json_path, quiet)
-    rig = open_rig(logs, rig_path, terminal)
-    model = open_model(rig, model_path, terminal)
-    names = chosen_thermometers(channels, rig)
-    loaded, failed = load(logs, rig, terminal, join)
-    if not loaded:
-        return InputError.exit_code
+    work = open_workspace(terminal, logs, rig_path, model_path)
+    names = chosen_thermometers(channels, work.rig)
+    work.read(logs, join=join)
     terminal.say_if_compiling("passes")
-    judged: list[Loaded] = []
-    reviews, seconds = [], []
-    for one in loaded:
-        began = time.perf_counter()
-        mute = muted(one.recording, rig, names, no_displacement, spans)
-        truth = true_elongation(one, terminal, failed)
-        try:
-            with terminal.progress(one.recording.name, len(one.recording)) as update:
-                reviews.append(review(one.recording, rig, model, truth, mute, names, update))
-        except InputError as error:
-            terminal.error(str(error))
-            failed.append(str(error))
-            continue
-        judged.append(one)
-        seconds.append(time.perf_counter() - began)
-    if not reviews:
-        return InputError.exit_code
-    known = set(model.about.get("fitted_on", {}).values())
+    judged = list(_judged(work, names, lambda recording: muted(recording, work.rig, names, no_displacement, spans)))
+    if not judged:
+        return work.status
+    loaded, reviews, seconds = zip(*judged, strict=True)
+    known = set(work.model.about.get("fitted_on", {}).values())
     fitted = [r.recording.fingerprint in known for r in reviews]
     print_reviews(terminal, reviews, fitted)
     terminal.json(as_json(reviews, fitted, seconds))
     if rrd is not None:
-        _save(terminal, rrd, _runs(rig, judged, reviews), markdown(reviews), view)
-    return InputError.exit_code if failed else 0
+        from ballscrew.report.review_views import save_views  # rerun takes half a second to import
+
+        save_views(rrd, work, loaded, reviews, view)
+    return work.status
 
 
-def _runs(rig: Rig, loaded: Sequence[Loaded], reviews: Sequence[Review]) -> list[Run]:
-    return [
-        Run(
-            name=one.path.stem,
-            rig=rig,
-            recording=r.recording,
-            track=r.track,
-            smoothed_um=r.estimates["smoothed"],
-            smoothed_sd_um=r.smoothed_sd,
-            polyline_um=r.estimates["polyline"],
-            readings_um=r.readings,
-            reference_um=r.reference,
-            reference_name=r.reference_name,
-            errors_um=r.errors,
-            error_sd_um=r.sigma["filter"],
-            truth_C_rise=one.truth.rises(rig.thermometers, r.recording.time_s) if one.truth else None,
-        )
-        for one, r in zip(loaded, reviews, strict=True)
-    ]
-
-
-def _save(terminal: Terminal, path: Path, runs: Sequence[Run], summary: str, view: bool) -> None:
-    from viz.recorded.recorded import save  # rerun takes half a second to import
-
-    with terminal.progress(f"writing {path}", len(runs)) as update:
-        save(path, runs, summary, update)
-    show(terminal, path, view, first_stop_s(runs[0]))
+def _judged(
+    work: Workspace, names: list[str] | None, mute_of: Callable[[Recording], Mute]
+) -> Iterator[tuple[Loaded, Review, float]]:
+    """Each recording that can be used, its review, and the seconds that it took."""
+    for one in work.loaded:
+        began = time.perf_counter()
+        mute, truth = mute_of(one.recording), work.truth_of(one)
+        try:
+            with work.terminal.progress(one.recording.name, len(one.recording)) as update:
+                found = review(one.recording, work.rig, work.model, truth, mute, names, update)
+        except InputError as error:
+            work.fail(error)
+            continue
+        yield one, found, time.perf_counter() - began

@@ -6,29 +6,28 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import output_options
+from ballscrew.options import PATH, terminal_options
+from ballscrew.report.page import print_effect
 from ballscrew.terminal import Terminal
 from estimator.effect import Param
 from estimator.model import Model, Value
 from estimator.rig_folder.model_toml import load_model
 
 
-@click.command("show", help=__doc__)
-@click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
-@output_options
-def command(model: Path, json_path: str | None, quiet: bool, debug: bool) -> None:
+@click.command("show")
+@click.argument("model", type=PATH, metavar="MODEL")
+@terminal_options
+def command(terminal: Terminal, model: Path) -> None:
     """Print MODEL: one paragraph for each effect, with its equation and a table of its parameters."""
-    terminal = Terminal(json_path, quiet)
     found = load_model(model)
     terminal.say(f"{model}: {len(found.effects)} effects, {len(found.free())} free parameters")
     if found.about.get("fitted_on"):
         terminal.say("fitted on " + ", ".join(found.about["fitted_on"]))
     for name, effect in found.effects.items():
         terminal.say()
-        terminal.out.print(f"[bold]{name}[/bold]  {effect.sentence()}")
-        terminal.say("    " + effect.equation().replace("\n", "\n    "))
+        print_effect(terminal, effect)
         rows = [_row(key, param, found.values[f"{name}.{key}"]) for key, param in effect.params.items()]
-        terminal.table("", ["    parameter", "value", "+- sd", "unit", "bounds", "", "source"], rows, prose=6)
+        terminal.table([["    parameter", "value", "+- sd", "unit", "bounds", "", "source"], *rows], prose=6)
     terminal.json(_as_json(found))
 
 

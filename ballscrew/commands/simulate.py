@@ -8,10 +8,9 @@ from typing import Any
 
 import click
 
-from ballscrew.options import bus_options, output_options, writable
+from ballscrew.options import bus_options, terminal_options, writable
 from ballscrew.terminal import Terminal, duration
 from drivers.bus.bus import FAILURES, BusAddress
-from drivers.bus.bus import bus_options as options_of
 from drivers.logs.log_writer import check_format
 from drivers.virtual_rig import Run, play, simulate, write
 from estimator.errors import SetupError
@@ -59,12 +58,9 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
     "--max-drive", type=Seconds(), default="2h", show_default=True, help="Stop each drive after this at latest."
 )
 @click.option(
-    "--cycles",
-    type=click.IntRange(min=1),
-    default=2,
-    show_default=True,
+    "--cycles", type=click.IntRange(min=1), default=2, show_default=True,
     help="Drives, each with a stop of 60 min after it.",
-)
+)  # fmt: skip
 @click.option(
     "--seconds", type=click.FloatRange(min=0.0, min_open=True), metavar="S", help="Cut the run after this time."
 )
@@ -72,28 +68,26 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
     "--speed-up", type=click.FloatRange(min=0.0, min_open=True), default=1.0, show_default=True,
     help="On a bus: times faster than the rig.",
 )  # fmt: skip
-@output_options
+@terminal_options
 def command(
-    name: str, out: Path | None, interface: str | None, channel: str | None, bitrate: int | None,
-    bus_kwargs: tuple[str, ...], seed: int, plant: tuple[str, ...], without: tuple[str, ...], max_drive: float,
-    cycles: int, seconds: float | None, speed_up: float, json_path: str | None, quiet: bool, debug: bool,
+    terminal: Terminal, name: str, out: Path | None, bus: BusAddress | None, seed: int, plant: tuple[str, ...],
+    without: tuple[str, ...], max_drive: float, cycles: int, seconds: float | None, speed_up: float,
 ) -> None:  # fmt: skip
     """Simulate experiment NAME: a pattern FS, CS or ES and a speed in m/min, like FS-20 or CS-2.5.
 
     The table is driven until the screw has grown by about 50 um, stands still for 60 min, and is driven again. The
     truth is kept beside the recording, as FILE with the suffix .truth.csv.
     """
-    terminal = Terminal(json_path, quiet)
-    if out is not None and interface is not None:
+    if out is not None and bus is not None:
         raise click.UsageError("either -o FILE for a recording, or --interface for a bus, not both")
-    if out is None and interface is None:
+    if out is None and bus is None:
         raise click.UsageError("say where to: -o FILE for a recording, or --interface for a bus")
     planted = dict(_strength(word) for word in plant)
     run = _simulate(terminal, name, seed, planted, without, max_drive, cycles, seconds)
     if out is not None:
         terminal.json(_write(terminal, run, out))
-    if interface is not None:
-        _play(terminal, run, BusAddress(interface, channel, bitrate, options_of(bus_kwargs)), speed_up)
+    if bus is not None:
+        _play(terminal, run, bus, speed_up)
 
 
 def _simulate(

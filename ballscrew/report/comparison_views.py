@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ballscrew.report.page import Section, page
-from ballscrew.terminal import Terminal
 from ballscrew.threads import threads
-from ballscrew.workspace import Loaded
+from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.displacement import joined
 from estimator.accuracy.floor import Error
 from estimator.batch.replay import replay
@@ -31,14 +30,12 @@ from viz.viewer.printed import print_bars, print_maps
 
 
 def save_views(
-    terminal: Terminal, path: Path, rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded],
-    sections: Sequence[Section], figures: Sequence[Bars] = (),
-) -> None:  # fmt: skip
+    path: Path, work: Workspace, models: Sequence[Model], sections: Sequence[Section], figures: Sequence[Bars] = ()
+) -> None:
     """Write the views of one model, or of two, before and after; `figures` stand beside the text."""
-    with terminal.progress(f"writing {path}", None), threads() as workers:
-        runs = compared(rig, models, loaded, workers)
-        write_views(path, runs, models, sections, figures)
-    terminal.say_views(path)
+    with work.terminal.progress(f"writing {path}", None), threads() as workers:
+        write_views(path, compared(work.rig, models, work.loaded, workers), models, sections, figures)
+    work.terminal.say_views(path)
 
 
 def write_views(
@@ -84,7 +81,7 @@ def error_bars(errors: Sequence[tuple[str, Error, Error | None]]) -> list[Bars]:
             held = np.array([getattr(held, key) if held else np.nan for _, _, held in errors])
             series.append(Series("held out", held, paths.HELD_OUT))
         figures.append(Bars(f"Model alone, rms of {what} [{unit}]", rows, series))
-    return [each for each in figures if each.known]
+    return [bars for bars in figures if bars.known]
 
 
 def by_channel(runs: Sequence[Compared]) -> list[Bars]:

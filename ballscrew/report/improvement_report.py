@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ballscrew.commands.compare import sections
+from ballscrew.report.comparison_report import sections
+from ballscrew.report.errors import cells
 from ballscrew.report.page import Section, page
-from ballscrew.report.verdict import Finding, sentence
-from ballscrew.workspace import Loaded, runs_of
+from ballscrew.report.verdict import sentence
+from ballscrew.search import Verdict
+from ballscrew.terminal import Terminal
+from ballscrew.workspace import Loaded, Workspace, runs_of
 from estimator.accuracy.compare import compare
-from estimator.accuracy.floor import Error
 from estimator.missing_effect.improve import Improvement, Step
 from estimator.model import Model
 from estimator.rig import Rig
@@ -35,12 +35,10 @@ class Outcome:
     """
 
     found: Improvement
-    verdict: Finding
+    verdict: Verdict
     before: Model
     after: Model
-    rig: Rig
-    used: Sequence[Loaded]
-    held_out: Sequence[Loaded]
+    work: Workspace
     own: Sequence[str]
 
     @property
@@ -52,7 +50,7 @@ class Outcome:
     def said(self) -> str:
         """The last verdict in words."""
         last = self.found.steps[-1]
-        words = sentence(self.verdict, self.rig)
+        words = sentence(self.verdict, self.work.rig)
         return f"Before all was fitted again: {words}" if len(self.found.steps) > 1 and not last.added else words
 
 
@@ -75,8 +73,15 @@ def steps_table(steps: Sequence[Step]) -> list[list[str]]:
     rows = []
     for title, step in zip(titles(steps), steps, strict=True):
         errors = [step.cross_validated, *([step.held_out] if step.held_out else [])]
-        rows.append([title, *(cell for error in errors for cell in _cells(error)), ", ".join(step.tie)])
+        rows.append([title, *cells(errors), ", ".join(step.tie)])
     return [head, *rows]
+
+
+def print_steps(terminal: Terminal, found: Improvement) -> None:
+    """The table of steps, and what its errors were taken on."""
+    rows = steps_table(found.steps)
+    terminal.table(rows, prose=len(rows[0]) - 1)
+    terminal.say(f"({note(found)})")
 
 
 def note(found: Improvement) -> str:
@@ -93,9 +98,9 @@ def steps_section(out: Outcome) -> Section:
     said = [
         f"Added: {', '.join(filter(None, added(steps))) or 'nothing'}.",
         out.said,
-        f"Model alone (open loop), rms; {_of_what(out.rig)}{note(out.found)}.",
+        f"Model alone (open loop), rms; {_of_what(out.work.rig)}{note(out.found)}.",
     ]
-    return f"{out.after.name}: {out.before.name} improved", said, steps_table(steps)
+    return Section(f"{out.after.name}: {out.before.name} improved", said, steps_table(steps))
 
 
 def _of_what(rig: Rig) -> str:
@@ -121,11 +126,11 @@ def report(out: Outcome, pictures: dict[str, Path], workers: Workers) -> str:
     text += [page([_given(out), _effects(out), _parameters(out.before, out.after)], 2)]
     text += ["## Where it fails", "", *_shown(pictures, "residuals", "Measured minus the model alone")]
     text += _shown(pictures, "missing-heat", "Heat that the model alone lacks")
-    for what, some in (("used", out.used), ("held out", out.held_out)):
+    for what, some in (("used", out.work.loaded), ("held out", out.work.held_out)):
         if some:
-            runs = runs_of(out.rig, some, workers)
+            runs = runs_of(out.work.rig, some, workers)
             found = [replace(compare(model, runs), held_out=None) for model in out.models]
-            tables = [(f"Recordings {what}: {title}", *more) for title, *more in sections(found)]
+            tables = [replace(one, title=f"Recordings {what}: {one.title}") for one in sections(found)]
             text.append(page(tables, 3))
     return "\n".join(text)
 
@@ -135,10 +140,10 @@ def _shown(pictures: dict[str, Path], what: str, title: str) -> list[str]:
 
 
 def _given(out: Outcome) -> Section:
-    rows = [["", ""], ["model", out.before.name], ["rig", out.rig.name]]
-    rows += [["recordings used", _names(out.used)], ["recordings held out", _names(out.held_out) or "none"]]
+    rows = [["", ""], ["model", out.before.name], ["rig", out.work.rig.name]]
+    rows += [["recordings used", _names(out.work.loaded)], ["recordings held out", _names(out.work.held_out) or "none"]]
     own = ", ".join(dict.fromkeys([*out.before.use, *out.own]))
-    return "What was given", (), [*rows, ["effects of one's own", own or "none"]]
+    return Section("What was given", (), [*rows, ["effects of one's own", own or "none"]])
 
 
 def _effects(out: Outcome) -> Section:
@@ -149,8 +154,8 @@ def _effects(out: Outcome) -> Section:
         if new
     ]
     if not rows:
-        return "Effects added", ["none"], []
-    return "Effects added", (), [["effect", "what it is", "as good, by these recordings"], *rows]
+        return Section("Effects added", ["none"])
+    return Section("Effects added", (), [["effect", "what it is", "as good, by these recordings"], *rows])
 
 
 def _names(some: Sequence[Loaded]) -> str:
@@ -167,9 +172,5 @@ def _parameters(before: Model, after: Model) -> Section:
             cells = [f"{old.value:.4g}" if old else "new", f"{value.value:.4g}", sd, after.param(path).unit]
             rows.append([path, *cells])
     if not rows:
-        return "Parameters", ["none was added or changed"], []
-    return "Parameters added or changed", (), [["parameter", "before", "after", "± sd", "unit"], *rows]
-
-
-def _cells(error: Error) -> list[str]:
-    return [f"{error.temperature_K:.3f}", f"{error.elongation_um:.2f}" if np.isfinite(error.elongation_um) else ""]
+        return Section("Parameters", ["none was added or changed"])
+    return Section("Parameters added or changed", (), [["parameter", "before", "after", "± sd", "unit"], *rows])

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import shutil
 import tomllib
+from contextlib import nullcontext
 from pathlib import Path
 from unittest import mock
 
 import pytest
 
+from ballscrew.terminal import Terminal
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests.conftest import ballscrew as run
 
@@ -47,7 +49,7 @@ def test_without_a_rig_file_above_the_built_in_rig_is_used_and_named(fs20_log):
 @pytest.mark.parametrize("option", ["--json", "--save"])
 def test_an_output_that_cannot_be_written_is_told_before_the_work(option, folder):
     (blocked := folder / "out.json").mkdir()
-    with mock.patch("ballscrew.commands.review.load", side_effect=AssertionError("work was begun")):
+    with mock.patch("ballscrew.workspace.load", side_effect=AssertionError("work was begun")):
         status, _, err = run("review", folder / "logs", option, blocked)
     assert status == 2
     assert f"error: {blocked}: cannot be written: is a directory" in err
@@ -211,13 +213,12 @@ def test_fit_says_in_a_table_what_changed_and_as_json_all_it_knows(folder):
 
 @pytest.mark.parametrize("stage", ["open loop", "likelihood"])
 def test_ctrl_c_in_a_fit_ends_with_130_and_the_model_written(folder, stage):
-    def interrupt(now: str, value: float) -> str:
-        if now == stage:
+    def interrupt(done: float, detail: str = "") -> None:
+        if detail.startswith(f"{stage}, run"):
             raise KeyboardInterrupt
-        return ""
 
     out = folder / "so_far.toml"
-    with mock.patch("ballscrew.commands.fit._progress", interrupt):
+    with mock.patch.object(Terminal, "progress", lambda self, label, total: nullcontext(interrupt)):
         status, text, err = run("fit", folder / "logs", "-o", out, "--json", folder / "fit.json")
     told = json.loads((folder / "fit.json").read_text())
     assert status == 130

@@ -241,17 +241,11 @@ def test_json_may_be_written_twice_whatever_its_name(log, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("command", "option", "module"),
-    [
-        ("fit", "-o", "fit"),
-        ("tune", "-o", "tune"),
-        ("tune", "--save", "tune"),
-        ("review", "--json", "review"),
-        ("review", "--save", "review"),
-    ],
+    ("command", "option"),
+    [("fit", "-o"), ("tune", "-o"), ("tune", "--save"), ("review", "--json"), ("review", "--save")],
 )
-def test_a_result_that_cannot_be_written_is_refused_before_the_work(command, option, module, log, tmp_path):
-    work = mock.patch(f"ballscrew.commands.{module}.load", side_effect=AssertionError("worked"))
+def test_a_result_that_cannot_be_written_is_refused_before_the_work(command, option, log, tmp_path):
+    work = mock.patch("ballscrew.workspace.load", side_effect=AssertionError("worked"))
     with work:
         status, _, err = run(command, log, option, tmp_path / "none" / "x.json")
     assert status == 2

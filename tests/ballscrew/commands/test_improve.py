@@ -8,7 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from ballscrew.commands.suggest import wanted_effects
+from ballscrew.search import effects_to_try
+from ballscrew.terminal import Terminal
+from ballscrew.workspace import Workspace
 from estimator.effect import Effect
 from estimator.missing_effect import improve as search
 from estimator.missing_effect.hypothesis import Hypothesis
@@ -16,6 +18,7 @@ from estimator.missing_effect.panel import Judged
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
 from tests.conftest import PAPER
 from tests.conftest import ballscrew as run
 from tests.viz_read import fixed, view_names
@@ -121,7 +124,7 @@ def test_a_model_with_an_effect_of_ones_own_loads_again(searching, fs20_log, tmp
     assert model.use == {"rub": "../mine.py:Rub"}
     assert "Something rubs at the middle" in (tmp_path / "r.md").read_text()
     assert (tmp_path / "v.rrd").is_file()
-    assert "rub" in [one.effect.name for one in wanted_effects(model, ())]
+    assert "rub" in [one.effect.name for one in effects_to_try(Workspace(Terminal(), load_rig(PAPER), model), ())]
 
 
 def test_ctrl_c_leaves_the_best_so_far(searching, fs20_log, tmp_path) -> None:

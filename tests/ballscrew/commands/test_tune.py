@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ballscrew.commands.tune import sentences
+from ballscrew.report.tune_report import sentences
 from drivers.recordings import read_recording
 from estimator.accuracy.floor import Error
 from estimator.accuracy.quality import ChannelQuality, innovations, overall

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ballscrew.commands.fit import worse
+from ballscrew.report.fit_report import worse
 from estimator.accuracy.floor import Error
 from estimator.accuracy.horizon import errors
 from estimator.batch.coarse import coarse

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ballscrew.terminal import Terminal, duration
+from ballscrew.report.errors import number
+from ballscrew.report.page import table
+from ballscrew.terminal import Rows, Terminal, duration
 from estimator.accuracy.accuracy import Accuracy, least_squares_line
 from estimator.accuracy.review import Review, overall
 
@@ -30,17 +32,17 @@ def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequenc
     judged = any(map(_judged, reviews))
     many = judged and len(reviews) > 2
     if many:
-        terminal.table("", ["band, um", *SHORT, "in 2 sd", "NIS"], [_line(r) for r in reviews])
+        terminal.table([["band, um", *SHORT, "in 2 sd", "NIS"], *map(_line, reviews)])
     else:
         for review in reviews:
             _print_one(terminal, review)
     if judged and len(reviews) > 1:
         terminal.say("\nall recordings together")
-        terminal.table("", COLUMNS, _rows(reviews))
+        terminal.table(_rows(reviews))
     rest = [r for r, was_fitted in zip(reviews, fitted, strict=True) if not was_fitted]
     if judged and rest and len(rest) < len(reviews):
         terminal.say(f"\nthe {len(rest)} that the model was not fitted to")
-        terminal.table("", COLUMNS, _rows(rest))
+        terminal.table(_rows(rest))
     if judged:
         terminal.say("\nband: highest minus lowest; cooldown: largest error in the 60 min after a stop")
         terminal.say(
@@ -57,7 +59,7 @@ def _print_one(terminal: Terminal, review: Review) -> None:
     length = f"{duration(r.time_s[-1])}, {len(r)} ticks, {r.frames} frames"
     terminal.say(f"\n{r.name}: {length}; reference: {review.reference_name}")
     if _judged(review):
-        terminal.table("", COLUMNS, _rows([review]))
+        terminal.table(_rows([review]))
     else:
         terminal.say("elongation not judged: neither a displacement channel nor a truth file")
     if not np.isfinite(review.one_step_K):
@@ -106,21 +108,18 @@ def _print_unused(terminal: Terminal, reviews: Sequence[Review]) -> None:
 
 
 def _line(review: Review) -> list[str]:
-    widths = [_number(review.accuracy(name).width_um) if name in review.errors else "" for name in TITLES]
-    return [review.recording.name, *widths, _percent(review.accuracy("filter")), _number(review.nis_mean)]
+    widths = [number(review.accuracy(name).width_um) if name in review.errors else "" for name in TITLES]
+    return [review.recording.name, *widths, _percent(review.accuracy("filter")), number(review.nis_mean)]
 
 
-def _rows(reviews: Sequence[Review]) -> list[list[str]]:
-    return [_row(TITLES[name], overall(reviews, name)) for name in TITLES if any(name in r.errors for r in reviews)]
+def _rows(reviews: Sequence[Review]) -> Rows:
+    known = [name for name in TITLES if any(name in r.errors for r in reviews)]
+    return [COLUMNS, *(_row(TITLES[name], overall(reviews, name)) for name in known)]
 
 
 def _row(title: str, a: Accuracy) -> list[str]:
     ends = [f"{end:+.2f}" if np.isfinite(end) else "" for end in a.band_um]
-    return [title, *ends, _number(a.width_um), _number(a.rms_um), _number(a.cooldown_max_um), _percent(a)]
-
-
-def _number(value: float) -> str:
-    return f"{value:.2f}" if np.isfinite(value) else ""
+    return [title, *ends, number(a.width_um), number(a.rms_um), number(a.cooldown_max_um), _percent(a)]
 
 
 def _percent(a: Accuracy) -> str:
@@ -129,13 +128,7 @@ def _percent(a: Accuracy) -> str:
 
 def markdown(reviews: Sequence[Review]) -> str:
     """The summary page of the views: the overall table, the least-squares lines, and what was not used."""
-    lines = [
-        "# Elongation: reference minus estimate",
-        "",
-        "| " + " | ".join(COLUMNS) + " |",
-        "|---" * len(COLUMNS) + "|",
-    ]
-    lines += ["| " + " | ".join(row) + " |" for row in _rows(reviews)]
+    lines = ["# Elongation: reference minus estimate", "", *table(_rows(reviews))]
     lines += ["", "The least-squares line Y = aX + b of reference Y against estimate X, and the band around it:", ""]
     for name in ("filter", "polyline"):
         found = [r for r in reviews if name in r.errors]

@@ -1,0 +1,94 @@
+"""A diagnosis: tables and JSON."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ballscrew.report.errors import HORIZONS, by_horizon, cells, number
+from ballscrew.report.page import Section, print_sections
+from ballscrew.terminal import Terminal
+from estimator.accuracy.floor import Error
+from estimator.accuracy.quality import overall
+from estimator.inputs.phase import PHASES
+from estimator.missing_heat.diagnose import Diagnosis
+from estimator.missing_heat.follows import Follows
+from estimator.missing_heat.missing_heat import MissingHeat
+from estimator.missing_heat.where import Missing
+from estimator.missing_heat.wrong_reading import Wrong
+
+
+def print_diagnosis(terminal: Terminal, found: Diagnosis) -> None:
+    """Tables, how the filter does, and the diagnosis in words."""
+    print_sections(terminal, sections(found))
+    white = overall(found.quality)
+    worst = max(found.quality, key=lambda one: np.nan_to_num(one.whiteness))
+    told = f"; largest autocorrelation of what it did not expect {white.whiteness:.2f} ({worst.channel})"
+    terminal.say(
+        f"\nfilter: NIS {white.nis:.2f} per channel, {100 * white.in_2sd:.0f} % in 2 sd"
+        + (told if np.isfinite(white.whiteness) else "")
+    )
+    for sentence in found.sentences:
+        terminal.say(sentence)
+
+
+def sections(found: Diagnosis) -> list[Section]:
+    """The tables: errors, missing heat, wrong readings."""
+    errors = {title: found.errors[key] for key, title in HORIZONS.items()}
+    errors["sensors alone"] = found.floor
+    errors["good enough alone"] = Error(found.limits.temperature_K, found.limits.elongation_um)
+    rows = [[title, *cells([error])] for title, error in errors.items()]
+    tables = [Section("how far ahead", (), [["error, rms", "K", "um"], *rows])]
+    if found.where:
+        head = ["place", "when", "W", "sd", "follows", "p"]
+        said = ["what it would take to repair the run, mean over all recordings"]
+        tables.append(Section("missing heat", said, [head, *map(_heat_row, found.where)]))
+    if found.readings:
+        head = ["channel", "offset", "sd", "rms", "unit", "follows", "p"]
+        tables.append(Section("wrong readings", ["what no heat explains"], [head, *map(_reading_row, found.readings)]))
+    return tables
+
+
+def _heat_row(heat: Missing) -> list[str]:
+    place = heat.node if heat.node is not None else f"{heat.from_mm:.0f} - {heat.to_mm:.0f} mm"
+    return [place, PHASES[heat.phase], f"{heat.heat_W:+.2f}", number(heat.sd_W), *_followed(heat.follows)]
+
+
+def _reading_row(wrong: Wrong) -> list[str]:
+    sizes = [f"{wrong.offset:+.3f}", number(wrong.sd, 3), number(wrong.rms, 3)]
+    return [wrong.channel, *sizes, wrong.unit, *_followed(wrong.follows)]
+
+
+def _followed(follows: Follows) -> list[str]:
+    return [follows.name or "", f"{follows.p:.3f}"]
+
+
+def as_json(found: Diagnosis) -> dict[str, object]:
+    """The diagnosis for programs."""
+    return {
+        "adequate": found.adequate,
+        "where": [_told(heat, "from_mm", "to_mm", "node", "phase", "heat_W", "sd_W") for heat in found.where],
+        "readings": [_told(wrong, "channel", "offset", "sd", "unit", "rms") for wrong in found.readings],
+        "sentences": list(found.sentences),
+        "errors": by_horizon(found.errors),
+        "noise_floor": vars(found.floor),
+        "good_enough": {"temperature_K": found.limits.temperature_K, "elongation_um": found.limits.elongation_um},
+        "whiteness": [vars(one) for one in found.quality],
+        "missing_heat": {one.misfit.trial.recording.name: _map(one) for one in found.maps},
+    }
+
+
+def _told(one: Missing | Wrong, *keys: str) -> dict[str, object]:
+    """Fields of a finding, how much it matters, and what it follows."""
+    follows = one.follows
+    told = {key: getattr(one, key) for key in (*keys, "effect")}
+    return {**told, "follows": follows.name, "p": follows.p, "explains": follows.explains}
+
+
+def _map(heat: MissingHeat) -> dict[str, object]:
+    blocks = zip(heat.blocks.phase, heat.blocks.at_s, heat.blocks.seconds, strict=True)
+    return {
+        "zones": [{"from_mm": zone.from_mm, "to_mm": zone.to_mm, "node": zone.node} for zone in heat.zones],
+        "blocks": [{"phase": phase, "at_s": at, "seconds": seconds} for phase, at, seconds in blocks],
+        "heat_W_m": heat.mean,
+        "sd_W_m": heat.sd,
+    }

@@ -1,0 +1,116 @@
+"""What a search for a missing effect found: ranking, verdict in words, JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ballscrew.report.errors import cells
+from ballscrew.report.page import Section
+from ballscrew.report.verdict import sentence, where
+from ballscrew.search import Verdict
+from ballscrew.terminal import Terminal
+from estimator.accuracy.floor import Error
+from estimator.missing_effect.hypothesis import Hypothesis
+from estimator.missing_effect.stand_ins import unknown_of
+from estimator.missing_effect.suggestion import Suggestion
+from estimator.rig import Rig
+
+SHOWN = 6  # effects in the ranking
+
+
+def print_verdict(terminal: Terminal, found: Verdict, rig: Rig) -> None:
+    """The ranking as a table, and the verdict."""
+    section = section_of(found, rig)
+    terminal.table(section.rows, prose=len(section.rows[0]) - 1)
+    verdict, note = section.said
+    terminal.say(f"({note})\n\n{verdict}")
+
+
+def section_of(found: Verdict, rig: Rig) -> Section:
+    """The verdict, what errors were taken on, and the ranking of hypotheses."""
+    head = ["open loop, rms", "K", "um", *(["held out, K", "um"] if found.held_out else []), "fitted", "value"]
+    rows = [_row(*one) for one in ranked(found)]
+    once = "one recording: none left out" if found.suggestion.one_recording else "each recording left out once"
+    note = f"{once}; {'held out: never looked at; ' if found.held_out else ''}best first"
+    return Section(
+        "What is missing",
+        [sentence(found, rig), note],
+        [head, *([*row, *[""] * (len(head) - len(row))] for row in rows)],
+    )
+
+
+def ranked(found: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
+    """Hypotheses with their title and error held out: the model, fitted again, and the best effects."""
+    suggestion = found.suggestion
+    listed = [("the model as given", suggestion.as_given), ("all parameters fitted again", suggestion.again)]
+    for h in suggestion.found[:SHOWN]:
+        there = h.names[0] in suggestion.as_given.model.effects
+        listed.append((f"{h.names[0]} fitted again" if there else f"+ {h.names[0]}", h))
+    held = [*found.held_out] or [None] * len(listed)
+    return [(*one, error) for one, error in zip(listed, held, strict=False)]
+
+
+def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
+    errors = [error_of(h), *([held] if held is not None else [])]
+    own = {path: value for path, value in h.parameters().items() if path.partition(".")[0] in h.names}
+    values = ", ".join(
+        f"{path.partition('.')[2]} {value.value:.3g} +- {value.sd:.1g} {h.model.param(path).unit}"
+        for path, value in own.items()
+    )
+    return [title, *cells(errors), "all" if h.refit else "it alone" if h.names else "", values]
+
+
+def error_of(h: Hypothesis) -> Error:
+    """Open-loop error on recordings left out."""
+    return Error(h.judged.heat_K, h.judged.length_um)
+
+
+def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
+    """The verdict for programs."""
+    found, run = verdict.suggestion, verdict.next_run
+    held = list(verdict.held_out)
+    wrong = found.wrong_input
+    return {
+        "verdict": found.verdict,
+        "effects": [
+            _effect(found.without(h), h, held[h.refit : h.refit + 1], held[i : i + 1])
+            for i, h in enumerate(found.found, start=2)
+        ],
+        "tie": list(found.tie),
+        "next_run": None if run is None or found.verdict != "tie" else {
+            "pattern": run.pattern, "speed_m_min": run.speed_m_min, "drive_s": run.drive_s, "stop_s": run.stop_s,
+            "separation_sd": run.separation_sd, "stroke_mm": run.stroke_mm,
+        },
+        "input": None if wrong is None or found.verdict != "input_error" else {
+            "run": wrong.run, "signal": wrong.signal, "ratio": wrong.ratio, "shift_K": wrong.shift_K,
+        },
+        "where": _unknown(found, rig),
+        "pair": list(found.pair),
+        "sentence": sentence(verdict, rig),
+    }  # fmt: skip
+
+
+def _unknown(found: Suggestion, rig: Rig) -> dict[str, Any] | None:
+    if found.stranger is None or found.verdict != "nothing_in_catalogue":
+        return None
+    unknown = unknown_of(found.stranger.candidate, rig)
+    at, follower = unknown.at_mm, unknown.follower
+    return {
+        "from_mm": at - 30.0 if at is not None else None, "to_mm": at + 30.0 if at is not None else None,
+        "node": unknown.node, "phase": follower.phase, "follows": follower.name, "what": where(unknown),
+    }  # fmt: skip
+
+
+def _effect(before: Hypothesis, h: Hypothesis, held_before: Sequence[Error], held: Sequence[Error]) -> dict[str, Any]:
+    own = {path: value for path, value in h.parameters().items() if path.partition(".")[0] in h.names}
+    return {
+        "name": h.names[0], "score": before.misfit / h.misfit, "refitted": h.refit,
+        "before": vars(error_of(before)), "after": vars(error_of(h)),
+        "held_out_before": vars(held_before[0]) if held_before else None,
+        "held_out_after": vars(held[0]) if held else None,
+        "parameters": {
+            path.partition(".")[2]: {"value": value.value, "sd": value.sd, "unit": h.model.param(path).unit}
+            for path, value in own.items()
+        },
+    }  # fmt: skip

@@ -1,0 +1,56 @@
+"""The search for a missing effect: which effects are tried, and what is looked at when it has ended."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ballscrew.own_effect.named import Named, named_effects
+from ballscrew.workspace import Workspace
+from estimator.accuracy.floor import Error
+from estimator.accuracy.horizon import open_loop_error
+from estimator.batch.trials import slow_trials_of
+from estimator.effects import CATALOGUE
+from estimator.missing_effect.candidates import unfit
+from estimator.missing_effect.next_run import NextRun, next_run
+from estimator.missing_effect.suggestion import Suggestion
+from estimator.work import Runs
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A suggestion with what it says of recordings held out, and of a run to make.
+
+    held_out  open-loop error of the model as given, fitted again, then of all `found`; empty without such recordings
+    """
+
+    suggestion: Suggestion
+    held_out: Sequence[Error]
+    next_run: NextRun | None
+
+
+def effects_to_try(work: Workspace, own: Sequence[str]) -> list[Named]:
+    """The catalogue, effects of one's own, and those beside the ones that the model uses.
+
+    Says which of one's own cannot be tried on this rig, and why.
+    """
+    model = work.model
+    files = [str((model.folder or Path()) / use.partition(":")[0]) for use in model.use.values()]
+    mine = {one.effect.name: one for word in dict.fromkeys([*files, *own]) for one in named_effects(word)}
+    for one in mine.values():
+        if one.file and one.effect.name not in model.effects and (why := unfit(model, work.rig, one.effect)):
+            work.terminal.warn(f"{one.use} is not tried: {why}")
+    return [*(Named(effect) for name, effect in CATALOGUE.items() if name not in mine), *mine.values()]
+
+
+def verdict_of(found: Suggestion, runs: Runs, held_out: Runs) -> Verdict:
+    """What was found, with the run that decides a tie and the recordings held out."""
+    run = None
+    if found.verdict == "tie" and len(found.tie) > 1:
+        runs.progress("looking for the run that decides", 0.95)
+        rivals = [h for h in found.found if h.names[0] in found.tie][:2]
+        if len(rivals) == 2:
+            run = next_run(rivals[0], rivals[1], runs)
+    models = [h.model for h in (found.as_given, found.again, *found.found)] if held_out.recordings else []
+    return Verdict(found, [open_loop_error(slow_trials_of(model, held_out), model) for model in models], run)
