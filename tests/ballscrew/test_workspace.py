@@ -218,7 +218,7 @@ def test_ctrl_c_in_a_fit_ends_with_130_and_the_model_written(folder, stage):
             raise KeyboardInterrupt
 
     out = folder / "so_far.toml"
-    with mock.patch.object(Terminal, "progress", lambda self, label, total: nullcontext(interrupt)):
+    with mock.patch.object(Terminal, "progress", return_value=nullcontext(interrupt)):
         status, text, err = run("fit", folder / "logs", "-o", out, "--json", folder / "fit.json")
     told = json.loads((folder / "fit.json").read_text())
     assert status == 130
