@@ -105,6 +105,12 @@ def small() -> Rig:
 
 
 @pytest.fixture(scope="session")
+def half(small) -> Rig:
+    """The same at two ticks a second: what forgets the tick is right at one of 1 s, and wrong here."""
+    return replace(small, name="half", tick_s=0.5)
+
+
+@pytest.fixture(scope="session")
 def small_model() -> Model:
     """What heats and cools the small bar: four temperatures in all, nut included."""
     model = model_of([Conduction, StillAir, NutFriction, NutBody, Thermometers, Displacement], "small")
@@ -114,23 +120,24 @@ def small_model() -> Model:
 
 def _driven(
     rig: Rig,
-    seconds: int,
-    drive: tuple[int, int] = (20, 10**9),
+    seconds: float,
+    drive: tuple[float, float] = (20, 10**9),
     omega: float = FAST,
     stroke: tuple[float, float] = (0.0, 400.0),
 ) -> Recording:
     """Rest, a drive to and fro over the stroke (mm), rest: all inputs at 22 degC and no channel measured."""
-    time_s = np.arange(seconds) + 1.0
-    instants = time_s[:, None] - 1 + (np.arange(40) + 0.5) / 40
+    ticks = round(seconds / rig.tick_s)
+    time_s = (np.arange(ticks) + 1.0) * rig.tick_s
+    instants = time_s[:, None] + ((np.arange(40) + 0.5) / 40 - 1) * rig.tick_s
     lo, hi = stroke
     way = np.clip(instants - drive[0], 0, drive[1] - drive[0]) * omega / (2 * np.pi) * 12
     position = lo + (hi - lo) - np.abs((hi - lo) - way % (2 * (hi - lo)))
     centre = rig.nut.centre(position)
     coverage = rig.screw.overlap(centre - rig.nut.length_mm / 2, centre + rig.nut.length_mm / 2).mean(axis=1)
-    inputs = {name: np.full(seconds, 22.0) for name in rig.inputs}
+    inputs = {name: np.full(ticks, 22.0) for name in rig.inputs}
     inputs["position"] = position[:, -1]
     moving = (time_s > drive[0]) & (time_s <= drive[1])
-    gaps = np.full((seconds, len(rig.names)), np.nan)
+    gaps = np.full((ticks, len(rig.names)), np.nan)
     return Recording("driven", time_s, gaps, np.zeros_like(gaps), inputs, np.where(moving, omega, 0.0), coverage)
 
 
@@ -183,7 +190,7 @@ def _live(
                 if regime not in factor:
                     factor[regime] = np.linalg.cholesky(transition.Q)
                 run.z = run.z + factor[regime] @ dice.standard_normal(len(start))
-                zero = zero + readings.zero_walk * dice.standard_normal(len(zero))
+                zero = zero + readings.zero_walk * np.sqrt(rig.tick_s) * dice.standard_normal(len(zero))
         states[k] = run.z
         spot = run.reading if not process else readings.rows @ run.z
         channels[k] = spot + ticks.offset[k] + zero + readings.spans * more[k]

@@ -14,18 +14,26 @@ from estimator.filter import Filter
 from estimator.inputs.start import read_start
 from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording
+from estimator.rig import Rig
 from estimator.state.prior import prior
 from tests.conftest import stepped
 
 SAMPLES = 8
 
 
+@pytest.fixture(scope="module", params=["small", "half"])
+def ticking(request) -> Rig:
+    """The small rig at a tick of 1 s, and of half a second."""
+    return request.getfixturevalue(request.param)
+
+
 @pytest.fixture(scope="module")
-def recording(small, small_model, driven, live) -> Recording:
+def recording(ticking, small_model, driven, live) -> Recording:
     """Eight samples with gaps: a thermometer silent, a tick without any channel, displacement now and then, late."""
-    drive = driven(small, SAMPLES, (2, 6), stroke=(0.0, 100.0))
+    tick_s = ticking.tick_s
+    drive = driven(ticking, SAMPLES * tick_s, (2 * tick_s, 6 * tick_s), stroke=(0.0, 100.0))
     inputs = {**drive.inputs, "ambient": 22 + 0.3 * np.arange(SAMPLES), "board": 22 + np.arange(SAMPLES) / 2}
-    lived = live(small_model, small, replace(drive, inputs=inputs), seed=3).recording
+    lived = live(small_model, ticking, replace(drive, inputs=inputs), seed=3).recording
     lived.channels[3:5, 1] = np.nan
     lived.channels[5] = np.nan
     lived.channels[7, 4] = lived.channels[6, 4] + 0.3
@@ -86,7 +94,7 @@ def joint(model, rig, recording: Recording) -> tuple[Joint, Array]:
     mean, cov = prior(start, forcing.terms, forcing.place, first.inputs)
     is_growth = np.array([not rig.channels[name].is_thermometer for name in rig.names])
     own = np.flatnonzero(readings.zero_sd)  # channels with an unknown zero
-    walk, last = np.diag(readings.zero_walk[own] ** 2), n + len(own)
+    walk, last = np.diag(readings.zero_walk[own] ** 2 * rig.tick_s), n + len(own)
     moves = [forcing.transition(r) for r in ticks.regime]
 
     def build(offset: Array, R: Array, grown_um: Array) -> Joint:
@@ -114,27 +122,27 @@ def joint(model, rig, recording: Recording) -> tuple[Joint, Array]:
         runs.append(move.F @ runs[-1] + move.J @ heat)
     spots = np.array(runs) @ readings.rows.T
     lag = lags(spots, readings.tau, rig.tick_s)
-    late = np.vstack([np.zeros(m), -np.diff(spots, axis=0) * recording.ages_s[1:]])
+    late = np.vstack([np.zeros(m), -np.diff(spots, axis=0) * recording.ages_s[1:] / rig.tick_s])
     offset = np.vstack([np.zeros(m), ticks.offset[1:]]) + lag + late
     grown_um = (np.array(runs) - runs[0]) @ span_growth(rig, forcing.place)
     return build(offset, readings.sd**2 + (readings.lag_noise * lag) ** 2 + at_first, grown_um), grown_um
 
 
 @pytest.fixture(scope="module", params=[0.01, 0.3, 0.0], ids=lambda tolerance: f"tolerance {tolerance}")
-def both(request, small, small_model, recording):
+def both(request, ticking, small_model, recording):
     """The filter after the last sample, its track, the joint distribution and the open-loop growth."""
-    rig = replace(small, screw=replace(small.screw, expansion_tolerance=request.param))
+    rig = replace(ticking, screw=replace(ticking.screw, expansion_tolerance=request.param))
     filter_ = Filter(small_model, rig)
     track = stepped(filter_, recording)
     return filter_, track, *joint(small_model, rig, recording)
 
 
-def test_the_recording_has_gaps_and_more_than_one_regime(both, recording):
+def test_the_recording_has_gaps_and_more_than_one_regime(both, recording, ticking):
     filter_, track, _, grown_um = both
     np.testing.assert_array_equal(track.fused, np.isfinite(recording.channels))
     assert list(track.nis_channels) == [5, 4, 4, 4, 3, 0, 5, 5]
     assert len(filter_._transitions) > 1
-    assert abs(grown_um).max() > 0.7
+    assert abs(grown_um).max() > 0.7 * ticking.tick_s
 
 
 def test_the_open_loop_growth_is_the_one_that_acts_on_the_coefficient(both):
@@ -150,10 +158,10 @@ def test_the_final_state_is_that_of_the_joint_distribution(both, recording):
     np.testing.assert_allclose(filter_.P[:-1, :-1], A @ cov @ A.T, rtol=0, atol=1e-9)
 
 
-def test_elongation_and_sigma_are_those_of_the_growth_since_the_first_sample(both, small, recording):
+def test_elongation_and_sigma_are_those_of_the_growth_since_the_first_sample(both, ticking, recording):
     """The model's growth and, by another coefficient, a share of what the model alone has grown."""
     filter_, track, whole, grown_um = both
-    growth = span_growth(small, filter_.run.forcing.place)
+    growth = span_growth(ticking, filter_.run.forcing.place)
     for ticks in (1, 4, 6, SAMPLES):
         b, cov = whole.given(recording.channels, ticks)
         (now, a), (before, a0) = whole.states[ticks - 1], whole.states[0]

@@ -54,16 +54,18 @@ def honest(make, model) -> list[Trial]:
 
 def by_filter(model, rig, run) -> list[tuple[float, float, int]]:
     """Error, sd and channel of the last reading in the last minute of each blind stretch, tick by tick."""
-    found = []
+    found, stretch_ticks, look = [], round(600 / rig.tick_s), round(60 / rig.tick_s)
     for first_seen in (True, False):
-        stretch = (np.arange(len(run) - 1) // STRETCH + (not first_seen)) % 2 == 1  # blind, from the second sample on
+        stretch = (
+            np.arange(len(run) - 1) // stretch_ticks + (not first_seen)
+        ) % 2 == 1  # blind, from the second sample on
         hidden = dict(zip(run.time_s[1:], stretch, strict=True))
         track = stepped(Filter(model, rig, lambda t, hidden=hidden: np.full(len(rig.names), hidden.get(t, False))), run)
-        for k in range(STRETCH, len(run), STRETCH):
+        for k in range(stretch_ticks, len(run), stretch_ticks):
             if not stretch[k - 1]:
                 continue
             for i in range(len(rig.names)):
-                read = [j for j in range(k - LOOK + 1, k + 1) if np.isfinite(run.channels[j, i])]
+                read = [j for j in range(k - look + 1, k + 1) if np.isfinite(run.channels[j, i])]
                 if read and track.fused[: read[-1], i].any():
                     found.append((track.innovation[read[-1], i], track.innovation_sd[read[-1], i], i))
     return sorted(found)
@@ -82,6 +84,15 @@ def test_it_is_what_a_filter_says_that_is_blind_every_other_ten_minutes(make, mo
     found = blind(Trial(model, rig, run), model)
     assert len(found.error) == 4 * 5 + 5 - 1
     np.testing.assert_allclose(scored(found), expected, rtol=1e-9, atol=1e-9)
+
+
+def test_minutes_are_minutes_at_any_tick(half, model, driven, live):
+    """Five ticks of half a second in one."""
+    drive, rig = coarse(driven(half, 1802.5, (50, 1200), stroke=(0.0, 100.0)), half, 5)
+    run = live(model, rig, drive, seed=4, process=True).recording
+    found = blind(Trial(model, rig, run), model)
+    np.testing.assert_allclose(scored(found), by_filter(model, rig, run), rtol=1e-9, atol=1e-9)
+    assert len(found.error) == 3 * 5
 
 
 def test_a_zero_that_no_reading_has_told_yet_is_not_scored(make, model):

@@ -28,7 +28,7 @@ from tests.conftest import stepped
 
 ROOT = Path(__file__).parents[3]
 PAPER, ROD = ROOT / "recordings", ROOT / "examples" / "heated_rod"
-SECONDS = 150
+TICKS = 150
 SPIKE_K = 30.0
 
 
@@ -44,14 +44,15 @@ def both(model, rig, recording, mute=None) -> Track:
     return slow
 
 
-@pytest.fixture(scope="module", params=["small", "paper"])
+@pytest.fixture(scope="module", params=["small", "half", "rig"])
 def lived(request, driven, live) -> tuple:
     """Model, rig and a recording with noise: a drive and some rest, air and board that warm up."""
-    names = ("small_model", "small", (0.0, 100.0)) if request.param == "small" else ("full", "rig", (0.0, 400.0))
-    model, rig = (request.getfixturevalue(name) for name in names[:2])
-    drive = driven(rig, SECONDS, (20, 90), stroke=names[2])
+    paper = request.param == "rig"
+    rig, model = (request.getfixturevalue(name) for name in (request.param, "full" if paper else "small_model"))
+    spans = np.array([TICKS, 20, 90]) * rig.tick_s
+    drive = driven(rig, spans[0], tuple(spans[1:]), stroke=(0.0, 400.0 if paper else 100.0))
     for name in ("ambient", "board"):
-        drive.inputs[name][:] = 22 + np.linspace(0, 3, SECONDS)
+        drive.inputs[name][:] = 22 + np.linspace(0, 3, TICKS)
     return model, rig, live(model, rig, drive, seed=1, process=True).recording
 
 
@@ -107,7 +108,7 @@ def test_replay_is_the_filter_with(broken, lived):
     run = copy(run)
     broken(run)
     track = both(model, rig, run)
-    assert len(track) == SECONDS
+    assert len(track) == TICKS
     assert np.isfinite(track.elongation_um[-1])
 
 
@@ -152,13 +153,13 @@ def test_a_thermometer_that_was_off_from_the_first_sample_on(lived):
     np.testing.assert_array_equal(np.flatnonzero(~both(model, rig, run).fused[:8, 1]), np.arange(5))
 
 
-def muted(*spans: tuple[int, float, float], channels: int) -> Callable[[float], np.ndarray]:
-    """Mute channel i between two times, for each (i, from, to)."""
+def muted(*spans: tuple[int, float, float], rig: Rig) -> Callable[[float], np.ndarray]:
+    """Mute channel i between two ticks, for each (i, from, to)."""
 
     def mute(time_s: float) -> np.ndarray:
-        out = np.zeros(channels, dtype=bool)
+        out = np.zeros(len(rig.names), dtype=bool)
         for i, lo, hi in spans:
-            out[i] |= lo <= time_s < hi
+            out[i] |= lo <= time_s / rig.tick_s < hi
         return out
 
     return mute
@@ -171,7 +172,7 @@ def test_muted_spans(lived):
     m = len(rig.names)
     run.channels[100:108, 2] += SPIKE_K
     spans = [(0, 0, 30), (m - 1, 50, 80), (2, 100, 103), *((i, 120, 125) for i in range(m))]
-    track = both(model, rig, run, muted(*spans, channels=m))
+    track = both(model, rig, run, muted(*spans, rig=rig))
     assert not track.fused[:29, 0].any()
     assert track.fused[29, 0]
     assert np.isfinite(track.innovation[:29, 0]).all()
@@ -221,7 +222,7 @@ def test_each_hears_of_the_ticks_done_up_to_the_last(lived):
     heard = []
     replay(model, rig, run, each=heard.append)
     assert heard == sorted(heard)
-    assert heard[-1] == SECONDS
+    assert heard[-1] == TICKS
 
 
 def test_how_many_ticks_are_worked_out_at_a_time_does_not_matter(lived, monkeypatch):

@@ -205,6 +205,19 @@ def test_a_longer_tick_keeps_the_last_reading_and_its_age(five):
     assert (after.channels[10, 15], after.ages_s[10, 15]) == (before.channels[last, 15], 54 - last)
 
 
+def test_a_longer_tick_counts_ages_in_seconds_and_speed_as_it_was(half, driven):
+    """At half a second: the fourth of five ticks is half a second before the end of them."""
+    run = driven(half, 20, (0, 20))
+    run.channels[3::5] = 22.0
+    run.omega[:] = np.tile([1.0, 2.0, 3.0, 4.0, 5.0], 8)
+    after, rig = coarse(replace(run, ages_s=np.full_like(run.channels, 0.2)), half, 5)
+    assert rig.tick_s == 2.5
+    np.testing.assert_allclose(np.diff(after.time_s), 2.5)
+    np.testing.assert_allclose(after.ages_s, 0.7)
+    np.testing.assert_allclose(after.omega, 3.0)
+    np.testing.assert_allclose(after.unevenness, 11.0 / 9.0)
+
+
 def test_a_longer_tick_means_its_inputs(rig, lived):
     slow = replace(lived, inputs={**lived.inputs, "ambient": np.arange(400.0), "base": np.full(400, np.nan)})
     slow.inputs["ambient"][:3] = np.nan

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from estimator.inputs.follower import ALWAYS, DRIVE
-from estimator.missing_heat.follows import Series, follows
+from estimator.missing_heat.follows import ORDERS, Series, follows
 
 NAMES = ("always", "drive", "speed", "time", "early_stop", "air")
 KNOWN = (ALWAYS, *(replace(DRIVE, name=name) for name in NAMES[1:]))
@@ -53,6 +53,12 @@ def test_a_signal_is_named(name):
     assert found.name == name
     assert found.p < 0.01
     assert found.explains > 0.7
+
+
+def test_p_counts_the_order_that_there_was_among_the_others():
+    """(1 + orders that explain as much) / (1 + orders): never nothing, however clear the signal is."""
+    found = follows(series(np.random.default_rng(5), 12, 0.1, speed=40.0), NAMES)
+    assert found.p == pytest.approx(1 / (1 + ORDERS), rel=1e-12)
 
 
 def test_what_does_not_change_is_always_there():

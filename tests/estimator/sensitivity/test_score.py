@@ -145,7 +145,7 @@ OTHER = {
 
 def recorded(rig: Rig, model: Model, driven, live):
     """Drive and rest with gaps, silent ticks and late readings; everything around becomes warmer, each at its pace."""
-    drive = driven(rig, TICKS, (15, 80), stroke=(0.0, 100.0))
+    drive = driven(rig, TICKS * rig.tick_s, (15 * rig.tick_s, 80 * rig.tick_s), stroke=(0.0, 100.0))
     for i, name in enumerate(("ambient", "nut", "probe", "bar", "board"), start=1):
         drive.inputs[name][:] = 22 + i / 60 * np.arange(TICKS)
     run = live(model, rig, drive, seed=3, process=True).recording
@@ -162,8 +162,9 @@ def made() -> Model:
 
 
 @pytest.fixture(scope="module")
-def trial(small, made, driven, live) -> Trial:
-    return Trial(made, small, recorded(small, made, driven, live))
+def trial(half, made, driven, live) -> Trial:
+    """At two ticks a second: a tick that is forgotten shows."""
+    return Trial(made, half, recorded(half, made, driven, live))
 
 
 @pytest.fixture(scope="module")

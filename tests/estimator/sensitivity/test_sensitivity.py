@@ -47,23 +47,23 @@ def exact(rig: Rig) -> Rig:
     return replace(rig, screw=replace(rig.screw, expansion_tolerance=0.0))
 
 
-def recorded(model: Model, rig: Rig, driven, live, seconds: int, stroke: tuple[float, float]) -> Trial:
+def recorded(model: Model, rig: Rig, driven, live, ticks: int, stroke: tuple[float, float]) -> Trial:
     """Drive and rest with gaps and late readings, everything around becoming warmer at its own pace."""
-    drive = driven(rig, seconds, (10, seconds // 2), stroke=stroke)
+    drive = driven(rig, ticks * rig.tick_s, (10 * rig.tick_s, ticks // 2 * rig.tick_s), stroke=stroke)
     for i, name in enumerate((name for name in rig.inputs if name != "position"), start=1):
-        drive.inputs[name][:] = 22 + i / seconds * np.arange(seconds)
+        drive.inputs[name][:] = 22 + i / ticks * np.arange(ticks)
     run = live(model, rig, drive, seed=3, process=True).recording
     dice = np.random.default_rng(0)
-    run.channels[1:][dice.random((seconds - 1, len(rig.names))) < 0.3] = np.nan
+    run.channels[1:][dice.random((ticks - 1, len(rig.names))) < 0.3] = np.nan
     return Trial(model, rig, replace(run, ages_s=dice.uniform(0, 0.9, run.channels.shape)))
 
 
 @pytest.fixture(scope="module")
-def small_trial(small, driven, live) -> tuple[Trial, Model]:
-    """The small rig with every effect that fits it."""
+def small_trial(half, driven, live) -> tuple[Trial, Model]:
+    """The small rig at half a second, with every effect that fits it."""
     values = {**SMALL_VALUES, "displacement.zero_sd": 2.0, "thermometers.board": 0.004}
     model = model_of(SMALL, "small").with_values(values)
-    return recorded(model, small, driven, live, 120, (0.0, 100.0)), model
+    return recorded(model, half, driven, live, 120, (0.0, 100.0)), model
 
 
 @pytest.fixture(scope="module")
