@@ -125,7 +125,8 @@ def test_blocks_of_time_sum_up_to_the_whole(linear):
 
 
 def step_of(model: Model, path: str) -> float:
-    return 1e-3 * (abs(model[path]) or 1.0)
+    """Its fourth power, what the differences err by, is below what is allowed; a shorter one would show rounding."""
+    return 1e-2 * (abs(model[path]) or 1.0)
 
 
 def difference(quantity: Callable[[Model], Array], model: Model, path: str) -> Array:
@@ -142,10 +143,16 @@ def alone(trial: Trial, model: Model) -> Array:
     return posed.offset[1:] + run.lagged + run.late + zeros
 
 
+# Each tick rounds a state of 22 degC by an eps or two for each of its modes, and each processor in its own way: in a
+# run that is up to 20 ticks x 22 K x eps (a quarter of it was seen on four processors), divided by the step. Where a
+# parameter hardly acts, as rotating_convection.m here, no difference tells more: 1e-4 of the derivative.
+ROUNDING = 20 * 120 * 22 * np.finfo(float).eps
+
+
 def alike(found: Array, differences: Array, model: Model, path: str) -> None:
-    """Equal, but for the rounding of differences of numbers of some ten."""
-    rounding = 1e-12 / step_of(model, path)
-    np.testing.assert_allclose(found, differences, rtol=0, atol=1e-6 * np.abs(differences).max() + rounding)
+    """Equal to 1e-6 of the largest, but for the rounding of the differences."""
+    allowed = 1e-6 * np.abs(differences).max() + ROUNDING / step_of(model, path)
+    np.testing.assert_allclose(found, differences, rtol=0, atol=allowed)
 
 
 @pytest.mark.parametrize("path", PARAMETERS)
