@@ -39,7 +39,9 @@ def find_recordings(paths: Iterable[Path]) -> list[Path]:
     return recordings
 
 
-def read_recording(path: Path, rig: Rig, progress: Progress | None = None, budget: Budget | None = None) -> Recording:
+def read_recording(
+    path: Path | str, rig: Rig, progress: Progress | None = None, budget: Budget | None = None
+) -> Recording:
     """Read a log of CAN frames or a lab CSV into ticks.
 
     A torn or odd log is read as far as it goes and `notes` and `skipped` say what was not used. One of which nothing

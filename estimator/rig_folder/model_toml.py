@@ -18,11 +18,12 @@ from estimator.model import Model, Value
 from estimator.rig_folder import fields
 
 
-def load_model(path: Path) -> Model:
+def load_model(path: Path | str) -> Model:
     """Read a model TOML: one table an effect; each parameter a number or {value, sd, fixed}.
 
     `use = "effects.py:CoolantJet"` in a table names a user's own effect: that file is Python, and runs.
     """
+    path = Path(path)
     table = fields.load(path)
     about = table.pop("about", {})
     if not isinstance(about, Mapping) or not isinstance(about.get("fitted_on", {}), Mapping):

@@ -11,8 +11,9 @@ from estimator.rig import Channel, Log, Nut, Rig, Screw, Signal, Support
 from estimator.rig_folder import fields
 
 
-def load_rig(folder: Path) -> Rig:
+def load_rig(folder: Path | str) -> Rig:
     """Read `folder/rig.toml`."""
+    folder = Path(folder)
     path = folder / "rig.toml"
     table = fields.load(path)
     known = {"name", "tick_s", "screw", "nut", "supports", "channels", "inputs", "log", "subset_7"}
