@@ -12,37 +12,28 @@ from typing import Any
 
 import can
 import numpy as np
-from asammdf import MDF, Signal
-from asammdf.blocks.v4_blocks import SourceInformation
-from asammdf.blocks.v4_constants import BUS_TYPE_CAN, SOURCE_BUS
 from can.io.mf4 import ERR_DTYPE, RTR_DTYPE, STD_DTYPE
 from can.util import channel2int, len2dlc
 
 _GROUPS = {"CAN_DataFrame": STD_DTYPE, "CAN_ErrorFrame": ERR_DTYPE, "CAN_RemoteFrame": RTR_DTYPE}
 _BLOCK = 10_000
-_SMALLEST = 2  # transposed and deflated
 
 
-class Mf4Writer:
-    """Takes messages like the writers of python-can; the file is written at `stop`."""
+class Mf4Writer(can.MF4Writer):
+    """Takes messages like the other writers of python-can; the file is written at `stop`."""
 
     def __init__(self, path: Path) -> None:
-        self._path = path
-        self._start: datetime | None = None
-        self._mdf = MDF(version="4.10")
-        source = SourceInformation(source_type=SOURCE_BUS, bus_type=BUS_TYPE_CAN)
-        for name, dtype in _GROUPS.items():
-            empty = np.array([], dtype=dtype)
-            self._mdf.append(Signal(name=name, samples=empty, timestamps=np.array([], "<f8"), source=source))
+        super().__init__(path)
+        self._first_s: float | None = None
         self._rows: list[list[tuple[float, can.Message]]] = [[] for _ in _GROUPS]
 
     def on_message_received(self, message: can.Message) -> None:
         """Append one message."""
-        if self._start is None:
-            self._start = datetime.fromtimestamp(int(message.timestamp), UTC)
-            self._mdf.header.start_time = self._start
+        if self._first_s is None:
+            self._first_s = float(int(message.timestamp))
+            self._mdf.header.start_time = datetime.fromtimestamp(self._first_s, UTC)
         group = 2 if message.is_remote_frame else 1 if message.is_error_frame else 0
-        self._rows[group].append((message.timestamp - self._start.timestamp(), message))
+        self._rows[group].append((message.timestamp - self._first_s, message))
         if len(self._rows[group]) >= _BLOCK:
             self._flush(group)
 
@@ -50,9 +41,7 @@ class Mf4Writer:
         """Write the file."""
         for group in range(len(_GROUPS)):
             self._flush(group)
-        with self._path.open("wb+") as file:
-            self._mdf.save(file, compression=_SMALLEST)
-        self._mdf.close()
+        super().stop()
 
     def _flush(self, group: int) -> None:
         rows, self._rows[group] = self._rows[group], []
