@@ -22,7 +22,7 @@ PACKED = struct.Struct("<dI?B8sI")  # the same for one frame
 
 @dataclass
 class Tally:
-    """What was skipped, by reason, and sentences with a place: filled by every stage from the file to the ticks."""
+    """What was skipped, by reason, and sentences that say where: filled by every stage from the file to the ticks."""
 
     skipped: Counter[str] = field(default_factory=Counter)
     notes: list[str] = field(default_factory=list)
@@ -82,10 +82,6 @@ class Frames:
     def where(self, index: int) -> str:
         """Where one frame stands, as text: "line 1204"."""
         return f"{self.unit} {int(self.number[index])}"
-
-    def words(self) -> tuple[NDArray[np.uint64], NDArray[np.uint64]]:
-        """As `words_of`."""
-        return words_of(self.data)
 
     @classmethod
     def of(cls, table: NDArray[np.void], unit: str) -> Frames:

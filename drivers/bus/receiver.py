@@ -75,17 +75,17 @@ class Receiver:
 
     def take(self, wait_s: float) -> list[Received | Notice]:
         """What has come since the last call; waits for the first at most so long."""
-        found: list[Received | Notice] = []
+        items: list[Received | Notice] = []
         try:
             came, item = self._queue.get(timeout=wait_s)
-            found.append(item)
-            while len(found) < AT_ONCE:
+            items.append(item)
+            while len(items) < AT_ONCE:
                 came, item = self._queue.get_nowait()
-                found.append(item)
+                items.append(item)
         except queue.Empty:
             pass
-        self.waited_s = time.monotonic() - came if found else 0.0
-        return found
+        self.waited_s = time.monotonic() - came if items else 0.0
+        return items
 
     def _run(self) -> None:
         delay = BACK_OFF_S[0]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ _QUIET_TICKS = 2  # a message sent each tick has come by then
 
 
 class Decoder:
-    """What a rig makes of CAN frames. Carries counters, held values and the drive's last place from call to call."""
+    """What a rig makes of CAN frames. Carries counters, held values and the drive's last position from call to call."""
 
     def __init__(self, rig: Rig, tally: Tally) -> None:
         if rig.log.dbc is None:
@@ -63,7 +64,7 @@ class Decoder:
         if closing is None:
             return np.zeros(len(frames), bool), number
         which = (frames.key == closing.key) & (frames.dlc == closing.length)
-        number[which] = self.scan.numbers(frames.take(which).words())
+        number[which] = self.scan.numbers(words_of(frames.data[which]))
         return which, number
 
     def closing(self, can_id: int, extended: bool, data: bytes) -> int | None:
@@ -85,8 +86,7 @@ class Decoder:
         last: dict[str, Index] = {}
         for message in self.used:
             index = self._frames_of(message, frames)
-            part = frames.take(index)
-            words = part.words()
+            words = words_of(frames.data[index])
             last[message.name] = np.full(rows, -1, np.intp)
             last[message.name][row[index]] = index
             for source in self.sources.get(message.name, ()):
@@ -97,15 +97,12 @@ class Decoder:
         return self.condenser.rows(readings, date)
 
     def _check_scans(self, readings: dict[str, Readings], frames: Frames, last: dict[str, Index], rows: int) -> None:
-        bad = self.scan.bad(frames, last, rows, self.tally)
-        for group in self.sources.values():
-            for source in group:
-                reading = readings[source.name]
-                for bits in source.parts:
-                    wrong = bad.get(f"{source.message.name}.{bits.name}")
-                    if wrong is not None and wrong.any():
-                        reading = reading.where(~wrong[reading.row])
-                readings[source.name] = reading
+        bad, sound = self.scan.bad(frames, last, rows, self.tally), np.zeros(rows, bool)
+        for source in chain.from_iterable(self.sources.values()):
+            signals = (f"{source.message.name}.{bits.name}" for bits in source.parts)
+            wrong = np.logical_or.reduce([bad.get(signal, sound) for signal in signals])
+            reading = readings[source.name]
+            readings[source.name] = reading.where(~wrong[reading.row])
 
     def _frames_of(self, message: Layout, frames: Frames) -> Index:
         """Indices of the sound frames of one message."""
@@ -120,7 +117,7 @@ class Decoder:
             index = index[~wrong]
         if message.name in self.counters and len(index):
             bits = self.counters[message.name]
-            numbers = bits.count(frames.take(index).words())
+            numbers = bits.count(words_of(frames.data[index]))
             missing = lost(numbers, self._counted.get(message.name), bits.modulus)
             self.tally.skip(f"lost {message.name} (by its counter)", missing)
             self._counted[message.name] = int(numbers[-1])

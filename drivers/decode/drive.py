@@ -1,8 +1,8 @@
 """The drive condensed to ticks: mean speed, and where the nut was.
 
 A stretch between two frames counts in the tick of the later one, so that a tick needs no frame from its future. On a
-stretch the speed runs evenly from one value to the next, through zero where it turns, and the nut evenly from place to
-place.
+stretch the speed runs evenly from one value to the next, through zero where it turns, and the nut evenly from one
+position to the next.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from drivers.decode.checks import crc16_ccitt_false
 from drivers.decode.dbc import Bits, Condition, Dbc, Layout, Words
-from drivers.frames import Frames, Tally
+from drivers.frames import Frames, Tally, words_of
 from estimator.errors import SetupError
 from estimator.rig import Rig
 
@@ -47,7 +47,7 @@ class Scan:
         if not signals or self.closing is None:
             return {}
         row = np.flatnonzero(last[self.closing.name] >= 0)
-        words = frames.take(last[self.closing.name][row]).words()
+        words = words_of(frames.data[last[self.closing.name][row]])
         whole = np.zeros(rows, bool)
         if self.state:
             for text, wrong in self.state.broken(words, "unknown"):
@@ -63,14 +63,14 @@ class Scan:
             bad[signal][row] |= faulty
         return bad
 
-    def _crc(self, told: NDArray[np.uint64], frames: Frames, last: dict[str, Index], tally: Tally) -> Mask:
+    def _crc(self, stated: NDArray[np.uint64], frames: Frames, last: dict[str, Index], tally: Tally) -> Mask:
         """Where the checksum is wrong; a scan that lost a frame cannot be checked and counts."""
         index = np.stack([last[message.name] for message in self.messages], axis=1)
         whole = (index >= 0).all(axis=1)
         tally.skip("scan incomplete, its checksum not checked (used)", np.count_nonzero(~whole))
         data = np.concatenate([frames.data[index[whole, k], : m.length] for k, m in enumerate(self.messages)], axis=1)
-        wrong = np.zeros(len(told), bool)
-        wrong[whole] = crc16_ccitt_false(data) != told[whole]
+        wrong = np.zeros(len(stated), bool)
+        wrong[whole] = crc16_ccitt_false(data) != stated[whole]
         tally.skip("scan checksum wrong", np.count_nonzero(wrong))
         return wrong
 

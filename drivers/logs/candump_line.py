@@ -42,11 +42,11 @@ def frame_of(line: str) -> Received | None:
     stamp, channel, digits, remote, flags, long, short = match.groups()
     number, extended = int(digits, 16), len(digits) == 8
     data = bytes.fromhex(short or long or "")
-    found = Received(float(stamp), number, extended, data, "data", channel, len(data))
+    frame = Received(float(stamp), number, extended, data, "data", channel, len(data))
     if remote is not None:
-        return found._replace(kind="remote", dlc=int(remote or 0))
+        return frame._replace(kind="remote", dlc=int(remote or 0))
     if flags is not None:
-        return found._replace(kind="fd", flags=int(flags, 16))
+        return frame._replace(kind="fd", flags=int(flags, 16))
     if extended and number & _ERROR_FLAG:
-        return found._replace(kind="error", id=number & ~_ERROR_FLAG)
-    return found
+        return frame._replace(kind="error", id=number & ~_ERROR_FLAG)
+    return frame

@@ -49,9 +49,9 @@ class Table:
     def _where(self, header: list[str], rig: Rig) -> dict[str, int]:
         """Column number of each channel and input that has one."""
         if rig.log.time_column not in header:
-            found = ", ".join(header[:6]) + (" ..." if len(header) > 6 else "")
+            names = ", ".join(header[:6]) + (" ..." if len(header) > 6 else "")
             raise InputError(
-                f"{self.path}: no time column '{rig.log.time_column}' in the header ({found[:200] or 'empty'}); "
+                f"{self.path}: no time column '{rig.log.time_column}' in the header ({names[:200] or 'empty'}); "
                 "name it in rig.toml as log.time_column"
             )
         names = {name: rule.column or name for name, rule in [*rig.channels.items(), *rig.inputs.items()]}

@@ -34,8 +34,8 @@ class Sender:
             self._take(message)
         self.done.set()
         self._flush()
-        told = {"skipped": self.tally.skipped, "notes": self.tally.notes, "found": self.messages.found}
-        self._send(b"A", json.dumps(told).encode())
+        account = {"skipped": self.tally.skipped, "notes": self.tally.notes, "found": self.messages.found}
+        self._send(b"A", json.dumps(account).encode())
 
     def _take(self, message: can.Message) -> None:
         if reason := _unusable(message):

@@ -72,7 +72,7 @@ class Part:
         self._torn = False
 
     def _tell(self, about: Mapping[str, Any], closed: bool) -> None:
-        told = {
+        sidecar = {
             "about": about,
             "part": self.number,
             "before": self.before,
@@ -81,7 +81,7 @@ class Part:
             "frames": self.frames,
             "closed": closed,
         }
-        text = json.dumps(told, indent=2, ensure_ascii=False, default=str) + "\n"
+        text = json.dumps(sidecar, indent=2, ensure_ascii=False, default=str) + "\n"
         _replace(self.path.with_suffix(".json"), text.encode())
 
 

@@ -49,22 +49,14 @@ PLANTED = {
 
 def strengths(plant: Mapping[str, float] | None, without: Collection[str]) -> dict[str, float]:
     """The strength of every effect: 1 for the base, 0 for the rest, then what is planted or taken away."""
-    chosen = dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0)
-    for name, strength in (plant or {}).items():
-        _known(name)
+    plant, usual = plant or {}, dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0)
+    for name in (*plant, *without):
+        if name not in usual:
+            near = difflib.get_close_matches(name, usual, n=1, cutoff=0.0)[0]
+            raise ValueError(f"unknown effect {name!r}; did you mean {near!r}?")
+    for name, strength in plant.items():
         if not math.isfinite(strength):
             raise ValueError(f"plant {name!r}: strength {strength} is not a finite number")
         if name in without:
             raise ValueError(f"effect {name!r} is both planted and taken away")
-        chosen[name] = float(strength)
-    for name in without:
-        _known(name)
-        chosen[name] = 0.0
-    return chosen
-
-
-def _known(name: str) -> None:
-    names = [*BASE, *PLANTED]
-    if name not in names:
-        near = difflib.get_close_matches(name, names, n=1, cutoff=0.0)[0]
-        raise ValueError(f"unknown effect {name!r}; did you mean {near!r}?")
+    return usual | {name: float(strength) for name, strength in plant.items()} | dict.fromkeys(without, 0.0)

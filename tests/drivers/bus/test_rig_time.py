@@ -62,6 +62,14 @@ def test_faster_a_scan_lasts_a_tick_of_any_length(frames, tick_s):
     np.testing.assert_allclose(np.diff([f.time_s for f in found if f.id == STATUS]), tick_s, atol=2e-6)
 
 
+def test_the_patience_with_a_scan_is_counted_in_ticks(frames):
+    """Ticks of 5 s on a bus twice as fast: after 6.25 s of wall time without an end the stamps serve."""
+    drive = next(f for f in frames if f.id == DRIVE)
+    clock = FastTime(2.0, 5.0, closing, 65536)
+    assert not [g for s in (0.0, 3.0, 6.0) for g in clock.place(drive._replace(time_s=START_S + s))]
+    assert len(clock.place(drive._replace(time_s=START_S + 6.5))) == 4
+
+
 @pytest.mark.parametrize("modulus", [15, 16, 256])
 def test_a_narrow_number_of_scans_starts_again(frames, modulus):
     """Ten scans are lost while it does."""
@@ -93,13 +101,13 @@ def test_without_scans_the_stamps_serve(frames):
     assert found[-1].time_s - found[0].time_s == pytest.approx(120.0, abs=3.0)
 
 
-def test_a_rig_started_again_goes_on_one_tick_later(frames):
+@pytest.mark.parametrize("tick_s", [0.5, 1.0, 5.0])
+def test_a_rig_started_again_goes_on_one_tick_later(frames, tick_s):
     first, again = hurried(frames, 0.0), hurried(frames, 0.0)
-    found = placed(
-        FastTime(SPEED_UP, 1.0, closing, 65536), [*first, *(f._replace(time_s=f.time_s + 2.1) for f in again)]
-    )
+    again = [f._replace(time_s=f.time_s + 2.1) for f in again]
+    found = placed(FastTime(SPEED_UP, tick_s, closing, 65536), [*first, *again])
     steps = np.diff([f.time_s for f in found if f.id == STATUS])
-    np.testing.assert_allclose(steps, 1.0, atol=2e-6)
+    np.testing.assert_allclose(steps, tick_s, atol=2e-6)
 
 
 def test_a_pause_in_mid_scan_is_no_time_of_the_rig(frames):
@@ -113,13 +121,15 @@ def test_a_pause_in_mid_scan_is_no_time_of_the_rig(frames):
     assert (np.diff([f.time_s for f in found]) >= 0).all()
 
 
-def test_a_wrong_speed_up_is_told(frames):
-    slow = [f._replace(time_s=START_S + f.time_s - frames[0].time_s) for f in frames]
-    clock = FastTime(SPEED_UP, 1.0, closing, 65536)
+@pytest.mark.parametrize("tick_s", [0.1, 1.0, 10.0])
+def test_a_wrong_speed_up_is_told(frames, tick_s):
+    slow = [f._replace(time_s=START_S + tick_s * (f.time_s - frames[0].time_s)) for f in frames]
+    clock = FastTime(SPEED_UP, tick_s, closing, 65536)
     placed(clock, slow)
     assert "--speed-up 60" in clock.trouble
-    right = FastTime(SPEED_UP, 1.0, closing, 65536)
-    placed(right, hurried(frames, 0.05))
+    right = FastTime(SPEED_UP, tick_s, closing, 65536)
+    jitter_s = 0.05 * min(tick_s, 1.0)
+    placed(right, [f._replace(time_s=START_S + tick_s * (f.time_s - START_S)) for f in hurried(frames, jitter_s)])
     assert not right.trouble
 
 

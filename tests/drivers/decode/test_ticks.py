@@ -150,11 +150,16 @@ def stretched(rows: list[Row], tick_s: float) -> list[Row]:
 
 
 @pytest.mark.parametrize("tick_s", [0.5, 5.0])
-@pytest.mark.parametrize("change", [None, *BREAKS])
-def test_another_tick_is_another_pace_and_nothing_else(tmp_path: Path, change, tick_s: float) -> None:
+@pytest.mark.parametrize(
+    ("change", "k", "s"), [(BREAKS[0], 0, 0.0), *((b, 5, 4.2) for b in BREAKS), (silence, 5, 2.2), (jump, 1, 30.0)]
+)
+@pytest.mark.parametrize("log", [RIG.log, replace(RIG.log, scan_number=None), Log(dbc="rig.dbc")])
+def test_another_tick_is_another_pace_and_nothing_else(
+    tmp_path: Path, change, k: int, s: float, log: Log, tick_s: float
+) -> None:
     """Ages and times are in seconds, everything else is counted in ticks."""
-    rows = change(BASE, 5, 4.2, 2) if change else BASE
-    usual, rig = recorded(tmp_path, rows), replace(RIG, tick_s=tick_s)
+    rows, usual = change(BASE, k, s, 2), replace(RIG, log=log)
+    usual, rig = read_recording(log_fake.write(tmp_path / "a.log", rows), usual), replace(usual, tick_s=tick_s)
     path = log_fake.write(tmp_path / "b.log", stretched(rows, tick_s))
     record = read_recording(path, rig)
     assert (record.skipped, len(record.notes)) == (usual.skipped, len(usual.notes))
@@ -221,6 +226,15 @@ def test_silence_over_an_hour_ends_the_recording(tmp_path: Path) -> None:
     assert record.notes == ("silent for 2.5 h at 5.000 s (line 87): the recording ends there",)
     assert len(record) == 5
     assert record.skipped["after the end of the recording"] == len(BASE) - 86
+
+
+@pytest.mark.parametrize("tick_s", [0.5, 1.0, 5.0])
+def test_a_clock_that_is_set_in_the_second_tick_was_not_set_before(tmp_path: Path, tick_s: float) -> None:
+    """It costs that tick. Without scan numbers, as long a jump after the third is a night's silence."""
+    rig = replace(RIG, tick_s=tick_s, log=replace(RIG.log, scan_number=None))
+    for k, ticks in ((1, 17), (3, 3)):
+        rows = stretched(jump(BASE, k, 9000, 0), tick_s)
+        assert len(read_recording(log_fake.write(tmp_path / "a.log", rows), rig)) == ticks
 
 
 def test_a_first_stamp_that_was_not_set(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -68,6 +69,26 @@ def test_slower_rows_leave_ticks_without_measurement(tmp_path: Path, rod: Rig) -
     np.testing.assert_allclose(record.time_s, np.arange(51))
     np.testing.assert_array_equal(np.flatnonzero(np.isfinite(record.channels[:, 0])), np.arange(0, 51, 10))
     np.testing.assert_array_equal(record.inputs["ambient"], 21)  # an input holds
+
+
+@pytest.mark.parametrize(("tick_s", "step", "rows"), [(0.5, 0.3, 40), (5.0, 1.0, 40), (5.0, 5.0, 10), (5.0, 0.5, 60)])
+def test_rows_and_ticks_of_any_length(tmp_path: Path, rod: Rig, tick_s: float, step: float, rows: int) -> None:
+    """Rows at least half a tick apart each close a tick; of faster ones a tick keeps the last."""
+    record = read_recording(table(tmp_path / "a.csv", step, rows), replace(rod, tick_s=tick_s))
+    assert record.notes == ()
+    assert set(record.skipped) <= {"column not in the rig file remark", "after the last whole tick"}
+    coarse = step >= tick_s / 2
+    np.testing.assert_allclose(np.diff(record.time_s), step if coarse else tick_s)
+    np.testing.assert_allclose(np.diff(record.channels[:, 0]), 1 if coarse else tick_s / step)
+
+
+def test_a_gap_of_a_slow_table_is_held_for_a_step_and_a_half(tmp_path: Path, rod: Rig) -> None:
+    path = table(tmp_path / "a.csv", 10.0, 12)
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join([*lines[:6], *lines[9:]]))
+    record = read_recording(path, replace(rod, tick_s=5.0))
+    held = np.isfinite(record.inputs["ambient"])
+    np.testing.assert_array_equal(np.flatnonzero(~held), [12, 13, 14, 15])  # rows at 40 s and 80 s, 3 ticks held
 
 
 def test_what_is_no_number_or_out_of_range(tmp_path: Path, rod: Rig) -> None:

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.budget import Budget
-from drivers.frames import Tally
+from drivers.frames import Tally, words_of
 from drivers.logs.candump import read_candump
 from drivers.logs.candump_line import frame_of, line_of
 from drivers.received import Received, received_of
@@ -299,7 +299,7 @@ def test_kill_9_takes_nothing_that_was_written_and_frees_the_folder(tmp_path: Pa
     (path,) = find_recordings([tmp_path])
     frames, _ = read_candump(path, Tally(), Budget())
     assert len(frames) >= told
-    assert frames.words()[1].tolist() == list(range(len(frames)))
+    assert words_of(frames.data)[1].tolist() == list(range(len(frames)))
     with Recorder(tmp_path, {}) as recorder:
         recorder.write(frame())
     assert recorder.path.name == f"{STEM}-2.log"
