@@ -34,13 +34,13 @@ live: $(READY)
 	$(BIN)/ballscrew live $(BUS) --record recorded --view $(VIEW)
 
 test: $(READY)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 check: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 bench: $(PEERS) $(LOGS)
 	$(BIN)/python -m benchmarks
