@@ -210,7 +210,7 @@ def test_absurd_stamps(tmp_path: Path) -> None:
 @pytest.mark.parametrize("suffix", [".asc", ".trc", ".csv", ".blf"])
 def test_a_cut_file_is_read_up_to_the_cut(tmp_path: Path, suffix: str) -> None:
     path = make(tmp_path / f"a{suffix}")
-    path.write_bytes(path.read_bytes()[: -path.stat().st_size // 3])
+    path.write_bytes(path.read_bytes()[: -path.stat().st_size // 3].rstrip(b"\r\n"))  # never at the end of a line
     record = read_recording(path, RIG)
     assert 5 <= len(record) < 12
     assert any(note.startswith("torn") for note in record.notes), record.notes
