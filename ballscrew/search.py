@@ -8,8 +8,8 @@ from pathlib import Path
 
 from ballscrew.own_effect.named import Named, named_effects
 from ballscrew.workspace import Workspace
-from estimator.accuracy.floor import Error
 from estimator.accuracy.horizon import open_loop_error
+from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
 from estimator.missing_effect.candidates import unfit

@@ -28,8 +28,8 @@ from benchmarks.measure import alone, say
 from drivers.recordings import read_recording
 from drivers.virtual_rig import simulate, write
 from drivers.virtual_rig.machine.heaters import local_place
-from estimator.accuracy.floor import Error
 from estimator.accuracy.horizon import open_loop_error
+from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
 from estimator.fit.open_loop_fit import follow
@@ -125,8 +125,8 @@ def _judge(out: Outcome, found: Suggestion, rig: Rig, held: Sequence[Recording])
         out.knowing = _pair(_held_out(knows[0], rig, held)) if knows else out.knowing
     if found.wrong_input is not None:
         out.wrong = (found.wrong_input.run, found.wrong_input.signal, found.wrong_input.ratio)
-    if found.stranger is not None:
-        unknown = unknown_of(found.stranger.candidate, rig)
+    if found.unexplained is not None:
+        unknown = unknown_of(found.unexplained.candidate, rig)
         out.place_mm = float("nan") if unknown.at_mm is None else unknown.at_mm
         out.follows = unknown.follower.name
 

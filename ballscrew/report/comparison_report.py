@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ballscrew.report.errors import HORIZONS, KEYS, by_horizon, cells, number
 from ballscrew.report.page import Section
 from estimator.accuracy.compare import Comparison
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 from estimator.inputs.phase import PHASES
 
 

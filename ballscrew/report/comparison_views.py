@@ -11,7 +11,7 @@ from ballscrew.report.page import Section, page
 from ballscrew.threads import threads
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.displacement import joined
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 from estimator.batch.replay import replay
 from estimator.missing_heat.misfit import misfit
 from estimator.missing_heat.missing_heat import MissingHeat, missing_heat

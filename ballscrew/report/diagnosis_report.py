@@ -7,7 +7,7 @@ import numpy as np
 from ballscrew.report.errors import HORIZONS, by_horizon, cells, number
 from ballscrew.report.page import Section, print_sections
 from ballscrew.terminal import Terminal
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 from estimator.accuracy.quality import overall
 from estimator.inputs.phase import PHASES
 from estimator.missing_heat.diagnose import Diagnosis

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 
 HORIZONS = {"one_step": "one tick ahead", "ahead": "10 minutes ahead", "open_loop": "model alone (open loop)"}
 KEYS = {"one_step": "one_step", "ahead": "ahead_10min", "open_loop": "open_loop"}

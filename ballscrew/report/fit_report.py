@@ -8,7 +8,7 @@ import numpy as np
 
 from ballscrew.report.errors import HORIZONS
 from ballscrew.terminal import Terminal
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 from estimator.fit.fit import Fit, Fitted
 
 WORSE = 1.2  # times an error before

@@ -15,7 +15,7 @@ from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import Loaded, Workspace, runs_of
 from estimator.accuracy.compare import compare
-from estimator.missing_effect.improve import Improvement, Step
+from estimator.missing_effect.improve import ImprovedModel, Improvement
 from estimator.model import Model
 from estimator.rig import Rig
 from estimator.work import Workers
@@ -54,19 +54,19 @@ class Outcome:
         return f"Before all was fitted again: {words}" if len(self.found.steps) > 1 and not last.added else words
 
 
-def added(steps: Sequence[Step]) -> list[str]:
+def added(steps: Sequence[ImprovedModel]) -> list[str]:
     """The effect that each step has more than the one before; "" where it has none."""
     had = [steps[0].model, *(step.model for step in steps)]
     return [step.added if step.added not in model.effects else "" for step, model in zip(steps, had, strict=False)]
 
 
-def titles(steps: Sequence[Step]) -> list[str]:
+def titles(steps: Sequence[ImprovedModel]) -> list[str]:
     """What each step is called."""
     again = [f"{step.added or 'all'} fitted again" for step in steps]
     return ["as given", *(f"+ {new}" if new else old for new, old in zip(added(steps)[1:], again[1:], strict=True))]
 
 
-def steps_table(steps: Sequence[Step]) -> list[list[str]]:
+def steps_table(steps: Sequence[ImprovedModel]) -> list[list[str]]:
     """The error falling step by step, head first."""
     held = any(step.held_out for step in steps)
     head = ["added", "cross-validated, K", "um", *(["held out, K", "um"] if held else []), "tied with"]

@@ -10,7 +10,7 @@ from ballscrew.report.page import Section
 from ballscrew.report.verdict import sentence, where
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 from estimator.missing_effect.hypothesis import Hypothesis
 from estimator.missing_effect.stand_ins import unknown_of
 from estimator.missing_effect.suggestion import Suggestion
@@ -92,9 +92,9 @@ def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
 
 
 def _unknown(found: Suggestion, rig: Rig) -> dict[str, Any] | None:
-    if found.stranger is None or found.verdict != "nothing_in_catalogue":
+    if found.unexplained is None or found.verdict != "nothing_in_catalogue":
         return None
-    unknown = unknown_of(found.stranger.candidate, rig)
+    unknown = unknown_of(found.unexplained.candidate, rig)
     at, follower = unknown.at_mm, unknown.follower
     return {
         "from_mm": at - 30.0 if at is not None else None, "to_mm": at + 30.0 if at is not None else None,

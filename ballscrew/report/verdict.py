@@ -25,8 +25,8 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
     found = verdict.suggestion
     if found.verdict == "input_error" and found.wrong_input is not None:
         return _wrong_input(found.wrong_input, found.far)
-    if found.verdict == "nothing_in_catalogue" and found.stranger is not None:
-        return _unknown(unknown_of(found.stranger.candidate, rig))
+    if found.verdict == "nothing_in_catalogue" and found.unexplained is not None:
+        return _unknown(unknown_of(found.unexplained.candidate, rig))
     if found.verdict == "nothing_in_catalogue":
         return (
             f"Something is missing, for the model alone leaves {_left(found)}, but no effect that was tried explains"

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.accuracy import displacement
-from estimator.accuracy.floor import FAR, Error, noise_floor
 from estimator.accuracy.horizon import HORIZONS, Horizons, horizons, overall
+from estimator.accuracy.noise_floor import FAR, Error, noise_floor
 from estimator.batch.trial import Trial
 from estimator.batch.trials import trials_of
 from estimator.inputs.phase import PHASES, phase_of, speed_of

@@ -44,7 +44,7 @@ class Joined(NamedTuple):
         return self.scatter * np.sqrt(self.noise)
 
 
-class Level(NamedTuple):
+class Stop(NamedTuple):
     """The elongation where a drive or a rest ends, um, and its variance over that of one reading."""
 
     um: float
@@ -59,7 +59,7 @@ def joined(recording: Recording, rig: Rig, model: Model) -> Joined:
     read_at = recording.time_s - recording.ages_s[:, rig.index("displacement")]
     scatter = model["displacement.sd"] if "displacement.sd" in model.values else 0.0
     um, noise = np.full((2, len(recording)), np.nan)
-    out, end = Joined(um, noise, scatter), Level(0.0, 0.0)
+    out, end = Joined(um, noise, scatter), Stop(0.0, 0.0)
     for driving, ticks in phases(recording):
         if driving:
             end = _drive(held, read_at, recording.time_s, ticks, end, out)
@@ -79,7 +79,7 @@ def jig_expansion(recording: Recording, model: Model) -> Array:
     return total
 
 
-def _drive(held: Array, read_at: Array, time_s: Array, ticks: Array, before: Level, out: Joined) -> Level:
+def _drive(held: Array, read_at: Array, time_s: Array, ticks: Array, before: Stop, out: Joined) -> Stop:
     """Fill the held values of one drive; returns the level at its stop.
 
     The first reading comes half a stroke after the start and the stop half a stroke after the last one: the growth
@@ -96,10 +96,10 @@ def _drive(held: Array, read_at: Array, time_s: Array, ticks: Array, before: Lev
     zero = before.noise + (1.0 + head) ** 2 + head**2
     out.um[read], out.noise[read] = held[read] - held[first] + start, zero + 1.0
     stop = out.um[last] + tail * (held[last] - held[last_but_one])
-    return Level(float(stop), float(zero + (1.0 + tail) ** 2 + tail**2))
+    return Stop(float(stop), float(zero + (1.0 + tail) ** 2 + tail**2))
 
 
-def _rest(direct: Array, time_s: Array, ticks: Array, before: Level, out: Joined) -> Level:
+def _rest(direct: Array, time_s: Array, ticks: Array, before: Stop, out: Joined) -> Stop:
     """Fill one rest with the direct reading shifted to join the level at the stop; returns its last level."""
     if ticks[-1] + 1 < len(time_s):
         ticks = ticks[:-1]
@@ -110,16 +110,16 @@ def _rest(direct: Array, time_s: Array, ticks: Array, before: Level, out: Joined
     zero = before.noise + first.noise
     out.um[read], out.noise[read] = direct[read] - first.um + before.um, zero + 1.0
     last = _level(time_s[read], out.um[read], time_s[ticks[-1]])
-    return Level(last.um, zero + last.noise)
+    return Stop(last.um, zero + last.noise)
 
 
-def _level(time_s: Array, reading: Array, at_s: float) -> Level:
+def _level(time_s: Array, reading: Array, at_s: float) -> Stop:
     """Where a line through the readings near a time is at that time; the nearest reading if there are few."""
     apart = time_s - at_s
     near = np.abs(apart) <= EDGE_S
     if near.sum() < 3:
-        return Level(float(reading[np.abs(apart).argmin()]), 1.0)
+        return Stop(float(reading[np.abs(apart).argmin()]), 1.0)
     middle = apart[near].mean()
     off = apart[near] - middle
     slope, spread = off @ reading[near] / (off @ off), middle**2 / (off @ off)
-    return Level(float(reading[near].mean() - slope * middle), float(1.0 / near.sum() + spread))
+    return Stop(float(reading[near].mean() - slope * middle), float(1.0 / near.sum() + spread))

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 from estimator.batch import batch
-from estimator.batch.trial import Trial, open_loop_misfit
+from estimator.batch.open_loop import open_loop_misfit
+from estimator.batch.trial import Trial
 from estimator.model import Model
 from estimator.record import Array
 

@@ -122,22 +122,3 @@ class Trial:
     def loglike(self, model: Model) -> float:
         """Log-likelihood of the readings after the first sample, given that one."""
         return batch.loglike(self.pose(model).system)
-
-
-def open_loop_misfit(trial: Trial, posed: Posed) -> Array:
-    """Reading minus what the model alone says, (T, m); NaN where not measured; unknown zeros taken out."""
-    run = posed.run
-    rest = trial.rest.channels - posed.offset[1:] - run.lagged - run.late - posed.state.channel_zeros(posed.system.x0)
-    return centred(np.where(known_of(trial), rest, np.nan), trial)
-
-
-def known_of(trial: Trial) -> Array:
-    return np.isfinite(trial.rest.channels) & ~trial.muted
-
-
-def centred(rest: Array, trial: Trial) -> Array:
-    """Misfits less their mean, where a reading's zero has no meaning."""
-    for channel in trial.floating:
-        if np.isfinite(rest[:, channel]).any():
-            rest[:, channel] -= np.nanmean(rest[:, channel])
-    return rest

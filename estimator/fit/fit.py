@@ -1,7 +1,7 @@
 """Fit a model's free parameters to recordings.
 
 First least squares on the open-loop run (`follow`). From there the most likely parameters, or the most probable ones
-where a table value is known, noise levels included (`climb`). A likelihood judges each second's prediction: what no
+where a table value is known, noise levels included (`optimiser`). A likelihood judges each second's prediction: what no
 effect explains, small but lasting, can pull its optimum away from the parameters that predict best. So the likelihood's
 optimum is kept only where it predicts ten minutes ahead as well, else the open-loop one; the fit says which.
 
@@ -16,13 +16,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from estimator.accuracy.floor import Error
 from estimator.accuracy.horizon import errors
+from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import Trials, trials_of
 from estimator.errors import InputError, SetupError
-from estimator.fit.climb import Climb, positive, told
 from estimator.fit.noise import noise_levels
 from estimator.fit.open_loop_fit import Followed, follow, sandwich
+from estimator.fit.optimiser import Optimiser, positive, told
 from estimator.fit.posterior import Posterior
 from estimator.fit.tune import scaled
 from estimator.model import Model, Value
@@ -79,7 +79,7 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class Optimum:
     """Values to choose from: the model, covariance (p, p) of its free parameters, and sd (p,) by the data alone."""
 
     name: str
@@ -103,20 +103,20 @@ def fit(model: Model, runs: Runs) -> Fit:
         raise InputError(f"these recordings say nothing of {', '.join(left)}: free others, or record a longer drive")
     paths = [path for path in paths if path not in left]
     trials = trials_of(start, runs)
-    climb = Climb(Posterior(start, trials, paths), told(runs.progress, "likelihood"))
+    optimiser = Optimiser(Posterior(start, trials, paths), told(runs.progress, "likelihood"))
     if followed is not None and followed.stopped:
-        climb.stopped = True
+        optimiser.stopped = True
     else:
-        climb.run()
-    found = [_likely(climb)]
+        optimiser.run()
+    found = [_likely(optimiser)]
     if followed is not None and followed.paths:
-        found.append(_followed(followed, climb))
-    return _outcome(model, found, left, climb, runs)
+        found.append(_followed(followed, optimiser))
+    return _outcome(model, found, left, optimiser, runs)
 
 
-def _likely(climb: Climb) -> Candidate:
+def _likely(optimiser: Optimiser) -> Optimum:
     """The likelihood's optimum, its errors as the slopes of blocks of ten minutes scatter."""
-    posterior, c = climb.posterior, climb.c
+    posterior, c = optimiser.posterior, optimiser.c
     information, steps = posterior.information(c), posterior.steps(c)
     bread = np.linalg.inv(positive(information.whole))
     blocks = information.blocks
@@ -124,23 +124,23 @@ def _likely(climb: Climb) -> Candidate:
     cov = sandwich(bread, blocks, few=max(1.0, float(spread)))
     paths = tuple(each.path for each in posterior.coordinates)
     alone = _alone(information.data, bread, cov)
-    return Candidate("likelihood", posterior.at(c), paths, cov * np.outer(steps, steps), alone * steps)
+    return Optimum("likelihood", posterior.at(c), paths, cov * np.outer(steps, steps), alone * steps)
 
 
-def _followed(followed: Followed, climb: Climb) -> Candidate:
+def _followed(followed: Followed, optimiser: Optimiser) -> Optimum:
     """The open-loop parameters, with the noise levels that are most likely beside them."""
-    posterior = climb.posterior
+    posterior = optimiser.posterior
     alone = _alone(followed.curvature, followed.bread, followed.covariance)
     levels = [each.path for each in posterior.coordinates if each.noise]
     if not levels:
-        return Candidate("open loop", followed.model, followed.paths, followed.covariance, alone)
-    search = Climb(Posterior(followed.model, posterior.trials, levels), climb.after_step)
-    if not climb.stopped:
+        return Optimum("open loop", followed.model, followed.paths, followed.covariance, alone)
+    search = Optimiser(Posterior(followed.model, posterior.trials, levels), optimiser.after_step)
+    if not optimiser.stopped:
         search.run()
-        climb.stopped = search.stopped
+        optimiser.stopped = search.stopped
     own = _likely(search)
     both = _beside(followed.covariance, own.covariance)
-    return Candidate("open loop", own.model, (*followed.paths, *levels), both, np.append(alone, own.alone))
+    return Optimum("open loop", own.model, (*followed.paths, *levels), both, np.append(alone, own.alone))
 
 
 def _alone(curvature: Array, bread: Array, cov: Array) -> Array:
@@ -159,8 +159,8 @@ def _beside(a: Array, b: Array) -> Array:
     return np.block([[a, np.zeros((len(a), len(b)))], [np.zeros((len(b), len(a))), b]])
 
 
-def _outcome(model: Model, found: Sequence[Candidate], left: Mapping[str, str], climb: Climb, runs: Runs) -> Fit:
-    trials = climb.posterior.trials
+def _outcome(model: Model, found: Sequence[Optimum], left: Mapping[str, str], optimiser: Optimiser, runs: Runs) -> Fit:
+    trials = optimiser.posterior.trials
     judged = [errors(trials, candidate.model) for candidate in found]
     at = 1 if len(found) > 1 and _worse(judged[0], judged[1]) else 0
     kept = found[at]
@@ -172,8 +172,9 @@ def _outcome(model: Model, found: Sequence[Candidate], left: Mapping[str, str], 
     better, raised = _raised(model.with_values(values), trials)
     better = replace(better, about={**model.about, **about})
     return Fit(
-        better, fitted, kept.name, raised, alike(kept), (climb.first, climb.value), errors(trials, model),
-        errors(trials, better), judged[1 - at] if len(found) > 1 else {}, climb.converged, climb.stopped, climb.steps,
+        better, fitted, kept.name, raised, alike(kept), (optimiser.first, optimiser.value), errors(trials, model),
+        errors(trials, better), judged[1 - at] if len(found) > 1 else {}, optimiser.converged, optimiser.stopped,
+        optimiser.steps,
     )  # fmt: skip
 
 
@@ -192,7 +193,7 @@ def _worse(a: dict[str, Error], b: dict[str, Error]) -> bool:
     return x.temperature_K > WORSE * y.temperature_K or x.elongation_um > WORSE * y.elongation_um
 
 
-def _fitted(before: Model, kept: Candidate, i: int) -> Fitted:
+def _fitted(before: Model, kept: Optimum, i: int) -> Fitted:
     path = kept.paths[i]
     param, value = before.param(path), float(kept.model[path])
     width = param.hi - param.lo
@@ -207,7 +208,7 @@ def _left(model: Model, path: str, like: str) -> Fitted:
     return Fitted(path, model[path], model[path], float("nan"), param.unit, False, False, like)
 
 
-def alike(kept: Candidate) -> tuple[tuple[str, str, float], ...]:
+def alike(kept: Optimum) -> tuple[tuple[str, str, float], ...]:
     """Pairs whose errors go together."""
     sd = np.sqrt(np.maximum(np.diag(kept.covariance), 1e-300))
     rho = kept.covariance / np.outer(sd, sd)

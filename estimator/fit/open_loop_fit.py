@@ -2,12 +2,8 @@
 
     minimise  sum over runs, ticks, channels of w ((y - y_open_loop(p)) / s)^2 / N  +  sum ((p - p0) / sd_prior)^2
 
-The open-loop run never sees a measurement after the start, so that no process noise can hide a misfit. s is the misfit
-that a good model leaves, not the sensors' scatter: 0.05 K for a thermometer, 0.2 um for the displacement. Such a misfit
-stays alike for minutes: a block of ten, N steps, weighs as much as one independent reading. Five seconds a step serve.
-It spans many thermometers as well, so that all of them together weigh as much as one: w is 1 for the displacement, and
-for each thermometer 1 over their number. Else what they have in common would overrun every table value, and
-temperatures a thousandth of a kelvin closer outweigh an elongation twice as far off.
+The open-loop run never sees a measurement after the start, so that no process noise can hide a misfit. What a misfit
+weighs is told in `sensitivity.objective`: N is the steps of a block. Five seconds a step serve.
 """
 
 from __future__ import annotations
@@ -19,29 +15,26 @@ import numpy as np
 from scipy.linalg import qr, solve_triangular
 from scipy.optimize import least_squares
 
-from estimator.accuracy.floor import BLOCK_S, GOOD_K, GOOD_UM
-from estimator.batch.trial import centred, known_of, open_loop_misfit
+from estimator.batch.open_loop import measured, open_loop_misfit
 from estimator.batch.trials import slow_trials_of
 from estimator.fit.posterior import size
 from estimator.model import Model
 from estimator.record import Array
-from estimator.sensitivity.sensitivity import nominal_column
-from estimator.sensitivity.tangent import tangent
+from estimator.sensitivity.objective import BLOCK_S, good, prior_roots, reading_slope, weights
 from estimator.work import Runs
 
 APART = 0.02  # what is left of a column without the others, over itself: below it the column is made of them
 EARLIER = 1e-6  # by so much a column is smaller than the one before it, so that of two alike the first is kept
 
 
-class Follower:
+class Objective:
     """Recordings made ready for many open-loop runs."""
 
     def __init__(self, model: Model, runs: Runs) -> None:
         self._trials = slow_trials_of(model, runs)
-        heat = runs.rig.is_thermometer
-        weight = np.where(heat, 1.0 / max(heat.sum(), 1), 1.0) * self._trials[0].rig.tick_s / BLOCK_S
-        self._scale = np.where(heat, GOOD_K, GOOD_UM) / np.sqrt(weight)
-        self._weight = sum(float((weight * known_of(trial)).sum()) for trial in self._trials)
+        weight = weights(self._trials[0].rig)
+        self._scale = good(runs.rig) / np.sqrt(weight)
+        self._weight = sum(float((weight * measured(trial)).sum()) for trial in self._trials)
 
     def misfit(self, model: Model) -> Array:
         """All (y - y_open_loop) / s sqrt(w / N), in a row."""
@@ -57,11 +50,8 @@ class Follower:
         posed = [trial.pose(model) for trial in self._trials]
         columns = []
         for path in paths:
-            moved = []
-            for trial, each in zip(self._trials, posed, strict=True):
-                reading = nominal_column(trial, each, tangent(trial, each, model, path)).reading
-                moved.append(centred(np.where(known_of(trial), -reading, np.nan), trial))
-            columns.append(self._flat(moved))
+            pairs = zip(self._trials, posed, strict=True)
+            columns.append(self._flat([-reading_slope(trial, each, model, path) for trial, each in pairs]))
         return np.array(columns).T
 
     def sums(self, slopes: Array) -> Array:
@@ -69,14 +59,14 @@ class Follower:
         labels, first = [], 0
         for trial in self._trials:
             block = ((trial.rest.time_s - trial.rest.time_s[0]) // BLOCK_S).astype(int).clip(0)
-            labels.append((first + np.repeat(block[:, None], len(trial.rig.names), axis=1))[known_of(trial)])
+            labels.append((first + np.repeat(block[:, None], len(trial.rig.names), axis=1))[measured(trial)])
             first += int(block.max()) + 1
         sums = np.zeros((first, slopes.shape[1]))
         np.add.at(sums, np.concatenate(labels), slopes)
         return sums
 
     def _flat(self, parts: Sequence[Array]) -> Array:
-        known = [known_of(trial) for trial in self._trials]
+        known = [measured(trial) for trial in self._trials]
         return np.concatenate([(part / self._scale)[at] for part, at in zip(parts, known, strict=True)])
 
 
@@ -100,12 +90,14 @@ class Followed:
 
 def follow(model: Model, runs: Runs, paths: Sequence[str]) -> Followed:
     """The model with these parameters fitted open loop."""
-    follower = Follower(model, runs)
-    left = untold(np.vstack([follower.slopes(model, paths), np.diag(_priors(model, paths))]), paths)
+    objective = Objective(model, runs)
+    prior = prior_roots(map(model.param, paths))
+    left = untold(np.vstack([objective.slopes(model, paths), np.diag(prior)]), paths)
     paths = [path for path in paths if path not in left]
     if not paths:
         return Followed(model, (), left, *np.zeros((3, 0, 0)))
-    params, prior = [model.param(path) for path in paths], _priors(model, paths)
+    params = [model.param(path) for path in paths]
+    prior = prior_roots(params)
     start = np.array([model[path] for path in paths])
     unit = np.array([size(value, p.lo, p.hi) for value, p in zip(start, params, strict=True)])
     middle = np.array([p.value for p in params])
@@ -116,16 +108,16 @@ def follow(model: Model, runs: Runs, paths: Sequence[str]) -> Followed:
 
     def residual(scaled: Array) -> Array:
         nonlocal count, best, best_cost
-        rest = follower.misfit(at(scaled))
+        rest = objective.misfit(at(scaled))
         all_of_it = np.concatenate([rest, (scaled * unit - middle) * prior])
         if all_of_it @ all_of_it < best_cost:
             best, best_cost = scaled.copy(), all_of_it @ all_of_it
         count += 1
-        runs.progress(f"open loop, run {count}: misfit {np.sqrt(follower.mean_square(rest)):.3f}", count)
+        runs.progress(f"open loop, run {count}: misfit {np.sqrt(objective.mean_square(rest)):.3f}", count)
         return all_of_it
 
     def jacobian(scaled: Array) -> Array:
-        return np.vstack([follower.slopes(at(scaled), paths) * unit, np.diag(prior * unit)])
+        return np.vstack([objective.slopes(at(scaled), paths) * unit, np.diag(prior * unit)])
 
     bounds = np.array([p.lo for p in params]) / unit, np.array([p.hi for p in params]) / unit
     inside, stopped = np.clip(start / unit, bounds[0] + 1e-6, bounds[1] - 1e-6), False
@@ -133,11 +125,11 @@ def follow(model: Model, runs: Runs, paths: Sequence[str]) -> Followed:
         least_squares(residual, inside, jacobian, bounds, x_scale="jac", xtol=1e-4, ftol=1e-5)
     except KeyboardInterrupt:
         stopped = True
-    rows = follower.slopes(at(best), paths)
+    rows = objective.slopes(at(best), paths)
     bread = np.linalg.pinv(rows.T @ rows + np.diag(prior**2))
-    rest = follower.misfit(at(best))
-    sums = follower.sums(rows * rest[:, None])
-    cov = sandwich(bread, sums - sums.mean(axis=0), few=follower.mean_square(rest))
+    rest = objective.misfit(at(best))
+    sums = objective.sums(rows * rest[:, None])
+    cov = sandwich(bread, sums - sums.mean(axis=0), few=objective.mean_square(rest))
     return Followed(at(best), tuple(paths), left, cov, bread, rows.T @ rows, stopped)
 
 
@@ -151,11 +143,6 @@ def sandwich(bread: Array, blocks: Array, few: float) -> Array:
     robust = np.diag(bread @ blocks.T @ blocks @ bread)
     wider = np.sqrt(robust / np.maximum(np.diag(bread), 1e-300))
     return bread * np.outer(wider, wider)
-
-
-def _priors(model: Model, paths: Sequence[str]) -> Array:
-    """1 / sd of each parameter's prior, (p,); 0 for none."""
-    return np.array([1 / sd if (sd := model.param(path).sd) else 0.0 for path in paths])
 
 
 def untold(columns: Array, names: Sequence[str]) -> dict[str, str]:

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.accuracy.floor import BLOCK_S
 from estimator.batch.trials import Trials
 from estimator.effect import Param
 from estimator.model import Model
 from estimator.record import Array
+from estimator.sensitivity.objective import BLOCK_S
 from estimator.sensitivity.score import score
 from estimator.sensitivity.sensitivity import information
 from estimator.sensitivity.tangent import tangent

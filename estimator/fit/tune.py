@@ -21,13 +21,13 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from estimator.accuracy.blind import blind
-from estimator.accuracy.floor import Error, missing_physics, noise_floor
 from estimator.accuracy.horizon import errors
+from estimator.accuracy.noise_floor import Error, missing_physics, noise_floor
 from estimator.accuracy.quality import ChannelQuality, quality
 from estimator.batch.trials import Trials, trials_of
 from estimator.errors import SetupError
-from estimator.fit.climb import Climb, told
 from estimator.fit.noise import channels_of, coloured, noise_levels
+from estimator.fit.optimiser import Optimiser, told
 from estimator.fit.posterior import Posterior
 from estimator.model import Model
 from estimator.work import Progress, Runs, silent
@@ -92,11 +92,11 @@ def _measured(model: Model, trials: Trials, paths: Sequence[str], progress: Prog
     """Measurement noise by the likelihood a tick ahead; not lowered for channels whose innovations are not white."""
     if not paths:
         return model
-    climb = Climb(Posterior(model, trials, paths), told(progress, "measurement noise"))
-    climb.run()
-    if climb.stopped:
+    optimiser = Optimiser(Posterior(model, trials, paths), told(progress, "measurement noise"))
+    optimiser.run()
+    if optimiser.stopped:
         raise KeyboardInterrupt
-    found = climb.posterior.at(climb.c)
+    found = optimiser.posterior.at(optimiser.c)
     lower = [path for path in paths if found[path] < model[path]]
     if not lower:
         return found

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from estimator.accuracy.floor import Error
 from estimator.accuracy.horizon import open_loop_error
+from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import slow_trials_of
 from estimator.effect import Effect
 from estimator.missing_effect.hypothesis import Hypothesis, refined
@@ -25,7 +25,7 @@ MOST = 6
 
 
 @dataclass(frozen=True)
-class Step:
+class ImprovedModel:
     """One model on the way.
 
     added            the effect that it has more than the one before; "" for the model as given, or fitted again
@@ -44,7 +44,7 @@ class Step:
 class Improvement:
     """All steps, from the model as given to the best, and the last verdict; None: stopped by Ctrl-C before it."""
 
-    steps: tuple[Step, ...]
+    steps: tuple[ImprovedModel, ...]
     last: Suggestion | None
 
     @property
@@ -98,7 +98,7 @@ def _fitted(found: Suggestion) -> Hypothesis | None:
     return found.before if found.before.misfit < MATERIAL * found.as_given.misfit else None
 
 
-def _step(added: str, tie: tuple[str, ...], h: Hypothesis, held_out: Runs) -> Step:
+def _step(added: str, tie: tuple[str, ...], h: Hypothesis, held_out: Runs) -> ImprovedModel:
     model = with_sd(h)
     held = open_loop_error(slow_trials_of(model, held_out), model) if held_out.recordings else None
-    return Step(added, tie, model, Error(h.judged.heat_K, h.judged.length_um), held)
+    return ImprovedModel(added, tie, model, Error(h.judged.heat_K, h.judged.length_um), held)

@@ -14,13 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.accuracy.floor import BLOCK_S, GOOD_K, GOOD_UM
-from estimator.batch.trial import Trial, open_loop_misfit
+from estimator.batch.open_loop import open_loop_misfit
+from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials
 from estimator.model import Model
 from estimator.record import Array
-from estimator.sensitivity.sensitivity import nominal_column
-from estimator.sensitivity.tangent import tangent
+from estimator.sensitivity.objective import BLOCK_S, GOOD_K, GOOD_UM, reading_slope
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,11 @@ class Moments:
 
     @property
     def weighted(self) -> Array:
-        """Mean squares of both families over what a good model leaves, times blocks: each family counts alike."""
+        """Mean squares of both families over what a good model leaves, times blocks: each family counts alike.
+
+        The weights of `sensitivity.objective`, but for readings that were not taken: a displacement read only while
+        driving counts here for the whole run, there for the time in which it was read.
+        """
         heat = self.heat / max(self.heat_count, 1) / GOOD_K**2
         length = self.length / max(self.length_count, 1) / GOOD_UM**2
         return (heat + length) * self.blocks
@@ -70,11 +73,7 @@ def moments_of(trial: Trial, model: Model, columns: Sequence[Column]) -> Moments
     known = np.isfinite(misfit)
     stack = np.empty((len(columns) + 1, *misfit.shape))
     for row, column in zip(stack, columns, strict=False):
-        moved = nominal_column(trial, posed, tangent(trial, posed, column.model, column.path)).reading
-        row[:] = np.where(known, moved, np.nan)
-        for channel in trial.floating:
-            if known[:, channel].any():
-                row[:, channel] -= np.nanmean(row[:, channel])
+        row[:] = reading_slope(trial, posed, column.model, column.path)
     stack[-1] = misfit
     heat = trial.rig.is_thermometer
     sums = []

@@ -15,6 +15,7 @@ from scipy.optimize import lsq_linear
 
 from estimator.missing_effect.moments import Column, Moments
 from estimator.record import Array
+from estimator.sensitivity.objective import prior_roots
 
 RIDGE = 1e-9  # of a direction's own curvature, where two columns are the same
 
@@ -48,7 +49,7 @@ class Panel:
         self.at = np.array([float(column.model[column.path]) for column in columns])
         self._lo = np.array([p.lo for p in params]) - self.at
         self._hi = np.array([p.hi for p in params]) - self.at
-        self._prior = np.array([1.0 / p.sd**2 if p.sd else 0.0 for p in params])
+        self._prior = prior_roots(params) ** 2
         self._off = self.at - np.array([p.value for p in params])
         self._weighted = np.array([each.weighted for each in found])
 

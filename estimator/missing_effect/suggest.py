@@ -19,18 +19,19 @@ from itertools import combinations
 
 import numpy as np
 
-from estimator.accuracy.floor import GOOD_K, GOOD_UM, noise_floor
+from estimator.accuracy.noise_floor import noise_floor
 from estimator.batch.trials import slow_trials_of
 from estimator.effect import Effect
 from estimator.missing_effect.candidates import Candidate, candidates
 from estimator.missing_effect.hypothesis import NONE, Hypothesis, refined
 from estimator.missing_effect.moments import Column, moments
 from estimator.missing_effect.panel import Judged, Panel
-from estimator.missing_effect.screen import Screen, Screened, screen
+from estimator.missing_effect.screening import Screened, Screening, screening
 from estimator.missing_effect.stand_ins import UnknownBodyHeat, UnknownHeat, UnknownReading
 from estimator.missing_effect.suggestion import ALIKE, ALONE, GOOD, MATERIAL, Suggestion, alike, material
 from estimator.missing_effect.wrong_input import Mislabel, mislabel
 from estimator.model import Model
+from estimator.sensitivity.objective import GOOD_K, GOOD_UM
 from estimator.work import Runs
 
 EXPLAINS = 0.95  # of what a new fit of all parameters gains, that one effect alone may stand for ...
@@ -64,7 +65,7 @@ class Search:
         self.runs.progress("fitting the model again", 0.05)
         again = self._refined([], True)
         self.runs.progress("screening the catalogue", 0.15)
-        found = screen(self.model, self.wide, self.candidates, self.trials, self.loose)
+        found = screening(self.model, self.wide, self.candidates, self.trials, self.loose)
         self.runs.progress("fitting the best effects", 0.4)
         fitted = self._fitted(found)
         before = min(as_given, again, key=lambda h: h.misfit)
@@ -73,10 +74,10 @@ class Search:
         self.runs.progress("looking for a wrong input", 0.75)
         wrong = self._wrong(before, min(best, pair[1]))
         self.runs.progress("looking for something unknown", 0.85)
-        stranger = self._stranger(min(before.misfit, best, pair[1]))
-        return self._verdict(as_given, again, fitted, pair, wrong, stranger, found)
+        unexplained = self._unexplained(min(before.misfit, best, pair[1]))
+        return self._verdict(as_given, again, fitted, pair, wrong, unexplained, found)
 
-    def _fitted(self, found: Screen) -> list[Hypothesis]:
+    def _fitted(self, found: Screening) -> list[Hypothesis]:
         """The best effects of the screen, fitted in full, best first; each in the way that predicts better."""
         tried = []
         for refit in (False, True):
@@ -95,7 +96,7 @@ class Search:
         only = [*self.loose, *also]
         return refined(self.model, self.trials, added, refit, first, only)
 
-    def _pair(self, found: Screen) -> tuple[tuple[str, ...], float]:
+    def _pair(self, found: Screening) -> tuple[tuple[str, ...], float]:
         """The best two effects together, and their misfit; no names where there are none."""
         seats = {s.candidate.name: s.candidate for refit in (True, False) for s in found.best(refit)[: 2 * REFINED]}
         own = [Column(self.wide, path) for path in self.model.free()]
@@ -124,12 +125,12 @@ class Search:
         least = min(known, key=lambda m: m.judged.misfit)
         return least if least.judged.misfit < min(MATERIAL * before.misfit, best / ALIKE) else None
 
-    def _stranger(self, best: float) -> Screened | None:
+    def _unexplained(self, best: float) -> Screened | None:
         """What explains clearly more than the best effects, and is in no catalogue."""
         if best <= GOOD:
             return None
         wide, unknown = candidates(self.model, self.runs.rig, [UnknownHeat, UnknownBodyHeat, UnknownReading])
-        found = screen(self.model, wide, unknown, self.trials, self.loose)
+        found = screening(self.model, wide, unknown, self.trials, self.loose)
         both = [(one, refit) for refit in (False, True) for one in found.best(refit)[:1]]
         if not both:
             return None
@@ -139,7 +140,7 @@ class Search:
 
     def _verdict(
         self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis],
-        pair: tuple[tuple[str, ...], float], wrong: Mislabel | None, stranger: Screened | None, screened: Screen,
+        pair: tuple[tuple[str, ...], float], wrong: Mislabel | None, unexplained: Screened | None, screened: Screening,
     ) -> Suggestion:  # fmt: skip
         two = pair[0] if fitted and pair[1] < MATERIAL * fitted[0].misfit else ()
         if two and not set(two) & {fitted[0].names[0]}:
@@ -148,7 +149,7 @@ class Search:
         far = self._far(wrong.judged if wrong else min(as_given, again, key=lambda h: h.misfit).judged)
         if wrong is not None:
             verdict = "input_error"
-        elif stranger is not None:
+        elif unexplained is not None:
             verdict = "nothing_in_catalogue"
         else:
             few = self._few(as_given, again, fitted, screened)
@@ -158,7 +159,7 @@ class Search:
         verdict = "tie" if len(tie) > 1 else verdict
         rest = [h for h in fitted if h.names[0] not in {each.names[0] for each in found}]
         tied = tie if verdict == "tie" else ()
-        return Suggestion(verdict, (*found, *rest), tied, as_given, again, two, wrong, stranger, far)
+        return Suggestion(verdict, (*found, *rest), tied, as_given, again, two, wrong, unexplained, far)
 
     def _far(self, judged: Judged) -> bool:
         """Whether a model is so far off that something must be missing."""
@@ -167,7 +168,7 @@ class Search:
         return bool(judged.heat_K > FAR * heat or judged.length_um > FAR * length)
 
     def _few(
-        self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis], screened: Screen
+        self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis], screened: Screening
     ) -> list[Hypothesis]:  # fmt: skip
         """Effects, in the model or not, one of which alone explains nearly all that fitting all parameters again gains.
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.missing_effect.hypothesis import Hypothesis
-from estimator.missing_effect.screen import Screened
+from estimator.missing_effect.screening import Screened
 from estimator.missing_effect.wrong_input import Mislabel
 
 MATERIAL = 0.89  # an effect leaves at most this share of the misfit, or it is not missing; ...
@@ -18,7 +18,7 @@ MATERIAL_REFIT = 0.85  # ... this share where all parameters are fitted again be
 ALONE = 0.5  # the same where there is one recording, and none can be left out
 MATERIAL_K, MATERIAL_UM = 0.016, 0.12  # ... and takes at least so much off one of the errors
 ALIKE = 1.04  # a misfit within this of the best is as good
-GOOD = 1.3  # a misfit that is good enough not to look for strangers
+GOOD = 1.3  # a misfit that is good enough not to look for what is unknown
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Suggestion:
     """The verdict and what it rests on.
 
     verdict  "effect", "tie", "input_error", "nothing_missing", or "nothing_in_catalogue": something unknown explains
-             it (`stranger`), or nothing does, and the model is far off
+             it (`unexplained`), or nothing does, and the model is far off
     found    hypotheses with an effect each, best first;  tie: names that these recordings cannot tell apart
     as_given, again  the model without them, as it is and fitted again
     pair     two effects together, where they explain clearly more than one
@@ -40,7 +40,7 @@ class Suggestion:
     again: Hypothesis
     pair: tuple[str, ...] = ()
     wrong_input: Mislabel | None = None
-    stranger: Screened | None = None
+    unexplained: Screened | None = None
     far: bool = False
 
     @property

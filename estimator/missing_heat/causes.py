@@ -33,7 +33,7 @@ class Cause:
 
 
 @dataclass(frozen=True)
-class Measured:
+class Averages:
     """Averages y (N,) of one recording with covariance `known` (N, N) of what has no size to be found, and causes."""
 
     y: Array
@@ -42,14 +42,14 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Solved:
+class Inverted:
     """S^-1 (N, N) and S^-1 y (N,)."""
 
     inverse: Array
     pull: Array
 
 
-def solved(measured: Measured, sizes: Mapping[str, float]) -> Solved:
+def inverted(measured: Averages, sizes: Mapping[str, float]) -> Inverted:
     """Invert the covariance that these sizes give."""
     S = measured.known.copy()
     for name, cause in measured.causes.items():
@@ -62,11 +62,11 @@ def solved(measured: Measured, sizes: Mapping[str, float]) -> Solved:
         raise np.linalg.LinAlgError("the covariance of the misfits is not positive definite")
     inverse = dpotri(upper)[0]
     inverse = np.triu(inverse) + np.triu(inverse, 1).T
-    return Solved(inverse, inverse @ measured.y)
+    return Inverted(inverse, inverse @ measured.y)
 
 
 def most_likely(
-    found: Sequence[Measured], start: Mapping[str, float], least: Mapping[str, float], workers: Workers = map
+    found: Sequence[Averages], start: Mapping[str, float], least: Mapping[str, float], workers: Workers = map
 ) -> dict[str, float]:
     """Sizes of the causes, common to all recordings, from `start` on and never below `least`."""
     sizes = dict(start)
@@ -85,9 +85,9 @@ def most_likely(
     return sizes
 
 
-def _pulls(measured: Measured, sizes: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+def _pulls(measured: Averages, sizes: Mapping[str, float]) -> dict[str, tuple[float, float]]:
     """a' C a and tr(S^-1 C) of each cause."""
-    now = solved(measured, sizes)
+    now = inverted(measured, sizes)
     found = {}
     for name, cause in measured.causes.items():
         pull = now.pull[cause.rows]

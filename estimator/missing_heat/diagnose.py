@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.accuracy.floor import Error, noise_floor
 from estimator.accuracy.horizon import errors
+from estimator.accuracy.noise_floor import Error, noise_floor
 from estimator.accuracy.quality import ChannelQuality, quality
 from estimator.batch.trials import trials_of
 from estimator.inputs.phase import turns

@@ -15,7 +15,7 @@ from math import erfc
 
 import numpy as np
 
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 from estimator.inputs.follower import ALWAYS, RATE, Follower, followers
 from estimator.missing_heat.missing_heat import ALL, MissingHeat
 from estimator.record import Array

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.batch.trial import Posed, Trial, open_loop_misfit
+from estimator.batch.open_loop import open_loop_misfit
+from estimator.batch.trial import Posed, Trial
 from estimator.batch.trials import slow_trial
 from estimator.missing_heat.blocks import Blocks, blocks
 from estimator.missing_heat.zones import Zone, heat_of, zones

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.missing_heat.blocks import ALIKE_S, Blocks
-from estimator.missing_heat.causes import Cause, Measured, Solved, most_likely, solved
+from estimator.missing_heat.causes import Averages, Cause, Inverted, inverted, most_likely
 from estimator.missing_heat.misfit import Misfit
 from estimator.missing_heat.zones import Zone, alike
 from estimator.record import Array
@@ -99,7 +99,7 @@ def _priors(found: Misfit) -> dict[str, Array]:
     return {name: np.kron(time, alike(found.zones)) for name, time in zip(HEATS, in_time, strict=True)}
 
 
-def _measured(found: Misfit) -> Measured:
+def _measured(found: Misfit) -> Averages:
     trial = found.trial
     known = np.diag(found.variance)
     for channel in trial.floating:
@@ -114,7 +114,7 @@ def _measured(found: Misfit) -> Measured:
     for channel in np.unique(found.channel):
         kinds = KINDS if heat[channel] else KINDS[:2]
         causes |= _errors(found, names[channel], np.flatnonzero(found.channel == channel), kinds)
-    return Measured(found.y, known, causes)
+    return Averages(found.y, known, causes)
 
 
 def _errors(found: Misfit, name: str, rows: Array, kinds: Sequence[str]) -> dict[str, Cause]:
@@ -134,8 +134,8 @@ def moved(found: Misfit) -> Array:
     return np.asarray(np.bincount(found.blocks.bin_of_tick, after) / np.bincount(found.blocks.bin_of_tick))
 
 
-def _answer(found: Misfit, measured: Measured, sizes: Mapping[str, float]) -> MissingHeat:
-    now = solved(measured, sizes)
+def _answer(found: Misfit, measured: Averages, sizes: Mapping[str, float]) -> MissingHeat:
+    now = inverted(measured, sizes)
     prior = np.sum([sizes[name] ** 2 * one for name, one in _priors(found).items()], axis=0)
     seen = found.A @ prior
     mean = (seen.T @ now.pull).reshape(len(found.blocks), len(found.zones))
@@ -145,7 +145,7 @@ def _answer(found: Misfit, measured: Measured, sizes: Mapping[str, float]) -> Mi
 
 
 def _error(
-    found: Misfit, name: str, measured: Measured, sizes: Mapping[str, float], now: Solved
+    found: Misfit, name: str, measured: Averages, sizes: Mapping[str, float], now: Inverted
 ) -> ReadingError | None:  # fmt: skip
     """A reading's error in each bin, of all kinds together; None where it was not read."""
     own = {cause: measured.causes[cause] for kind in KINDS if (cause := f"{kind} {name}") in measured.causes}

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 from estimator.inputs.follower import ALWAYS
 from estimator.inputs.phase import PHASES
 from estimator.missing_heat.follows import Follows

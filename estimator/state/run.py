@@ -72,7 +72,7 @@ def begin(model: Model, rig: Rig, recording: Recording, mute: Mute, keep: int | 
     tick, start = begun
     sample, forcing = recording.sample(tick), Forcing(model, rig, start, keep=keep)
     readings, place = forcing.readings, forcing.place
-    if not np.isfinite(readings.sd[np.isin(rig.names, rig.thermometers)]).any():
+    if not np.isfinite(readings.sd[rig.is_thermometer]).any():
         raise SetupError(f"{model.name}: no effect reads a thermometer; add [thermometers] or one with a Read")
     offset = forcing.ticks(forcing.read(recording.rows(slice(tick, tick + 1)))).offset[0]
     mean, cov = prior(start, forcing.terms, place, sample.inputs)

@@ -10,7 +10,7 @@ import pytest
 
 from ballscrew.report.tune_report import sentences
 from drivers.recordings import read_recording
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 from estimator.accuracy.quality import ChannelQuality, innovations, overall
 from estimator.batch.trial import Trial
 from estimator.fit.tune import Level, Tuned

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ballscrew.report.fit_report import worse
-from estimator.accuracy.floor import Error
 from estimator.accuracy.horizon import errors
+from estimator.accuracy.noise_floor import Error
 from estimator.batch.coarse import coarse
 from estimator.batch.trial import Trial
 from estimator.effect import Effect, Param

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials
 from estimator.effect import Effect, Param
-from estimator.fit.climb import ENOUGH, Climb, bounded_step, corrected, positive
 from estimator.fit.fit import fit
+from estimator.fit.optimiser import ENOUGH, Optimiser, bounded_step, corrected, positive
 from estimator.fit.posterior import Coordinate, Posterior
 from estimator.model import Model
 from estimator.record import Array
@@ -236,28 +236,28 @@ def test_the_information_of_a_noise_level_at_its_upper_bound(model, trials):
     assert information_at(0.5) == pytest.approx(information_at(0.48), rel=0.2)
 
 
-# --- the climb
+# --- the optimiser
 
 
 @pytest.fixture(scope="module")
-def top(posterior) -> Climb:
-    climb = Climb(posterior)
-    climb.run()
-    return climb
+def top(posterior) -> Optimiser:
+    optimiser = Optimiser(posterior)
+    optimiser.run()
+    return optimiser
 
 
 @pytest.fixture(scope="module")
 def summit(top, model, trials) -> float:
-    """The highest there is: of a second climb from where the first one ended."""
-    again = Climb(Posterior(top.posterior.at(top.c), Trials(trials), FREE))
+    """The highest there is: of a second optimiser from where the first one ended."""
+    again = Optimiser(Posterior(top.posterior.at(top.c), Trials(trials), FREE))
     again.run()
     return again.value
 
 
-def left(climb: Climb) -> float:
-    """What a step by the information at the climb's end would gain."""
-    slope = climb.posterior.slope(climb.c)[1]
-    return float(0.5 * slope @ np.linalg.solve(positive(climb.posterior.information(climb.c).whole), slope))
+def left(optimiser: Optimiser) -> float:
+    """What a step by the information at the optimiser's end would gain."""
+    slope = optimiser.posterior.slope(optimiser.c)[1]
+    return float(0.5 * slope @ np.linalg.solve(positive(optimiser.posterior.information(optimiser.c).whole), slope))
 
 
 def test_a_climb_ends_inside_the_bounds_where_the_slope_is_next_to_nothing(top, posterior):
@@ -284,12 +284,12 @@ def test_it_ends_higher_than_the_truth_and_not_far_from_it(summit, top, posterio
 
 def test_every_step_is_heard_and_higher_than_the_one_before(posterior, top):
     heard = []
-    climb = Climb(posterior, lambda n, value: heard.append((n, value)))
-    climb.run()
+    optimiser = Optimiser(posterior, lambda n, value: heard.append((n, value)))
+    optimiser.run()
     steps, values = zip(*heard, strict=True)
-    assert list(steps) == list(range(1, climb.steps + 1))
-    assert (np.diff([climb.first, *values]) > 0).all()
-    assert values[-1] == climb.value == top.value
+    assert list(steps) == list(range(1, optimiser.steps + 1))
+    assert (np.diff([optimiser.first, *values]) > 0).all()
+    assert values[-1] == optimiser.value == top.value
 
 
 @pytest.mark.parametrize(
@@ -305,12 +305,12 @@ def test_every_step_is_heard_and_higher_than_the_one_before(posterior, top):
     ids=lambda bad: ", ".join(f"{path} {value}" for path, value in bad.items()),
 )
 def test_it_climbs_there_from_a_bad_start(bad, model, trials, summit):
-    climb = Climb(Posterior(model.with_values(bad), Trials(trials), FREE))
-    climb.run()
-    assert climb.converged
-    assert climb.first < summit - 20
-    assert summit - climb.value < 6 * ENOUGH
-    assert left(climb) < 6 * ENOUGH
+    optimiser = Optimiser(Posterior(model.with_values(bad), Trials(trials), FREE))
+    optimiser.run()
+    assert optimiser.converged
+    assert optimiser.first < summit - 20
+    assert summit - optimiser.value < 6 * ENOUGH
+    assert left(optimiser) < 6 * ENOUGH
 
 
 def test_it_stops_at_a_bound_and_never_leaves_them(small, model, drive, live):
@@ -318,14 +318,14 @@ def test_it_stops_at_a_bound_and_never_leaves_them(small, model, drive, live):
     posterior = Posterior(model, Trials([Trial(model, small, hot)]), ["nut_friction.power", "thermometers.tau"])
     seen, at = [], posterior.at
     with mock.patch.object(posterior, "at", lambda c: seen.append(c.copy()) or at(c)):
-        climb = Climb(posterior)
-        climb.run()
+        optimiser = Optimiser(posterior)
+        optimiser.run()
     lo, hi = posterior.bounds
     assert (np.array(seen) > lo - 1e-9).all()
     assert (np.array(seen) < hi + 1e-9).all()
-    assert climb.converged
-    assert at(climb.c)["nut_friction.power"] == pytest.approx(300.0, abs=1e-6)
-    assert posterior.slope(climb.c)[1][0] > 1  # higher still, but for the bound
+    assert optimiser.converged
+    assert at(optimiser.c)["nut_friction.power"] == pytest.approx(300.0, abs=1e-6)
+    assert posterior.slope(optimiser.c)[1][0] > 1  # higher still, but for the bound
 
 
 def test_ctrl_c_between_steps_leaves_the_best_so_far(posterior, top):
@@ -333,29 +333,29 @@ def test_ctrl_c_between_steps_leaves_the_best_so_far(posterior, top):
         if n == 2:
             raise KeyboardInterrupt
 
-    climb = Climb(posterior, interrupt)
-    climb.run()
-    assert climb.stopped
-    assert not climb.converged
-    assert climb.steps == 2
-    assert climb.first < climb.value < top.value
-    assert climb.value == posterior.value(climb.c)
+    optimiser = Optimiser(posterior, interrupt)
+    optimiser.run()
+    assert optimiser.stopped
+    assert not optimiser.converged
+    assert optimiser.steps == 2
+    assert optimiser.first < optimiser.value < top.value
+    assert optimiser.value == posterior.value(optimiser.c)
 
 
 def test_ctrl_c_within_a_step_leaves_the_one_before(model, trials):
     posterior = Posterior(model, Trials(trials), FREE)
-    climb, real = Climb(posterior), posterior.slope
+    optimiser, real = Optimiser(posterior), posterior.slope
 
     def interrupted(c: Array) -> tuple[float, Array]:
-        if climb.steps == 2:
+        if optimiser.steps == 2:
             raise KeyboardInterrupt
         return real(c)
 
     with mock.patch.object(posterior, "slope", interrupted):
-        climb.run()
-    assert climb.stopped
-    assert climb.steps == 2
-    assert climb.first < climb.value == posterior.value(climb.c)
+        optimiser.run()
+    assert optimiser.stopped
+    assert optimiser.steps == 2
+    assert optimiser.first < optimiser.value == posterior.value(optimiser.c)
 
 
 def test_ctrl_c_in_the_second_search_of_a_fit_is_told(small, model, trials):

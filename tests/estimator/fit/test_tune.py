@@ -9,7 +9,7 @@ from unittest import mock
 import numpy as np
 import pytest
 
-from estimator.accuracy.floor import Error, missing_physics, noise_floor
+from estimator.accuracy.noise_floor import Error, missing_physics, noise_floor
 from estimator.batch.coarse import coarse
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials

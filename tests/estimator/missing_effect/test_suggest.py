@@ -17,7 +17,7 @@ from estimator.missing_effect.improve import improve
 from estimator.missing_effect.moments import Column, moments
 from estimator.missing_effect.next_run import next_run
 from estimator.missing_effect.panel import Panel
-from estimator.missing_effect.screen import screen
+from estimator.missing_effect.screening import screening
 from estimator.missing_effect.stand_ins import UnknownHeat
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import Suggestion
@@ -147,7 +147,7 @@ def test_a_change_stays_inside_its_bounds(panel):
 def test_the_screen_puts_the_planted_place_first(plain, bar, lives):
     runs = lives(with_effect(plain, "local_heat", power=2.0, at=150.0))
     wide, found = candidates(plain, bar, CATALOGUE.values())
-    best = screen(plain, wide, found, slow_trials_of(wide, Runs(bar, runs))).best(refit=False)[0]
+    best = screening(plain, wide, found, slow_trials_of(wide, Runs(bar, runs))).best(refit=False)[0]
     assert best.candidate.name == "local_heat"
     assert best.candidate.at["local_heat.at"] == pytest.approx(150.0, abs=20.0)
     assert best.first_stay["local_heat.power"] == pytest.approx(2.0, rel=0.3)
@@ -196,7 +196,7 @@ def test_what_no_catalogue_has_is_placed_and_followed(plain, bar, lives):
     follows = followers(bar).index(REST)
     found = search(plain, bar, lives(with_effect(plain, "unknown_heat", power=4.0, at=60.0, follows=follows)))
     assert found.verdict == "nothing_in_catalogue"
-    at = found.stranger.candidate.at
+    at = found.unexplained.candidate.at
     assert at["unknown_heat.at"] == pytest.approx(60.0, abs=30.0)
     assert at["unknown_heat.follows"] == follows
 
@@ -247,7 +247,7 @@ def test_what_an_earlier_step_added_moves_with_the_next(plain, bar, lives):
     bent = with_effect(plain, "churning", share=0.6)
     wide, seats = candidates(bent, bar, [CATALOGUE["local_heat"]])
     trials = slow_trials_of(wide, Runs(bar, lives(truth)))
-    held, moved = (screen(bent, wide, seats, trials, loose=loose) for loose in ((), ("churning.share",)))
+    held, moved = (screening(bent, wide, seats, trials, loose=loose) for loose in ((), ("churning.share",)))
     assert moved.stay.misfit < held.stay.misfit
     best = moved.best(refit=False)[0]
     assert best.stay.misfit < 0.5 * held.best(refit=False)[0].stay.misfit

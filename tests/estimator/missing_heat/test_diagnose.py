@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.accuracy.floor import Error
+from estimator.accuracy.noise_floor import Error
 from estimator.batch.coarse import coarse
 from estimator.effect import Effect, Param
 from estimator.inputs.follower import ALWAYS, known_followers

@@ -20,7 +20,7 @@ STEPS = 40
 HALVINGS = 12
 
 
-class Climb:
+class Optimiser:
     """The way up a log posterior; may be stopped by Ctrl-C at any time and then stands at the best place so far.
 
     after_step  hears how many steps were made and the log posterior there
@@ -36,11 +36,11 @@ class Climb:
     def run(self) -> None:
         """Step until nothing is gained."""
         try:
-            self._climb()
+            self._optimise()
         except KeyboardInterrupt:
             self.stopped = True
 
-    def _climb(self) -> None:
+    def _optimise(self) -> None:
         posterior = self.posterior
         self.value, slope = posterior.slope(self.c)
         self.first = self.value

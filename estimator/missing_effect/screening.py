@@ -44,7 +44,7 @@ class Screened:
 
 
 @dataclass(frozen=True)
-class Screen:
+class Screening:
     """The model alone, as it is and with its own parameters fitted again, and all candidates, best seats only.
 
     own  what each of the model's own parameters explains alone, by its path
@@ -63,9 +63,9 @@ class Screen:
         return list(best.values())
 
 
-def screen(
+def screening(
     model: Model, wide: Model, candidates: Sequence[Candidate], trials: Trials, loose: Collection[str] = ()
-) -> Screen:
+) -> Screening:
     """Screen candidates of a model; `wide` is the model with all of them at their nulls.
 
     loose  the model's own parameters that move although the others stay
@@ -83,7 +83,7 @@ def screen(
         wider = Panel([*own, *columns], moments(trials, wide, [*own, *columns]))
         found += _screened(group, anyhow, len(own), wider)
     singly = {column.path: panel.judge(sorted({*anyhow, i})) for i, column in enumerate(own)}
-    return Screen(alone, again, singly, tuple(found))
+    return Screening(alone, again, singly, tuple(found))
 
 
 def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:

@@ -1,4 +1,4 @@
-"""What a good model leaves, what the sensors alone leave, and when an error is far above both."""
+"""What the sensors alone leave of an error, and when an error is far above it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ import numpy as np
 from estimator.batch.trial import Trial
 from estimator.model import Model
 
-GOOD_K, GOOD_UM = 0.05, 0.2
-BLOCK_S = 600.0
 FAR = 3.0  # an open-loop error this many times the noise floor is missing physics
 
 

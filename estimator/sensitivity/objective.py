@@ -1,0 +1,48 @@
+"""What an open-loop misfit weighs and how it moves with a parameter: one least-squares objective for every search.
+
+    sum over runs, ticks, channels of w (misfit / s)^2  +  sum over parameters of ((p - p0) / sd)^2
+
+s is the misfit that a good model leaves, not the sensors' scatter: such a misfit stays alike for minutes, so that a
+block of ten minutes weighs as much as one independent reading. It spans many thermometers as well, so that all of them
+together weigh as much as one. Else what they have in common would overrun every table value, and temperatures a
+thousandth of a kelvin closer outweigh an elongation twice as far off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from estimator.batch.open_loop import where_measured
+from estimator.batch.trial import Posed, Trial
+from estimator.effect import Param
+from estimator.model import Model
+from estimator.record import Array
+from estimator.rig import Rig
+from estimator.sensitivity.sensitivity import nominal_column
+from estimator.sensitivity.tangent import tangent
+
+GOOD_K, GOOD_UM = 0.05, 0.2  # s of a thermometer, of the displacement
+BLOCK_S = 600.0
+
+
+def good(rig: Rig) -> Array:
+    """s: the misfit of each channel that a good model leaves, K or um, (m,)."""
+    return np.where(rig.is_thermometer, GOOD_K, GOOD_UM)
+
+
+def weights(rig: Rig) -> Array:
+    """w: what one reading of each channel counts, in independent readings, (m,)."""
+    heat = rig.is_thermometer
+    return np.where(heat, 1.0 / max(heat.sum(), 1), 1.0) * rig.tick_s / BLOCK_S
+
+
+def reading_slope(trial: Trial, posed: Posed, model: Model, path: str) -> Array:
+    """d(open-loop reading)/dp where measured, unknown zeros taken out, (T, m): what takes off the misfit."""
+    return where_measured(nominal_column(trial, posed, tangent(trial, posed, model, path)).reading, trial)
+
+
+def prior_roots(params: Iterable[Param]) -> Array:
+    """1 / sd of each parameter's prior, (p,); 0 for none."""
+    return np.array([1 / param.sd if param.sd else 0.0 for param in params])
