@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from graphlib import TopologicalSorter
@@ -72,6 +73,20 @@ def test_no_folder_is_a_hall():
     for folder in {path.parent for path in FILES}:
         inside = [path for path in folder.glob("*.py") if path.name != "__init__.py"]
         assert len(inside) <= MOST_FILES.get(folder.name, 12), f"{name(folder)} has {len(inside)} files"
+
+
+def test_every_folder_says_at_its_door_which_files_it_has():
+    for door in FILES:
+        if door.name == "__init__.py" and door.parent.name != "recordings":
+            said = ast.get_docstring(ast.parse(door.read_text(encoding="utf-8")))
+            named = set(re.findall(r"\w+", said))
+            inside = {path.stem for path in door.parent.glob("*.py")} - {"__init__", "__main__"}
+            assert inside <= named, f"{name(door)} does not name {', '.join(sorted(inside - named))}"
+
+
+@pytest.mark.parametrize("command", ["review", "fit", "tune", "compare", "diagnose", "suggest", "improve"])
+def test_the_engine_of_a_command_has_its_name(command):
+    assert len(list(ROOT.glob(f"estimator/*/{command}.py"))) == 1
 
 
 def test_the_corridor_loads_no_compiler_and_no_pictures():

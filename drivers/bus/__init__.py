@@ -1,1 +1,1 @@
-"""A bus: who listens, who shares it, who sends."""
+"""A bus: who listens, who shares it, who sends: bus, receiver, rig_time, stamp, missing, publisher, hub."""

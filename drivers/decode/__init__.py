@@ -1,1 +1,1 @@
-"""Frames into ticks."""
+"""Frames into ticks: decode, dbc, sources, checks, scan, drive, condense, clock, ticks."""

@@ -1,1 +1,1 @@
-"""Every frame of a bus, on the disk."""
+"""Every frame of a bus, on the disk: recorder, part, folder_lock."""

@@ -1,1 +1,4 @@
-"""How far an estimate or a prediction is from what was measured."""
+"""How far an estimate or a prediction is from what was measured.
+
+In the order to read them: accuracy, review, compare, horizon, blind, quality, displacement, polyline, noise_floor.
+"""

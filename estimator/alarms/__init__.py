@@ -1,1 +1,1 @@
-"""Where rig and model part, and whether the estimate is to be trusted."""
+"""Where rig and model part, and whether the estimate is to be trusted: alarms, window, trust."""

@@ -1,1 +1,1 @@
-"""What every effect must pass."""
+"""What every effect must pass: battery, bench, exercise."""

@@ -1,4 +1,7 @@
-"""The catalogue of effects, one file per place on the rig."""
+"""The catalogue of effects, one file per place on the rig.
+
+In the order to read them: screw, nut, bearings, friction, air, surroundings, local, readings, length.
+"""
 
 from __future__ import annotations
 

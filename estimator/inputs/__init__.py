@@ -1,1 +1,1 @@
-"""The inputs u over time, and what a run does: it moves, starts, rests."""
+"""The inputs u over time, and what a run does: it moves, starts, rests: inputs, motion, start, phase, follower."""

@@ -1,1 +1,1 @@
-"""Terms into a thermal network, and the network into one tick."""
+"""Terms into a thermal network, and the network into one tick: mesh, assemble, discretise, regime, forcing, check."""

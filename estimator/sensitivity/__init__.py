@@ -1,1 +1,1 @@
-"""How everything moves with a parameter: columns, and the score."""
+"""How everything moves with a parameter: columns, and the score: tangent, sensitivity, score, objective."""

@@ -1,1 +1,1 @@
-"""Views of recordings."""
+"""Views of recordings: recorded, run, layout, accuracy, happened."""

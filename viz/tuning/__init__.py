@@ -1,1 +1,1 @@
-"""Views of a tuning."""
+"""Views of a tuning: tuning, tuned, layout, figures."""

@@ -1,1 +1,1 @@
-"""What goes over the bus and into files."""
+"""What goes over the bus and into files: frames, recording, player."""

@@ -1,1 +1,1 @@
-"""What heats, moves and grows."""
+"""What heats, moves and grows: heat, flows, screw, nut, bearings, air, heaters, weather, motion, geometry, planted."""

@@ -1,1 +1,1 @@
-"""What measures it, with its errors."""
+"""What measures it, with its errors: telemeter, probes, jig, environment, drive, truth."""
