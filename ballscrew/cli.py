@@ -8,7 +8,7 @@ import sys
 
 import click
 
-from ballscrew.options import each_named, json_apart
+from ballscrew.options import all_named, json_apart
 from ballscrew.terminal import INTERRUPTED
 from estimator.errors import BallscrewError
 
@@ -64,7 +64,7 @@ def main() -> None:
     debug = "--debug" in sys.argv
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads cost more than they save on 30 states
     try:
-        status = root.main(each_named(json_apart(sys.argv[1:])), standalone_mode=False)
+        status = root.main(all_named(json_apart(sys.argv[1:])), standalone_mode=False)
     except click.ClickException as error:
         error.show()
         status = 2

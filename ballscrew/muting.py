@@ -39,11 +39,7 @@ def muted(
     recording: Recording, rig: Rig, thermometers: Sequence[str] | None, no_displacement: bool, spans: Sequence[str]
 ) -> Mute:
     """What not to fuse in this recording, as the filter asks for it: by time, (m,) bool."""
-    always = np.zeros(len(rig.names), dtype=bool)
-    if thermometers is not None:
-        always |= _named("telemeter", rig) & ~np.isin(rig.names, list(thermometers))
-    if no_displacement:
-        always |= _named("displacement", rig)
+    always = never_fused(rig, thermometers, no_displacement)
     parsed = [_span(span, recording, rig) for span in spans]
 
     def mute(time_s: float) -> np.ndarray:
@@ -54,6 +50,12 @@ def muted(
         return now
 
     return mute
+
+
+def never_fused(rig: Rig, thermometers: Sequence[str] | None, no_displacement: bool) -> np.ndarray:
+    """Channels not to fuse at any time, (m,) bool: thermometers that were not chosen, and the displacement."""
+    kept = rig.thermometers if thermometers is None else thermometers
+    return ~np.isin(rig.names, list(kept)) & (rig.is_thermometer | no_displacement)
 
 
 def _span(text: str, recording: Recording, rig: Rig) -> tuple[np.ndarray, float, float]:
@@ -79,10 +81,10 @@ def _named(name: str, rig: Rig) -> np.ndarray:
 def _time(word: str, text: str, recording: Recording) -> float:
     """Seconds from the first sample, or the end of the n-th drive."""
     if word.startswith("stop") and word[4:].isdigit():
-        found = stops(recording)
-        if not 1 <= int(word[4:]) <= len(found):
-            raise SetupError(f"--mute {text}: {recording.name} has {len(found)} stops")
-        return found[int(word[4:]) - 1]
+        known = stops(recording)
+        if not 1 <= int(word[4:]) <= len(known):
+            raise SetupError(f"--mute {text}: {recording.name} has {len(known)} stops")
+        return known[int(word[4:]) - 1]
     try:
         return float(word) + float(recording.time_s[0])
     except ValueError:

@@ -30,7 +30,7 @@ def json_apart(arguments: Sequence[str]) -> list[str]:
     return apart
 
 
-def each_named(arguments: Sequence[str]) -> list[str]:
+def all_named(arguments: Sequence[str]) -> list[str]:
     """`--held-out A B C` means all three: every word up to the next option is named by the option before it."""
     named: list[str] = []
     option = ""
@@ -134,13 +134,27 @@ def bus_options(command: Callable[..., Any]) -> Callable[..., Any]:
     )(with_bus)
 
 
+def workspace_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The terminal's options on a command with `recordings_options`, which gets `work`: its logs are to be read."""
+
+    @terminal_options
+    @wraps(command)
+    def with_workspace(terminal: Terminal, logs: Sequence[Path], rig_path: Any, model_path: Any, **given: Any) -> Any:
+        from ballscrew.workspace import open_workspace  # the estimator takes a while to import
+
+        return command(open_workspace(terminal, logs, rig_path, model_path), **given)
+
+    return with_workspace
+
+
 logs_argument = click.argument(
     "logs", nargs=-1, required=True, type=click.Path(path_type=Path, readable=False), metavar="LOG..."
 )
-rig_options = stacked(
+rig_options = stacked(  # --rig and --model
     rig_option(f"Rig folder; {NEAREST_RIG}"),
     click.option("--model", "model_path", type=PATH, help="Model TOML; else the rig folder's model.toml."),
 )
+recordings_options = stacked(logs_argument, rig_options)
 save_option = output_file("--save", "rrd", metavar="OUT.rrd", help="Write the views as a rerun file.")
 view_option = click.option("--view", is_flag=True, help="Open the views in the rerun viewer, where there is a screen.")
 channels_option = click.option(

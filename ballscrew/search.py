@@ -44,13 +44,14 @@ def effects_to_try(work: Workspace, own: Sequence[str]) -> list[Named]:
     return [*(Named(effect) for name, effect in CATALOGUE.items() if name not in mine), *mine.values()]
 
 
-def verdict_of(found: Suggestion, runs: Runs, held_out: Runs) -> Verdict:
+def verdict_of(suggestion: Suggestion, runs: Runs, held_out: Runs) -> Verdict:
     """What was found, with the run that decides a tie and the recordings held out."""
     run = None
-    if found.verdict == "tie" and len(found.tie) > 1:
+    if suggestion.verdict == "tie" and len(suggestion.tie) > 1:
         runs.progress("looking for the run that decides", 0.95)
-        rivals = [h for h in found.found if h.names[0] in found.tie][:2]
+        rivals = [h for h in suggestion.found if h.names[0] in suggestion.tie][:2]
         if len(rivals) == 2:
             run = next_run(rivals[0], rivals[1], runs)
-    models = [h.model for h in (found.as_given, found.again, *found.found)] if held_out.recordings else []
-    return Verdict(found, [open_loop_error(slow_trials_of(model, held_out), model) for model in models], run)
+    listed = (suggestion.as_given, suggestion.again, *suggestion.found) if held_out.recordings else ()
+    models = [h.model for h in listed]
+    return Verdict(suggestion, [open_loop_error(slow_trials_of(model, held_out), model) for model in models], run)

@@ -47,6 +47,7 @@ class Workspace:
     terminal: Terminal
     rig: Rig
     model: Model
+    logs: Sequence[Path] = ()
     loaded: list[Loaded] = field(default_factory=list)
     held_out: list[Loaded] = field(default_factory=list)
     failed: list[str] = field(default_factory=list)
@@ -67,12 +68,12 @@ class Workspace:
         """What the command ends with when all else went well."""
         return InputError.exit_code if self.failed else 0
 
-    def read(self, logs: Sequence[Path], held_out: Sequence[Path] = (), join: bool = False) -> None:
-        """Read recordings; ends the command where none can be used. One that is in both is held out.
+    def read(self, held_out: Sequence[Path] = (), join: bool = False) -> None:
+        """Read the logs; ends the command where none can be used. One that is in both is held out.
 
         `join`: the logs are parts of one recording.
         """
-        self.loaded, self.failed = load(logs, self.rig, self.terminal, join)
+        self.loaded, self.failed = load(self.logs, self.rig, self.terminal, join)
         if held_out:
             self.held_out, failed = load(held_out, self.rig, self.terminal)
             self.failed += failed
@@ -110,9 +111,9 @@ class Workspace:
 def open_workspace(
     terminal: Terminal, logs: Sequence[Path], rig_path: Path | None, model_path: Path | None
 ) -> Workspace:
-    """The rig and the model; recordings are still to be read."""
+    """The rig and the model; the logs are still to be read."""
     rig = open_rig(logs, rig_path, terminal)
-    return Workspace(terminal, rig, open_model(rig, model_path, terminal))
+    return Workspace(terminal, rig, open_model(rig, model_path, terminal), logs)
 
 
 def open_rig(logs: Sequence[Path], rig_path: Path | None, terminal: Terminal) -> Rig:

@@ -8,7 +8,7 @@ import click
 
 from ballscrew.options import NEAREST_RIG, PATH, logs_argument, rig_option, save_option, terminal_options
 from ballscrew.report.comparison_report import as_json, sections
-from ballscrew.report.page import print_sections
+from ballscrew.report.sections import print_sections
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_model, open_workspace
 from estimator.accuracy.compare import compare
@@ -37,15 +37,15 @@ def command(
     first, *others = model_paths or (None,)
     work = open_workspace(terminal, logs, rig_path, first)
     models = [work.model, *(open_model(work.rig, path, terminal) for path in others)]
-    work.read(logs)
+    work.read()
     terminal.say_if_compiling("passes", "ahead")
-    truths, found = [work.truth_of(one) for one in work.loaded], []
+    truths, comparisons = [work.truth_of(one) for one in work.loaded], []
     with work.runs("comparing", len(models)) as runs:
         for done, model in enumerate(models):
             runs.progress(model.name, done)
-            found.append(compare(model, runs, truths))
-    print_sections(terminal, tables := sections(found))
-    terminal.json({"models": [as_json(one) for one in found]})
+            comparisons.append(compare(model, runs, truths))
+    print_sections(terminal, tables := sections(comparisons))
+    terminal.json({"models": [as_json(one) for one in comparisons]})
     if rrd is not None:
         from ballscrew.report.comparison_views import save_views  # rerun takes half a second to import
 

@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from ballscrew.options import rig_option, terminal_options
 from ballscrew.own_effect.named import Named, named_effects
-from ballscrew.report.page import print_effect
+from ballscrew.own_effect.printed import as_json, print_effect
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_model, open_rig
 from estimator.battery.battery import Finding, battery
@@ -36,12 +36,12 @@ def command(terminal: Terminal, name: str | None, check: bool, rig_path: Path | 
         if check:
             raise SetupError("--check: of which effect? Name it: ballscrew effects NAME --check")
         _print_catalogue(terminal)
-        terminal.json({kind: {effect.name: _as_json(effect) for effect in kept} for kind, kept in KINDS.items()})
+        terminal.json({kind: {effect.name: as_json(effect) for effect in kept} for kind, kept in KINDS.items()})
         return 0
     found, told, failed = named_effects(name), {}, False
     for one in found:
         _print(terminal, one.effect)
-        told[one.effect.name] = _as_json(one.effect)
+        told[one.effect.name] = as_json(one.effect)
     if check:
         rig = open_rig([found[0].file] if found[0].file else [], rig_path, terminal)
         model = open_model(rig, None, terminal)
@@ -64,14 +64,6 @@ def _print_catalogue(terminal: Terminal) -> None:
 
 def _print(terminal: Terminal, effect: type[Effect]) -> None:
     print_effect(terminal, effect)
-    rows = []
-    for key, param in effect.params.items():
-        null = "" if param.null is None else f"{param.null:g}"
-        kind = "fixed" if param.fixed else ""
-        bounds = f"{param.lo:g} ... {param.hi:g}"
-        rows.append([f"    {key}", f"{param.value:g}", param.unit, bounds, null, kind, escape(param.source)])
-    if rows:
-        terminal.table([["    parameter", "value", "unit", "bounds", "null", "", "source"], *rows], prose=6)
     if effect.trace:
         terminal.say(f"    leaves: {effect.trace}")
     if effect.scales:
@@ -89,13 +81,3 @@ def _checked(terminal: Terminal, one: Named, model: Model, rig: Rig) -> list[Fin
     else:
         terminal.say(f"{one.use} passes all checks on {rig.name}")
     return findings
-
-
-def _as_json(effect: type[Effect]) -> dict[str, object]:
-    return {
-        "sentence": effect.sentence(),
-        "equation": effect.equation(),
-        "trace": effect.trace,
-        "scales": effect.scales,
-        "parameters": {key: vars(param) for key, param in effect.params.items()},
-    }

@@ -9,28 +9,26 @@ from pathlib import Path
 import click
 
 from ballscrew.options import (
-    logs_argument,
     model_output,
     output_file,
-    rig_options,
+    recordings_options,
     search_options,
-    terminal_options,
     view_option,
+    workspace_options,
 )
 from ballscrew.own_effect.named import Named
 from ballscrew.report.improvement_report import Outcome, as_json, print_steps, report, steps_section, titles
 from ballscrew.search import effects_to_try, verdict_of
-from ballscrew.terminal import INTERRUPTED, Terminal
+from ballscrew.terminal import INTERRUPTED
 from ballscrew.threads import threads
-from ballscrew.workspace import Workspace, open_workspace, runs_of
+from ballscrew.workspace import Workspace, runs_of
 from estimator.missing_effect.improve import Improvement, improve
 from estimator.model import Model
 from estimator.rig_folder.model_toml import save_model
 
 
 @click.command("improve")
-@logs_argument
-@rig_options
+@recordings_options
 @search_options
 @model_output("Write the best model here.")
 @output_file(
@@ -42,44 +40,43 @@ from estimator.rig_folder.model_toml import save_model
     help="Write the views, before and after, as a rerun file; default: beside MODEL.",
 )  # fmt: skip
 @view_option
-@terminal_options
+@workspace_options
 def command(
-    terminal: Terminal, logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None,
-    held_out: tuple[Path, ...], own: tuple[str, ...], out: Path, md: Path | None, rrd: Path | None, view: bool,
+    work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], out: Path, md: Path | None, rrd: Path | None,
+    view: bool,
 ) -> int:  # fmt: skip
     """Add the effects that are missing from the model, one at a time, until none makes all LOGs clearly better.
 
     Each step is judged by recordings left out; --held-out ones are never looked at, only reported. Writes the model, a
     report with pictures, and views before and after. Ctrl-C ends the search; the best model so far is written.
     """
-    work = open_workspace(terminal, logs, rig_path, model_path)
     effects = effects_to_try(work, own)
-    work.read(logs, held_out)
+    work.read(held_out)
     with work.runs("improving") as runs:
-        held_out = runs_of(work.rig, work.held_out, runs.workers)
-        found = improve(work.model, runs, held_out, [one.effect for one in effects])
-    after = _kept(found, effects, work, out.name)
+        kept_apart = runs_of(work.rig, work.held_out, runs.workers)
+        improvement = improve(work.model, runs, kept_apart, [one.effect for one in effects])
+    after = _kept(improvement, effects, work, out.name)
     save_model(after, out)
-    print_steps(terminal, found)
-    terminal.say(f"model: {out}")
-    terminal.json({**as_json(found), "model": str(out)})
-    if found.last is None:
-        terminal.say("stopped by Ctrl-C: the best so far was kept; no report")
+    print_steps(work.terminal, improvement)
+    work.terminal.say(f"model: {out}")
+    work.terminal.json({**as_json(improvement), "model": str(out)})
+    if improvement.last is None:
+        work.terminal.say("stopped by Ctrl-C: the best so far was kept; no report")
         return INTERRUPTED
     md, rrd = md or out.with_suffix(".md"), rrd or out.with_suffix(".rrd")
-    said = _drawn(work, found, after, own, md, rrd)
-    terminal.say(f"\n{said}\nreport: {md}")
-    terminal.show_views(rrd, view)
+    said = _drawn(work, improvement, after, own, md, rrd)
+    work.terminal.say(f"\n{said}\nreport: {md}")
+    work.terminal.show_views(rrd, view)
     return work.status
 
 
-def _kept(found: Improvement, effects: Sequence[Named], work: Workspace, name: str) -> Model:
+def _kept(improvement: Improvement, effects: Sequence[Named], work: Workspace, name: str) -> Model:
     """The best model under its new name, with where its own effects came from and what it was fitted to."""
-    best = replace(found.model, name=name)
+    best = replace(improvement.model, name=name)
     for one in effects:
         if one.effect.name in best.effects:
             best = one.used_by(best)
-    if len(found.steps) == 1:
+    if len(improvement.steps) == 1:
         return best
     fitted = dict(best.about.get("fitted_on", {}))
     for r in work.recordings:
@@ -88,18 +85,18 @@ def _kept(found: Improvement, effects: Sequence[Named], work: Workspace, name: s
     return replace(best, about={**best.about, "rig": work.rig.fingerprint(), "fitted_on": fitted})
 
 
-def _drawn(work: Workspace, found: Improvement, after: Model, own: Sequence[str], md: Path, rrd: Path) -> str:
+def _drawn(work: Workspace, improvement: Improvement, after: Model, own: Sequence[str], md: Path, rrd: Path) -> str:
     """Write the report and the views; the verdict in words."""
     from ballscrew.report import comparison_views as views  # rerun takes a while
 
-    assert found.last is not None
+    assert improvement.last is not None
     with work.terminal.progress("drawing before and after", None), threads() as workers:
-        verdict = verdict_of(found.last, runs_of(work.rig, work.loaded, workers), runs_of(work.rig, []))
-        out = Outcome(found, verdict, found.steps[0].model, after, work, own)
+        verdict = verdict_of(improvement.last, runs_of(work.rig, work.loaded, workers), runs_of(work.rig, []))
+        out = Outcome(improvement, verdict, improvement.steps[0].model, after, work, own)
         runs = views.compared(work.rig, out.models, [*work.loaded, *work.held_out], workers)
         used = len(work.loaded)
         runs[used:] = [replace(run, name=f"{run.name} held out") for run in runs[used:]]
-        steps = zip(titles(found.steps), found.steps, strict=True)
+        steps = zip(titles(improvement.steps), improvement.steps, strict=True)
         figures = views.error_bars([(title, step.cross_validated, step.held_out) for title, step in steps])
         pictures = views.write_pictures(md.with_suffix(""), runs, out.models, figures)
         md.write_text(report(out, pictures, workers))

@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
+from ballscrew.monitor.display import display, stop_asked
 from ballscrew.monitor.json_lines import json_lines
 from ballscrew.monitor.monitor import Monitor
 from ballscrew.monitor.session import Session
-from ballscrew.monitor.voice import stop_asked, voice
-from ballscrew.muting import chosen_thermometers
+from ballscrew.muting import chosen_thermometers, never_fused
 from ballscrew.options import (
     bus_options,
     channels_option,
@@ -37,7 +36,6 @@ from drivers.frames import Tally
 from drivers.received import Received
 from drivers.recorder.recorder import Recorder
 from estimator.rig import Rig
-from estimator.state.gate import Mute
 
 LATE_S = 0.5  # wall time that frames of a bus faster than the rig may be late
 
@@ -74,26 +72,26 @@ def command(
         raise click.UsageError("--speed-up must be above 0")
     work = open_workspace(terminal, [], rig_path, model_path)
     rig, model = work.rig, work.model
-    mute = _mute(rig, chosen_thermometers(channels, rig), no_displacement)
+    never = never_fused(rig, chosen_thermometers(channels, rig), no_displacement)
     decoder = Decoder(rig, Tally())
     clock = _clock(rig, decoder, speed_up)
-    with stop_asked() as stopped, ExitStack() as open_parts, voice(terminal) as person:
+    with stop_asked() as stopped, ExitStack() as open_parts, display(terminal) as screen:
         about = {"bus": str(bus), "rig": rig.name, "model": model.name, "speed_up": speed_up}
         recorder = open_parts.enter_context(Recorder(record, about, own=decoder.own)) if record else None
-        receiver = Receiver(bus.listen, clock, recorder.write if recorder else _nowhere, bus.name)
+        receiver = Receiver(bus.listen, clock, recorder.write if recorder else lambda frame: None, bus.name)
         publisher = Publisher(rig, bus.open) if publish else None
         views, views_at = _views(terminal, rig, model.name, view, bind, rrd, open_parts)
         late_s = LATE_S * max(speed_up - 1.0, 0.0)
         lines = open_parts.enter_context(json_lines(terminal.json_path))
-        monitor = Monitor(model, rig, mute, late_s)
-        session = Session(monitor, receiver, clock, str(bus), person.say, lines, recorder, publisher, views, views_at)
+        monitor = Monitor(model, rig, lambda time_s: never, late_s)
+        session = Session(monitor, receiver, clock, str(bus), screen.say, lines, recorder, publisher, views, views_at)
         open_parts.callback(receiver.stop)
         if publisher is not None:
             open_parts.callback(publisher.close)
         end = time.monotonic() + (math.inf if seconds is None else seconds) / speed_up
-        session.run(lambda: not stopped() and time.monotonic() < end, person.show)
+        session.run(lambda: not stopped() and time.monotonic() < end, screen.show)
         session.finish()
-        person.end(session.status())
+        screen.end(session.status())
     return INTERRUPTED if stopped() == signal.SIGINT else 0
 
 
@@ -106,18 +104,6 @@ def _clock(rig: Rig, decoder: Decoder, speed_up: float) -> RigTime:
         return decoder.closing(frame.id, frame.extended, frame.data)
 
     return FastTime(speed_up, rig.tick_s, closing, decoder.scan.modulus, decoder.own)
-
-
-def _nowhere(frame: object) -> None:
-    """Nothing is recorded."""
-
-
-def _mute(rig: Rig, chosen: list[str] | None, no_displacement: bool) -> Mute:
-    """What is never fused, as the filter asks for it."""
-    mask = np.array([
-        name not in (chosen or rig.thermometers) if name in rig.thermometers else no_displacement for name in rig.names
-    ])  # fmt: skip
-    return lambda time_s: mask
 
 
 def _views(

@@ -11,16 +11,14 @@ import click
 from ballscrew.muting import chosen_thermometers, muted
 from ballscrew.options import (
     channels_option,
-    logs_argument,
     no_displacement_option,
-    rig_options,
+    recordings_options,
     save_option,
-    terminal_options,
     view_option,
+    workspace_options,
 )
 from ballscrew.report.review_report import as_json, print_reviews
-from ballscrew.terminal import Terminal
-from ballscrew.workspace import Loaded, Workspace, open_workspace
+from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.review import Review, review
 from estimator.errors import InputError
 from estimator.record import Recording
@@ -28,8 +26,7 @@ from estimator.state.gate import Mute
 
 
 @click.command("review")
-@logs_argument
-@rig_options
+@recordings_options
 @click.option("--join", is_flag=True, help="The LOGs are parts of one recording: one estimate runs through them.")
 @channels_option
 @no_displacement_option
@@ -39,10 +36,10 @@ from estimator.state.gate import Mute
 )  # fmt: skip
 @save_option
 @view_option
-@terminal_options
+@workspace_options
 def command(
-    terminal: Terminal, logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, join: bool,
-    channels: str | None, no_displacement: bool, spans: tuple[str, ...], rrd: Path | None, view: bool,
+    work: Workspace, join: bool, channels: str | None, no_displacement: bool, spans: tuple[str, ...], rrd: Path | None,
+    view: bool,
 ) -> int:  # fmt: skip
     """Run the Kalman filter over each LOG and print how far its elongation is from the reference.
 
@@ -50,18 +47,17 @@ def command(
     reference is the truth where a NAME.truth.csv lies beside the log, else the displacement readings. A folder means
     all recordings in it.
     """
-    work = open_workspace(terminal, logs, rig_path, model_path)
     names = chosen_thermometers(channels, work.rig)
-    work.read(logs, join=join)
-    terminal.say_if_compiling("passes")
+    work.read(join=join)
+    work.terminal.say_if_compiling("passes")
     judged = list(_judged(work, names, lambda recording: muted(recording, work.rig, names, no_displacement, spans)))
     if not judged:
         return work.status
     loaded, reviews, seconds = zip(*judged, strict=True)
     known = set(work.model.about.get("fitted_on", {}).values())
     fitted = [r.recording.fingerprint in known for r in reviews]
-    print_reviews(terminal, reviews, fitted)
-    terminal.json(as_json(reviews, fitted, seconds))
+    print_reviews(work.terminal, reviews, fitted)
+    work.terminal.json(as_json(reviews, fitted, seconds))
     if rrd is not None:
         from ballscrew.report.review_views import save_views  # rerun takes half a second to import
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import click
 
 from ballscrew.options import PATH, terminal_options
-from ballscrew.report.page import print_effect
+from ballscrew.own_effect.printed import print_effect
 from ballscrew.terminal import Terminal
 from estimator.effect import Param
-from estimator.model import Model, Value
+from estimator.model import Value
 from estimator.rig_folder.model_toml import load_model
 
 
@@ -23,30 +23,15 @@ def command(terminal: Terminal, model: Path) -> None:
     terminal.say(f"{model}: {len(found.effects)} effects, {len(found.free())} free parameters")
     if found.about.get("fitted_on"):
         terminal.say("fitted on " + ", ".join(found.about["fitted_on"]))
+    told = {}
     for name, effect in found.effects.items():
         terminal.say()
-        print_effect(terminal, effect)
-        rows = [_row(key, param, found.values[f"{name}.{key}"]) for key, param in effect.params.items()]
-        terminal.table([["    parameter", "value", "+- sd", "unit", "bounds", "", "source"], *rows], prose=6)
-    terminal.json(_as_json(found))
+        print_effect(terminal, effect, found.values)
+        parameters = {key: _told(param, found.values[f"{name}.{key}"]) for key, param in effect.params.items()}
+        told[name] = {"sentence": effect.sentence(), "equation": effect.equation(), "parameters": parameters}
+    terminal.json({"about": found.about, "effects": told})
 
 
-def _row(key: str, param: Param, value: Value) -> list[str]:
-    bounds = f"{param.lo:g} ... {param.hi:g}"
-    kind = "fixed" if value.fixed else ""
-    sd = f"{value.sd:.2g}" if value.sd is not None else ""
-    return [f"    {key}", f"{value.value:.5g}", sd, param.unit, bounds, kind, param.source]
-
-
-def _as_json(model: Model) -> dict[str, object]:
-    effects = {}
-    for name, effect in model.effects.items():
-        parameters = {}
-        for key, param in effect.params.items():
-            value = model.values[f"{name}.{key}"]
-            parameters[key] = {
-                "value": value.value, "sd": value.sd, "fixed": value.fixed, "unit": param.unit,
-                "lo": param.lo, "hi": param.hi, "null": param.null, "source": param.source,
-            }  # fmt: skip
-        effects[name] = {"sentence": effect.sentence(), "equation": effect.equation(), "parameters": parameters}
-    return {"about": dict(model.about), "effects": effects}
+def _told(param: Param, value: Value) -> dict[str, object]:
+    """A parameter for programs: its value in the model, and what the effect says of it."""
+    return {**vars(value), **{key: getattr(param, key) for key in ("unit", "lo", "hi", "null", "source")}}

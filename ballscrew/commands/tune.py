@@ -6,38 +6,32 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import logs_argument, model_output, output_file, rig_options, terminal_options
+from ballscrew.options import model_output, output_file, recordings_options, workspace_options
 from ballscrew.report.tune_report import as_json, print_tuning, save_views
-from ballscrew.terminal import Terminal
-from ballscrew.workspace import open_workspace
+from ballscrew.workspace import Workspace
 from estimator.fit.tune import tune
 from estimator.rig_folder.model_toml import save_model
 
 
 @click.command("tune")
-@logs_argument
-@rig_options
+@recordings_options
 @model_output()
 @output_file("--save", "rrd", metavar="OUT.rrd", help="Write innovations before and after as a rerun file.")
-@terminal_options
-def command(
-    terminal: Terminal, logs: tuple[Path, ...], rig_path: Path | None, model_path: Path | None, out: Path,
-    rrd: Path | None,
-) -> int:  # fmt: skip
+@workspace_options
+def command(work: Workspace, out: Path, rrd: Path | None) -> int:
     """Set measurement and process noise of the model by all LOGs; every other parameter stays.
 
     Measurement noise is the most likely one a tick ahead. Process noise is the most likely one after ten minutes
     without readings: a tick ahead, errors that build up over minutes cannot be seen. A truth file is never opened.
     """
-    work = open_workspace(terminal, logs, rig_path, model_path)
-    work.read(logs)
-    terminal.say_if_compiling("passes", "loglike", "score", "ahead")
+    work.read()
+    work.terminal.say_if_compiling("passes", "loglike", "score", "ahead")
     with work.runs(f"tuning on {len(work.loaded)} recordings", None) as runs:
-        found = tune(work.model, runs)
-    save_model(found.model, out)
-    print_tuning(terminal, found)
-    terminal.say(f"model: {out}")
-    terminal.json(as_json(found))
+        tuned = tune(work.model, runs)
+    save_model(tuned.model, out)
+    print_tuning(work.terminal, tuned)
+    work.terminal.say(f"model: {out}")
+    work.terminal.json(as_json(tuned))
     if rrd is not None:
-        save_views(rrd, work, found)
+        save_views(rrd, work, tuned)
     return work.status

@@ -1,1 +1,1 @@
-"""The monitor beside the machine: session, monitor, status, json_lines, voice."""
+"""The monitor beside the machine: session, monitor, status, json_lines, display."""

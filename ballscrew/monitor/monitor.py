@@ -112,13 +112,13 @@ class Monitor:
             self._ahead = copy.deepcopy((self.ticker, self.filter), shared)
             self._ahead[0].tally = self._ahead[0].clock.tally = Tally()
         ticker, alone = self._ahead
-        found = []
+        moments = []
         for sample in ticker.advance(self._stamp + silent_s):
             step = alone.step(sample)
             silent = Alarm("bus", "", self.ticker.clock.now, "nothing of the rig on the bus")
             alarms = {silent.key: silent, **self.tests.active}
-            found.append(Moment(sample, step, self.trust(silent_s), *self._changed(alarms), True))
-        return found
+            moments.append(Moment(sample, step, self.trust(silent_s), *self._changed(alarms), True))
+        return moments
 
     def trust(self, silent_s: float) -> Trust:
         """Whether the estimate is to be relied on when no frame has come for so long, on the rig's clock."""

@@ -54,8 +54,8 @@ class Session:
     _was_valid: bool | None = None
     _troubles: dict[str, str] = field(default_factory=dict)
 
-    def run(self, goes_on: Callable[[], bool], each: Callable[[Status], None]) -> None:
-        """Until `goes_on` says no; `each` hears the status ten times a second."""
+    def run(self, goes_on: Callable[[], bool], show: Callable[[Status], None]) -> None:
+        """Until `goes_on` says no; `show` hears the status ten times a second."""
         self.receiver.start()
         if self.publisher is not None:
             self.publisher.start()
@@ -69,7 +69,7 @@ class Session:
             if time.monotonic() - self._looked > LOOK_S:
                 self._looked = time.monotonic()
                 self._tell()
-                each(self.status())
+                show(self.status())
 
     def finish(self) -> None:
         """The end: stop receiving, take what has come, and close the open tick as `review` does at the end of a log."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ballscrew.report.page import Section, page
+from ballscrew.report.sections import Section, markdown
 from ballscrew.threads import threads
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.displacement import joined
@@ -43,7 +43,7 @@ def write_views(
 ) -> None:
     """Write what is known of one model, or of two."""
     names, tabs = [model.name for model in models], {"Errors": figures, "Channels": by_channel(runs)}
-    save(path, runs, names, {tab: some for tab, some in tabs.items() if some}, page(sections))
+    save(path, runs, names, {tab: some for tab, some in tabs.items() if some}, markdown(sections))
 
 
 def write_pictures(
@@ -95,15 +95,15 @@ def by_channel(runs: Sequence[Compared]) -> list[Bars]:
 
 
 def _rms(runs: Sequence[Compared], columns: Array) -> list[Series]:
-    found = []
+    series = []
     for i, (side, colour) in enumerate(zip(paths.SIDES, (paths.BEFORE, paths.AFTER), strict=True)):
         if i < len(runs[0].sides):
             squares = np.concatenate([run.sides[i].misfit[:, columns] for run in runs]) ** 2
             known = np.isfinite(squares).sum(axis=0)
             mean = np.nansum(squares, axis=0) / np.maximum(known, 1)
             name = side if len(runs[0].sides) > 1 else "model alone"
-            found.append(Series(name, np.where(known > 0, np.sqrt(mean), np.nan), colour))
-    return found
+            series.append(Series(name, np.where(known > 0, np.sqrt(mean), np.nan), colour))
+    return series
 
 
 def _sides(model: Model, runs: Runs) -> list[Side]:
@@ -118,14 +118,14 @@ def _kept(track: Track) -> dict[str, Array]:
     return {key: getattr(track, key) for key in keys}
 
 
-def _missed(found: MissingHeat) -> dict[str, object]:
-    time_s, zones = found.misfit.trial.rest.time_s, found.zones
-    begins, mean = minutes(time_s, found.mean[found.blocks.of_tick])
+def _missed(heat: MissingHeat) -> dict[str, object]:
+    time_s, zones = heat.misfit.trial.rest.time_s, heat.zones
+    begins, mean = minutes(time_s, heat.mean[heat.blocks.of_tick])
     places = np.array([(z.from_mm + z.to_mm) / 2 for z in zones if z.node is None])
     bodies = [zone.node for zone in zones if zone.node is not None]
     on_screw = np.array([zone.node is None for zone in zones])
-    heat = HeatMap(begins, places, mean[:, on_screw], bodies, mean[:, ~on_screw])
-    return {"misfit_time_s": time_s, "misfit": found.misfit.open_loop, "heat": heat}
+    by_place = HeatMap(begins, places, mean[:, on_screw], bodies, mean[:, ~on_screw])
+    return {"misfit_time_s": time_s, "misfit": heat.misfit.open_loop, "heat": by_place}
 
 
 def _readings(recording: Recording, rig: Rig, model: Model) -> Array:

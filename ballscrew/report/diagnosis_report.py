@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ballscrew.report.errors import HORIZONS, by_horizon, cells, number
-from ballscrew.report.page import Section, print_sections
+from ballscrew.report.sections import Section, print_sections
 from ballscrew.terminal import Terminal
 from estimator.accuracy.noise_floor import Error
 from estimator.accuracy.quality import overall
@@ -17,35 +17,39 @@ from estimator.missing_heat.where import Missing
 from estimator.missing_heat.wrong_reading import Wrong
 
 
-def print_diagnosis(terminal: Terminal, found: Diagnosis) -> None:
+def print_diagnosis(terminal: Terminal, diagnosis: Diagnosis) -> None:
     """Tables, how the filter does, and the diagnosis in words."""
-    print_sections(terminal, sections(found))
-    white = overall(found.quality)
-    worst = max(found.quality, key=lambda one: np.nan_to_num(one.whiteness))
+    print_sections(terminal, sections(diagnosis))
+    white = overall(diagnosis.quality)
+    worst = max(diagnosis.quality, key=lambda one: np.nan_to_num(one.whiteness))
     told = f"; largest autocorrelation of what it did not expect {white.whiteness:.2f} ({worst.channel})"
     terminal.say(
         f"\nfilter: NIS {white.nis:.2f} per channel, {100 * white.in_2sd:.0f} % in 2 sd"
         + (told if np.isfinite(white.whiteness) else "")
     )
-    for sentence in found.sentences:
+    for sentence in diagnosis.sentences:
         terminal.say(sentence)
 
 
-def sections(found: Diagnosis) -> list[Section]:
+def sections(diagnosis: Diagnosis) -> list[Section]:
     """The tables: errors, missing heat, wrong readings."""
-    errors = {title: found.errors[key] for key, title in HORIZONS.items()}
-    errors["sensors alone"] = found.floor
-    errors["good enough alone"] = Error(found.limits.temperature_K, found.limits.elongation_um)
+    errors = {title: diagnosis.errors[key] for key, title in HORIZONS.items()}
+    errors |= {"sensors alone": diagnosis.floor, "good enough alone": _good_enough(diagnosis)}
     rows = [[title, *cells([error])] for title, error in errors.items()]
     tables = [Section("how far ahead", (), [["error, rms", "K", "um"], *rows])]
-    if found.where:
+    if diagnosis.where:
         head = ["place", "when", "W", "sd", "follows", "p"]
         said = ["what it would take to repair the run, mean over all recordings"]
-        tables.append(Section("missing heat", said, [head, *map(_heat_row, found.where)]))
-    if found.readings:
+        tables.append(Section("missing heat", said, [head, *map(_heat_row, diagnosis.where)]))
+    if diagnosis.readings:
         head = ["channel", "offset", "sd", "rms", "unit", "follows", "p"]
-        tables.append(Section("wrong readings", ["what no heat explains"], [head, *map(_reading_row, found.readings)]))
+        rows = [head, *map(_reading_row, diagnosis.readings)]
+        tables.append(Section("wrong readings", ["what no heat explains"], rows))
     return tables
+
+
+def _good_enough(diagnosis: Diagnosis) -> Error:
+    return Error(diagnosis.limits.temperature_K, diagnosis.limits.elongation_um)
 
 
 def _heat_row(heat: Missing) -> list[str]:
@@ -62,18 +66,18 @@ def _followed(follows: Follows) -> list[str]:
     return [follows.name or "", f"{follows.p:.3f}"]
 
 
-def as_json(found: Diagnosis) -> dict[str, object]:
+def as_json(diagnosis: Diagnosis) -> dict[str, object]:
     """The diagnosis for programs."""
     return {
-        "adequate": found.adequate,
-        "where": [_told(heat, "from_mm", "to_mm", "node", "phase", "heat_W", "sd_W") for heat in found.where],
-        "readings": [_told(wrong, "channel", "offset", "sd", "unit", "rms") for wrong in found.readings],
-        "sentences": list(found.sentences),
-        "errors": by_horizon(found.errors),
-        "noise_floor": vars(found.floor),
-        "good_enough": {"temperature_K": found.limits.temperature_K, "elongation_um": found.limits.elongation_um},
-        "whiteness": [vars(one) for one in found.quality],
-        "missing_heat": {one.misfit.trial.recording.name: _map(one) for one in found.maps},
+        "adequate": diagnosis.adequate,
+        "where": [_told(heat, "from_mm", "to_mm", "node", "phase", "heat_W", "sd_W") for heat in diagnosis.where],
+        "readings": [_told(wrong, "channel", "offset", "sd", "unit", "rms") for wrong in diagnosis.readings],
+        "sentences": list(diagnosis.sentences),
+        "errors": by_horizon(diagnosis.errors),
+        "noise_floor": vars(diagnosis.floor),
+        "good_enough": vars(_good_enough(diagnosis)),
+        "whiteness": [vars(one) for one in diagnosis.quality],
+        "missing_heat": {one.misfit.trial.recording.name: _map(one) for one in diagnosis.maps},
     }
 
 

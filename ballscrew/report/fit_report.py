@@ -19,23 +19,23 @@ KEPT = {
 }
 
 
-def print_fit(terminal: Terminal, found: Fit) -> None:
+def print_fit(terminal: Terminal, fit: Fit) -> None:
     """Parameters and errors, before and after, and what a person should know of the outcome."""
-    rows = [_row(found, f) for f in found.parameters]
+    rows = [_row(fit, f) for f in fit.parameters]
     terminal.table([["parameter", "before", "fitted", "+- sd", "unit", ""], *rows], prose=5)
     terminal.say()
-    errors = [[title, *_pair(found.before[key], found.after[key])] for key, title in HORIZONS.items()]
+    errors = [[title, *_pair(fit.before[key], fit.after[key])] for key, title in HORIZONS.items()]
     terminal.table([["error, rms", "before", "after", "", "before", "after", ""], *errors])
-    for sentence in (KEPT[found.kept], *worse(found), *_cautions(found)):
+    for sentence in (KEPT[fit.kept], *worse(fit), *_cautions(fit)):
         terminal.say(sentence)
 
 
-def _row(found: Fit, f: Fitted) -> list[str]:
+def _row(fit: Fit, f: Fitted) -> list[str]:
     sd = f"{f.sd:.2g}" if np.isfinite(f.sd) else ""
-    return [f.path, f"{f.before:.4g}", f"{f.value:.4g}", sd, f.unit, _remark(found, f)]
+    return [f.path, f"{f.before:.4g}", f"{f.value:.4g}", sd, f.unit, _remark(fit, f)]
 
 
-def _remark(found: Fit, f: Fitted) -> str:
+def _remark(fit: Fit, f: Fitted) -> str:
     if f.like:
         return f"left as it was: in these runs like {f.like}"
     if not np.isfinite(f.sd):
@@ -44,50 +44,50 @@ def _remark(found: Fit, f: Fitted) -> str:
         return "at its bound"
     if f.determined:
         return ""
-    return "these runs say less than the table" if found.model.param(f.path).sd else "these runs do not determine it"
+    return "these runs say less than the table" if fit.model.param(f.path).sd else "these runs do not determine it"
 
 
 def _pair(before: Error, after: Error) -> list[str]:
     """K and um, before and after; nothing where a run is too short to look ahead, or has no length."""
-    found = []
+    cells = []
     for key, digits, unit in (("temperature_K", 3, "K"), ("elongation_um", 2, "um")):
         known = np.isfinite(getattr(after, key))
-        found += [f"{getattr(error, key):.{digits}f}" if known else "" for error in (before, after)]
-        found.append(unit if known else "")
-    return found
+        cells += [f"{getattr(error, key):.{digits}f}" if known else "" for error in (before, after)]
+        cells.append(unit if known else "")
+    return cells
 
 
-def worse(found: Fit) -> list[str]:
+def worse(fit: Fit) -> list[str]:
     """Said where the fitted model predicts the elongation of these very recordings worse than the one it came from."""
     return [
         f"the elongation became worse, {HORIZONS[key]} {before:.2f} -> {after:.2f} um, for the temperatures' sake: "
         "compare both on other recordings first"
         for key in ("ahead", "open_loop")
-        if (after := found.after[key].elongation_um) > WORSE * (before := found.before[key].elongation_um)
+        if (after := fit.after[key].elongation_um) > WORSE * (before := fit.before[key].elongation_um)
     ]
 
 
-def _cautions(found: Fit) -> list[str]:
-    said = [f"{a} and {b} cannot be told apart well: their errors correlate by {rho:+.3f}" for a, b, rho in found.alike]
-    if found.raised >= WORTH_SAYING:
-        said.append(f"process noise x {found.raised:.2f}: ten minutes without readings ended further off than it said")
-    if found.stopped:
-        said.append(f"stopped by Ctrl-C after {found.steps} steps: the best so far was kept")
-    elif not found.converged:
-        said.append(f"not converged after {found.steps} steps: the best so far was kept; fit again from it")
+def _cautions(fit: Fit) -> list[str]:
+    said = [f"{a} and {b} cannot be told apart well: their errors correlate by {rho:+.3f}" for a, b, rho in fit.alike]
+    if fit.raised >= WORTH_SAYING:
+        said.append(f"process noise x {fit.raised:.2f}: ten minutes without readings ended further off than it said")
+    if fit.stopped:
+        said.append(f"stopped by Ctrl-C after {fit.steps} steps: the best so far was kept")
+    elif not fit.converged:
+        said.append(f"not converged after {fit.steps} steps: the best so far was kept; fit again from it")
     return said
 
 
-def as_json(found: Fit) -> dict[str, object]:
+def as_json(fit: Fit) -> dict[str, object]:
     """The fit for programs."""
     keys = ("before", "value", "sd", "unit", "at_bound", "determined")
-    parameters = {f.path: {**{key: getattr(f, key) for key in keys}, "like": f.like or None} for f in found.parameters}
+    parameters = {f.path: {**{key: getattr(f, key) for key in keys}, "like": f.like or None} for f in fit.parameters}
     errors: Mapping[str, object] = {
-        key: {"before": vars(found.before[key]), "after": vars(found.after[key])} for key in HORIZONS
+        key: {"before": vars(fit.before[key]), "after": vars(fit.after[key])} for key in HORIZONS
     }
     return {
-        "parameters": parameters, **errors, "kept": found.kept, "process_noise_raised": found.raised,
-        "correlated": [{"parameters": [a, b], "correlation": rho} for a, b, rho in found.alike],
-        "log_likelihood": {"open_loop": found.loglike[0], "best": found.loglike[1]},
-        "converged": found.converged, "stopped": found.stopped, "steps": found.steps,
+        "parameters": parameters, **errors, "kept": fit.kept, "process_noise_raised": fit.raised,
+        "correlated": [{"parameters": [a, b], "correlation": rho} for a, b, rho in fit.alike],
+        "log_likelihood": {"open_loop": fit.loglike[0], "best": fit.loglike[1]},
+        "converged": fit.converged, "stopped": fit.stopped, "steps": fit.steps,
     }  # fmt: skip

@@ -9,7 +9,7 @@ from typing import Any
 
 from ballscrew.report.comparison_report import sections
 from ballscrew.report.errors import cells
-from ballscrew.report.page import Section, page
+from ballscrew.report.sections import Section, markdown
 from ballscrew.report.verdict import sentence
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
@@ -34,7 +34,7 @@ class Outcome:
     own  how effects of the user's own were named
     """
 
-    found: Improvement
+    improvement: Improvement
     verdict: Verdict
     before: Model
     after: Model
@@ -44,14 +44,14 @@ class Outcome:
     @property
     def models(self) -> list[Model]:
         """Before and after; one, where nothing made it better."""
-        return [self.before, self.after] if len(self.found.steps) > 1 else [self.before]
+        return [self.before, self.after] if len(self.improvement.steps) > 1 else [self.before]
 
     @property
     def said(self) -> str:
         """The last verdict in words."""
-        last = self.found.steps[-1]
+        last = self.improvement.steps[-1]
         words = sentence(self.verdict, self.work.rig)
-        return f"Before all was fitted again: {words}" if len(self.found.steps) > 1 and not last.added else words
+        return f"Before all was fitted again: {words}" if len(self.improvement.steps) > 1 and not last.added else words
 
 
 def added(steps: Sequence[ImprovedModel]) -> list[str]:
@@ -77,28 +77,28 @@ def steps_table(steps: Sequence[ImprovedModel]) -> list[list[str]]:
     return [head, *rows]
 
 
-def print_steps(terminal: Terminal, found: Improvement) -> None:
+def print_steps(terminal: Terminal, improvement: Improvement) -> None:
     """The table of steps, and what its errors were taken on."""
-    rows = steps_table(found.steps)
+    rows = steps_table(improvement.steps)
     terminal.table(rows, prose=len(rows[0]) - 1)
-    terminal.say(f"({note(found)})")
+    terminal.say(f"({note(improvement)})")
 
 
-def note(found: Improvement) -> str:
+def note(improvement: Improvement) -> str:
     """What the errors of the table were taken on."""
-    held_out = any(step.held_out for step in found.steps)
-    if found.last is not None and found.last.one_recording:
+    held_out = any(step.held_out for step in improvement.steps)
+    if improvement.last is not None and improvement.last.one_recording:
         return ONE_HELD_OUT if held_out else ONE
     return HELD_OUT if held_out else ALSO_CHOSEN
 
 
 def steps_section(out: Outcome) -> Section:
     """The first page of report and views."""
-    steps = out.found.steps
+    steps = out.improvement.steps
     said = [
         f"Added: {', '.join(filter(None, added(steps))) or 'nothing'}.",
         out.said,
-        f"Model alone (open loop), rms; {_of_what(out.work.rig)}{note(out.found)}.",
+        f"Model alone (open loop), rms; {_of_what(out.work.rig)}{note(out.improvement)}.",
     ]
     return Section(f"{out.after.name}: {out.before.name} improved", said, steps_table(steps))
 
@@ -107,7 +107,7 @@ def _of_what(rig: Rig) -> str:
     return "um: of the displacement readings, so while driving; " if "displacement" in rig.channels else ""
 
 
-def as_json(found: Improvement) -> dict[str, Any]:
+def as_json(improvement: Improvement) -> dict[str, Any]:
     """The steps for programs; a step that adds nothing has no `added`."""
     steps = [
         {
@@ -115,23 +115,23 @@ def as_json(found: Improvement) -> dict[str, Any]:
             "cross_validated": vars(step.cross_validated),
             "held_out": vars(step.held_out) if step.held_out else None,
         }
-        for new, step in zip(added(found.steps), found.steps, strict=True)
+        for new, step in zip(added(improvement.steps), improvement.steps, strict=True)
     ]
-    return {"steps": steps, "verdict": found.last.verdict if found.last else "stopped"}
+    return {"steps": steps, "verdict": improvement.last.verdict if improvement.last else "stopped"}
 
 
 def report(out: Outcome, pictures: dict[str, Path], workers: Workers) -> str:
     """The report as Markdown; pictures by what they show, beside it."""
-    text = [page([steps_section(out)]), *_shown(pictures, "steps", "Error of the model alone, step by step")]
-    text += [page([_given(out), _effects(out), _parameters(out.before, out.after)], 2)]
+    text = [markdown([steps_section(out)]), *_shown(pictures, "steps", "Error of the model alone, step by step")]
+    text += [markdown([_given(out), _effects(out), _parameters(out.before, out.after)], 2)]
     text += ["## Where it fails", "", *_shown(pictures, "residuals", "Measured minus the model alone")]
     text += _shown(pictures, "missing-heat", "Heat that the model alone lacks")
     for what, some in (("used", out.work.loaded), ("held out", out.work.held_out)):
         if some:
             runs = runs_of(out.work.rig, some, workers)
-            found = [replace(compare(model, runs), held_out=None) for model in out.models]
-            tables = [replace(one, title=f"Recordings {what}: {one.title}") for one in sections(found)]
-            text.append(page(tables, 3))
+            comparisons = [replace(compare(model, runs), held_out=None) for model in out.models]
+            tables = [replace(one, title=f"Recordings {what}: {one.title}") for one in sections(comparisons)]
+            text.append(markdown(tables, 3))
     return "\n".join(text)
 
 
@@ -150,7 +150,7 @@ def _effects(out: Outcome) -> Section:
     """What each effect that was added says, and its rivals."""
     rows = [
         [new, out.after.effects[new].sentence(), ", ".join(step.tie)]
-        for new, step in zip(added(out.found.steps), out.found.steps, strict=True)
+        for new, step in zip(added(out.improvement.steps), out.improvement.steps, strict=True)
         if new
     ]
     if not rows:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ballscrew.report.errors import number
-from ballscrew.report.page import table
+from ballscrew.report.sections import table
 from ballscrew.terminal import Rows, Terminal, duration
 from estimator.accuracy.accuracy import Accuracy, least_squares_line
 from estimator.accuracy.review import Review, overall

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ballscrew.report.errors import cells
-from ballscrew.report.page import Section
+from ballscrew.report.sections import Section
 from ballscrew.report.verdict import sentence, where
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
@@ -19,35 +19,35 @@ from estimator.rig import Rig
 SHOWN = 6  # effects in the ranking
 
 
-def print_verdict(terminal: Terminal, found: Verdict, rig: Rig) -> None:
+def print_verdict(terminal: Terminal, verdict: Verdict, rig: Rig) -> None:
     """The ranking as a table, and the verdict."""
-    section = section_of(found, rig)
+    section = section_of(verdict, rig)
     terminal.table(section.rows, prose=len(section.rows[0]) - 1)
     verdict, note = section.said
     terminal.say(f"({note})\n\n{verdict}")
 
 
-def section_of(found: Verdict, rig: Rig) -> Section:
+def section_of(verdict: Verdict, rig: Rig) -> Section:
     """The verdict, what errors were taken on, and the ranking of hypotheses."""
-    head = ["open loop, rms", "K", "um", *(["held out, K", "um"] if found.held_out else []), "fitted", "value"]
-    rows = [_row(*one) for one in ranked(found)]
-    once = "one recording: none left out" if found.suggestion.one_recording else "each recording left out once"
-    note = f"{once}; {'held out: never looked at; ' if found.held_out else ''}best first"
+    head = ["open loop, rms", "K", "um", *(["held out, K", "um"] if verdict.held_out else []), "fitted", "value"]
+    rows = [_row(*one) for one in ranked(verdict)]
+    once = "one recording: none left out" if verdict.suggestion.one_recording else "each recording left out once"
+    note = f"{once}; {'held out: never looked at; ' if verdict.held_out else ''}best first"
     return Section(
         "What is missing",
-        [sentence(found, rig), note],
+        [sentence(verdict, rig), note],
         [head, *([*row, *[""] * (len(head) - len(row))] for row in rows)],
     )
 
 
-def ranked(found: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
+def ranked(verdict: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
     """Hypotheses with their title and error held out: the model, fitted again, and the best effects."""
-    suggestion = found.suggestion
+    suggestion = verdict.suggestion
     listed = [("the model as given", suggestion.as_given), ("all parameters fitted again", suggestion.again)]
     for h in suggestion.found[:SHOWN]:
         there = h.names[0] in suggestion.as_given.model.effects
         listed.append((f"{h.names[0]} fitted again" if there else f"+ {h.names[0]}", h))
-    held = [*found.held_out] or [None] * len(listed)
+    held = [*verdict.held_out] or [None] * len(listed)
     return [(*one, error) for one, error in zip(listed, held, strict=False)]
 
 
@@ -68,33 +68,33 @@ def error_of(h: Hypothesis) -> Error:
 
 def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
     """The verdict for programs."""
-    found, run = verdict.suggestion, verdict.next_run
+    suggestion, run = verdict.suggestion, verdict.next_run
     held = list(verdict.held_out)
-    wrong = found.wrong_input
+    wrong = suggestion.wrong_input
     return {
-        "verdict": found.verdict,
+        "verdict": suggestion.verdict,
         "effects": [
-            _effect(found.without(h), h, held[h.refit : h.refit + 1], held[i : i + 1])
-            for i, h in enumerate(found.found, start=2)
+            _effect(suggestion.without(h), h, held[h.refit : h.refit + 1], held[i : i + 1])
+            for i, h in enumerate(suggestion.found, start=2)
         ],
-        "tie": list(found.tie),
-        "next_run": None if run is None or found.verdict != "tie" else {
+        "tie": list(suggestion.tie),
+        "next_run": None if run is None or suggestion.verdict != "tie" else {
             "pattern": run.pattern, "speed_m_min": run.speed_m_min, "drive_s": run.drive_s, "stop_s": run.stop_s,
             "separation_sd": run.separation_sd, "stroke_mm": run.stroke_mm,
         },
-        "input": None if wrong is None or found.verdict != "input_error" else {
+        "input": None if wrong is None or suggestion.verdict != "input_error" else {
             "run": wrong.run, "signal": wrong.signal, "ratio": wrong.ratio, "shift_K": wrong.shift_K,
         },
-        "where": _unknown(found, rig),
-        "pair": list(found.pair),
+        "where": _unknown(suggestion, rig),
+        "pair": list(suggestion.pair),
         "sentence": sentence(verdict, rig),
     }  # fmt: skip
 
 
-def _unknown(found: Suggestion, rig: Rig) -> dict[str, Any] | None:
-    if found.unexplained is None or found.verdict != "nothing_in_catalogue":
+def _unknown(suggestion: Suggestion, rig: Rig) -> dict[str, Any] | None:
+    if suggestion.unexplained is None or suggestion.verdict != "nothing_in_catalogue":
         return None
-    unknown = unknown_of(found.unexplained.candidate, rig)
+    unknown = unknown_of(suggestion.unexplained.candidate, rig)
     at, follower = unknown.at_mm, unknown.follower
     return {
         "from_mm": at - 30.0 if at is not None else None, "to_mm": at + 30.0 if at is not None else None,

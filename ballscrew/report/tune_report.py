@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ballscrew.report.page import Section, page
+from ballscrew.report.sections import Section, markdown
 from ballscrew.terminal import Rows, Terminal
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.quality import ChannelQuality, innovations, overall
@@ -21,9 +21,9 @@ LEGEND = (
 FIGURES = ("nis", "whiteness", "in_2sd", "blind_nis", "blind_in_2sd")
 
 
-def print_tuning(terminal: Terminal, found: Tuned) -> None:
+def print_tuning(terminal: Terminal, tuned: Tuned) -> None:
     """Noise levels, innovations of each channel, and what a person should know of the outcome."""
-    levels, channels = sections(found)
+    levels, channels = sections(tuned)
     terminal.table(levels.rows)
     terminal.say("\nbefore->after")
     terminal.table(channels.rows)
@@ -31,21 +31,21 @@ def print_tuning(terminal: Terminal, found: Tuned) -> None:
         terminal.say(sentence)
 
 
-def sections(found: Tuned) -> list[Section]:
+def sections(tuned: Tuned) -> list[Section]:
     """The tables: noise levels, and innovations of each channel."""
     return [
-        Section("Noise levels", sentences(found), _levels(found)),
-        Section("Innovations, before->after", LEGEND, _channels(found)),
+        Section("Noise levels", sentences(tuned), _levels(tuned)),
+        Section("Innovations, before->after", LEGEND, _channels(tuned)),
     ]
 
 
-def _levels(found: Tuned) -> Rows:
+def _levels(tuned: Tuned) -> Rows:
     head = ["noise level", "of", "before", "after", "unit"]
-    return [head, *([x.path, x.kind, f"{x.before:.4g}", f"{x.after:.4g}", x.unit] for x in found.levels)]
+    return [head, *([x.path, x.kind, f"{x.before:.4g}", f"{x.after:.4g}", x.unit] for x in tuned.levels)]
 
 
-def _channels(found: Tuned) -> Rows:
-    pairs = zip((*found.before, overall(found.before)), (*found.after, overall(found.after)), strict=True)
+def _channels(tuned: Tuned) -> Rows:
+    pairs = zip((*tuned.before, overall(tuned.before)), (*tuned.after, overall(tuned.after)), strict=True)
     head = ["channel", "NIS", "whiteness", "in 2 sd", "blind NIS", "blind 2 sd"]
     return [head, *(_row(before, after) for before, after in pairs if after.readings)]
 
@@ -55,54 +55,54 @@ def _row(before: ChannelQuality, after: ChannelQuality) -> list[str]:
     return [after.channel, *(f"{a:.2f}->{b:.2f}" if np.isfinite(b) else "" for a, b in pairs)]
 
 
-def sentences(found: Tuned) -> list[str]:
+def sentences(tuned: Tuned) -> list[str]:
     """What a person should know of the outcome."""
     said = []
-    if np.isfinite(found.missing):
-        off = found.errors["open_loop"].temperature_K
+    if np.isfinite(tuned.missing):
+        off = tuned.errors["open_loop"].temperature_K
         said.append(
-            f"noise stands in for missing physics here: the model alone is {off:.2f} K off, {found.missing:.1f} times"
+            f"noise stands in for missing physics here: the model alone is {off:.2f} K off, {tuned.missing:.1f} times"
             " what its sensors leave; look for the missing effect first"
         )
-    loud = [x.path for x in found.levels if x.kind == "process" and x.after > 3 * x.before]
+    loud = [x.path for x in tuned.levels if x.kind == "process" and x.after > 3 * x.before]
     if loud:
-        said.append(f"process noise rose {found.factor:.1f} times: the model explains less than it claimed")
-    stays = ", ".join(x.path for x in found.levels if x.kind == "measurement" and x.after == x.before)
+        said.append(f"process noise rose {tuned.factor:.1f} times: the model explains less than it claimed")
+    stays = ", ".join(x.path for x in tuned.levels if x.kind == "measurement" and x.after == x.before)
     if stays:
         said.append(f"not lowered: {stays}; innovations there are not white, so part of a reading's error lasts")
     return said
 
 
-def as_json(found: Tuned) -> dict[str, object]:
+def as_json(tuned: Tuned) -> dict[str, object]:
     """The tuning for programs."""
-    levels = {x.path: {"of": x.kind, "before": x.before, "after": x.after, "unit": x.unit} for x in found.levels}
+    levels = {x.path: {"of": x.kind, "before": x.before, "after": x.after, "unit": x.unit} for x in tuned.levels}
     channels = {
         b.channel: {key: {"before": getattr(a, key), "after": getattr(b, key)} for key in FIGURES}
-        for a, b in zip(found.before, found.after, strict=True)
+        for a, b in zip(tuned.before, tuned.after, strict=True)
     }
-    errors = {key: vars(error) for key, error in found.errors.items()}
+    errors = {key: vars(error) for key, error in tuned.errors.items()}
     return {
-        "levels": levels, "channels": channels, "errors": errors, "noise_floor": vars(found.floor),
-        "process_factor": found.factor, "missing_physics": found.missing, "sentences": sentences(found),
+        "levels": levels, "channels": channels, "errors": errors, "noise_floor": vars(tuned.floor),
+        "process_factor": tuned.factor, "missing_physics": tuned.missing, "sentences": sentences(tuned),
     }  # fmt: skip
 
 
-def save_views(path: Path, work: Workspace, found: Tuned) -> None:
+def save_views(path: Path, work: Workspace, tuned: Tuned) -> None:
     """Write the views of a tuning into `path`: innovations before and after."""
     from viz.tuning.tuning import Nis, save  # rerun takes half a second to import
 
     titles = {"nis": "NIS a tick ahead [1]", "blind_nis": "NIS after ten minutes without readings [1]"}
-    both = (found.before, found.after)
+    both = (tuned.before, tuned.after)
     bars = [
         Nis(title, *(np.array([getattr(one, figure) for one in some]) for some in both))
         for figure, title in titles.items()
     ]
-    save(path, work.rig.names, [_tuning(one, work, found) for one in work.loaded], bars, page(sections(found)))
+    save(path, work.rig.names, [_tuning(one, work, tuned) for one in work.loaded], bars, markdown(sections(tuned)))
     work.terminal.say_views(path)
 
 
-def _tuning(one: Loaded, work: Workspace, found: Tuned) -> Tuning:
+def _tuning(one: Loaded, work: Workspace, tuned: Tuned) -> Tuning:
     trial = Trial(work.model, work.rig, one.recording)
-    known = [innovations(trial, model) for model in (work.model, found.model)]
+    known = [innovations(trial, model) for model in (work.model, tuned.model)]
     before, after = (Side(some.scaled, some.autocorrelation) for some in known)
     return Tuning(one.path.stem, known[0].time_s, known[0].lags_s, before, after)

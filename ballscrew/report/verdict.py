@@ -22,23 +22,24 @@ def sentence(verdict: Verdict, rig: Rig) -> str:
 
 
 def _sentence(verdict: Verdict, rig: Rig) -> str:
-    found = verdict.suggestion
-    if found.verdict == "input_error" and found.wrong_input is not None:
-        return _wrong_input(found.wrong_input, found.far)
-    if found.verdict == "nothing_in_catalogue" and found.unexplained is not None:
-        return _unknown(unknown_of(found.unexplained.candidate, rig))
-    if found.verdict == "nothing_in_catalogue":
+    suggestion = verdict.suggestion
+    if suggestion.verdict == "input_error" and suggestion.wrong_input is not None:
+        return _wrong_input(suggestion.wrong_input, suggestion.far)
+    if suggestion.verdict == "nothing_in_catalogue" and suggestion.unexplained is not None:
+        return _unknown(unknown_of(suggestion.unexplained.candidate, rig))
+    if suggestion.verdict == "nothing_in_catalogue":
         return (
-            f"Something is missing, for the model alone leaves {_left(found)}, but no effect that was tried explains"
-            " it, nor does anything at one place that follows one input. ballscrew diagnose says where and when."
+            f"Something is missing, for the model alone leaves {_left(suggestion)}, but no effect that was tried"
+            " explains it, nor does anything at one place that follows one input. ballscrew diagnose says where and"
+            " when."
         )
-    if found.verdict == "nothing_missing":
-        return _nothing(found)
-    best = found.found[0]
-    if found.verdict == "tie":
-        return _tie(found, verdict.next_run)
-    more = f" A second one besides: {_other(found)}." if found.pair else ""
-    return f"{_missing(found, best)}: {_gain(found.without(best), best)}.{more}"
+    if suggestion.verdict == "nothing_missing":
+        return _nothing(suggestion)
+    best = suggestion.found[0]
+    if suggestion.verdict == "tie":
+        return _tie(suggestion, verdict.next_run)
+    more = f" A second one besides: {_other(suggestion)}." if suggestion.pair else ""
+    return f"{_missing(suggestion, best)}: {_gain(suggestion.without(best), best)}.{more}"
 
 
 def _wrong_input(wrong: Mislabel, far: bool) -> str:
@@ -72,27 +73,26 @@ def _new_effect(unknown: Unknown) -> str:
     return f"ballscrew new-effect my_heat --at {at} {follows}"
 
 
-def _missing(found: Suggestion, best: Hypothesis) -> str:
+def _missing(suggestion: Suggestion, best: Hypothesis) -> str:
     name = best.names[0]
-    return (
-        f"{name} is there, but not as the model says" if name in found.as_given.model.effects else f"{name} is missing"
-    )
+    there = name in suggestion.as_given.model.effects
+    return f"{name} is there, but not as the model says" if there else f"{name} is missing"
 
 
-def _nothing(found: Suggestion) -> str:
-    left = _left(found)
-    if found.before.refit and found.as_given.misfit > max(GOOD, 1.2 * found.before.misfit):
+def _nothing(suggestion: Suggestion) -> str:
+    left = _left(suggestion)
+    if suggestion.before.refit and suggestion.as_given.misfit > max(GOOD, 1.2 * suggestion.before.misfit):
         return f"Nothing is missing, but the parameters are off: fit the model again, which leaves {left}."
     return f"Nothing is missing: the model alone leaves {left}, and no effect makes that clearly less."
 
 
-def _left(found: Suggestion) -> str:
-    um = found.before.judged.length_um
-    return f"{found.before.judged.heat_K:.3f} K" + (f" and {um:.2f} um" if np.isfinite(um) else "")
+def _left(suggestion: Suggestion) -> str:
+    um = suggestion.before.judged.length_um
+    return f"{suggestion.before.judged.heat_K:.3f} K" + (f" and {um:.2f} um" if np.isfinite(um) else "")
 
 
-def _tie(found: Suggestion, run: NextRun | None) -> str:
-    names = " or ".join(found.tie)
+def _tie(suggestion: Suggestion, run: NextRun | None) -> str:
+    names = " or ".join(suggestion.tie)
     if run is None:
         return f"{names}: these recordings cannot tell."
     if run.separation_sd < APART_SD:
@@ -105,9 +105,9 @@ def _tie(found: Suggestion, run: NextRun | None) -> str:
     )
 
 
-def _other(found: Suggestion) -> str:
-    rest = [name for name in found.pair if name != found.found[0].names[0]]
-    return rest[0] if rest else found.pair[-1]
+def _other(suggestion: Suggestion) -> str:
+    rest = [name for name in suggestion.pair if name != suggestion.found[0].names[0]]
+    return rest[0] if rest else suggestion.pair[-1]
 
 
 def _gain(before: Hypothesis, after: Hypothesis) -> str:

@@ -14,7 +14,7 @@ import pytest
 
 from ballscrew.cli import COMMANDS
 from ballscrew.muting import muted
-from ballscrew.options import each_named
+from ballscrew.options import all_named
 from tests.conftest import ballscrew as run
 from tests.processes import PATIENCE_S, started
 
@@ -284,4 +284,4 @@ def test_ctrl_c_ends_with_130():
 )
 def test_every_word_after_an_option_for_many_belongs_to_it(given, meant):
     """A shell's more/*.log after --held-out must not be taken for recordings to fit."""
-    assert each_named(given.split()) == meant.split()
+    assert all_named(given.split()) == meant.split()

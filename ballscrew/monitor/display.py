@@ -18,7 +18,7 @@ REDRAW_S = 0.25
 STOPS = [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
 
 
-class Voice:
+class Display:
     """A panel where the terminal can redraw, else a line a minute and what happens. Nobody may be there to read it."""
 
     def __init__(self, terminal: Terminal, panel: Live | None) -> None:
@@ -51,13 +51,13 @@ class Voice:
 
 
 @contextmanager
-def voice(terminal: Terminal) -> Iterator[Voice]:
-    """The voice for this terminal."""
+def display(terminal: Terminal) -> Iterator[Display]:
+    """The display of this terminal."""
     if terminal.quiet or not terminal.out.is_terminal:
-        yield Voice(terminal, None)
+        yield Display(terminal, None)
         return
     with Live(console=terminal.out, auto_refresh=False, transient=False) as panel:
-        yield Voice(terminal, panel)
+        yield Display(terminal, panel)
 
 
 @contextmanager

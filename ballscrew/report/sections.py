@@ -1,14 +1,11 @@
-"""Sections of a title, sentences and a table, as markdown or on the terminal; an effect as a person reads it."""
+"""Sections of a title, sentences and a table, as markdown or on the terminal."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rich.markup import escape
-
 from ballscrew.terminal import Rows, Terminal
-from estimator.effect import Effect
 
 
 @dataclass(frozen=True)
@@ -20,7 +17,7 @@ class Section:
     rows: Rows = ()
 
 
-def page(sections: Sequence[Section], level: int = 1) -> str:
+def markdown(sections: Sequence[Section], level: int = 1) -> str:
     """All sections as markdown, under headings of a level."""
     lines: list[str] = []
     for section in sections:
@@ -45,9 +42,3 @@ def print_sections(terminal: Terminal, sections: Sequence[Section]) -> None:
         terminal.table(section.rows)
     for sentence in first.said:
         terminal.say(sentence)
-
-
-def print_effect(terminal: Terminal, effect: type[Effect]) -> None:
-    """Its name, its sentence and its equation."""
-    terminal.out.print(f"[bold]{effect.name}[/bold]  {escape(effect.sentence())}")
-    terminal.say("    " + effect.equation().replace("\n", "\n    "))
