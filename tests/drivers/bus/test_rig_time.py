@@ -128,8 +128,8 @@ def test_a_wrong_speed_up_is_told(frames, tick_s):
     placed(clock, slow)
     assert "--speed-up 60" in clock.trouble
     right = FastTime(SPEED_UP, tick_s, closing, 65536)
-    jitter_s = 0.05 * min(tick_s, 1.0)
-    placed(right, [f._replace(time_s=START_S + tick_s * (f.time_s - START_S)) for f in hurried(frames, jitter_s)])
+    in_time = hurried(frames, 0.05 / max(tick_s, 1.0))
+    placed(right, [f._replace(time_s=START_S + tick_s * (f.time_s - START_S)) for f in in_time])
     assert not right.trouble
 
 

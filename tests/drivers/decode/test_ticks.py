@@ -151,11 +151,11 @@ def stretched(rows: list[Row], tick_s: float) -> list[Row]:
 
 @pytest.mark.parametrize("tick_s", [0.5, 5.0])
 @pytest.mark.parametrize(
-    ("change", "k", "s"), [(BREAKS[0], 0, 0.0), *((b, 5, 4.2) for b in BREAKS), (silence, 5, 2.2), (jump, 1, 30.0)]
+    ("change", "k", "s"), [(BREAKS[0], 0, 0.0), *((b, 5, 4.2) for b in BREAKS), (silence, 5, 2.2), (jump, 1.999, 30.0)]
 )
 @pytest.mark.parametrize("log", [RIG.log, replace(RIG.log, scan_number=None), Log(dbc="rig.dbc")])
 def test_another_tick_is_another_pace_and_nothing_else(
-    tmp_path: Path, change, k: int, s: float, log: Log, tick_s: float
+    tmp_path: Path, change, k: float, s: float, log: Log, tick_s: float
 ) -> None:
     """Ages and times are in seconds, everything else is counted in ticks."""
     rows, usual = change(BASE, k, s, 2), replace(RIG, log=log)

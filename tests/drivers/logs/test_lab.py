@@ -82,6 +82,15 @@ def test_rows_and_ticks_of_any_length(tmp_path: Path, rod: Rig, tick_s: float, s
     np.testing.assert_allclose(np.diff(record.channels[:, 0]), 1 if coarse else tick_s / step)
 
 
+def test_some_fast_rows_that_are_missing_are_no_silence(tmp_path: Path, rod: Rig) -> None:
+    path = table(tmp_path / "a.csv", 0.1, 60)
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join([*lines[:23], *lines[27:]]))
+    record = read_recording(path, rod)
+    assert record.notes == ()
+    assert np.isfinite(record.channels).all()
+
+
 def test_a_gap_of_a_slow_table_is_held_for_a_step_and_a_half(tmp_path: Path, rod: Rig) -> None:
     path = table(tmp_path / "a.csv", 10.0, 12)
     lines = path.read_text().splitlines(keepends=True)
