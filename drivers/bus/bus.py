@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import socket
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -69,6 +70,13 @@ class Listener:
     def __init__(self, bus: can.BusABC) -> None:
         self.recv: Callable[[float], can.Message | None] = bus.recv
         self.shutdown: Callable[[], None] = bus.shutdown
+
+
+def hang_up(bus: Listener | can.BusABC | None) -> None:
+    """Close a bus that is open; one that is gone cannot be closed either."""
+    if bus is not None:
+        with suppress(Exception):
+            bus.shutdown()
 
 
 def bus_options(words: tuple[str, ...]) -> dict[str, str | int | float]:

@@ -13,23 +13,23 @@ class Missing:
     """When each cyclic message was last heard, s on the rig's clock."""
 
     def __init__(self, messages: list[Layout], tick_s: float) -> None:
-        self._names = {(m.id, m.extended): f"{m.name} (0x{m.id:X})" for m in messages if m.cycle_s}
-        self._patience = {(m.id, m.extended): max(CYCLES * m.cycle_s, 2.5 * tick_s) for m in messages if m.cycle_s}
+        self._cyclic = {(m.id, m.extended): m for m in messages if m.cycle_s}
+        self._least_s = 2.5 * tick_s
         self._last: dict[tuple[int, bool], float] = {}
 
     @property
     def count(self) -> int:
         """How many messages are waited for."""
-        return len(self._names)
+        return len(self._cyclic)
 
     def heard(self, can_id: int, extended: bool, now_s: float) -> None:
         """A frame has come."""
-        if (can_id, extended) in self._names:
+        if (can_id, extended) in self._cyclic:
             self._last[can_id, extended] = now_s
 
     def since(self, now_s: float) -> Iterator[tuple[str, float]]:
         """Messages that are missing, and when each was last heard; one that never came counts from the first frame."""
-        for key, name in self._names.items():
+        for key, message in self._cyclic.items():
             last = self._last.get(key, 0.0)
-            if now_s - last > self._patience[key]:
-                yield name, last
+            if now_s - last > max(CYCLES * message.cycle_s, self._least_s):
+                yield f"{message.name} (0x{message.id:X})", last

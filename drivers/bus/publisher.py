@@ -13,6 +13,7 @@ import can
 import cantools
 import numpy as np
 
+from drivers.bus.bus import hang_up
 from drivers.decode.checks import frame_checksum
 from drivers.decode.dbc import find_dbc
 from drivers.received import Received
@@ -145,9 +146,7 @@ class Publisher:
             self.sent += 1
 
     def _hang_up(self) -> None:
-        if self._bus is not None:
-            with suppress(Exception):  # a bus that is gone cannot be closed either
-                self._bus.shutdown()
+        hang_up(self._bus)
         self._bus = None
 
 

@@ -11,12 +11,11 @@ import queue
 import threading
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from typing import NamedTuple
 
 import can
 
-from drivers.bus.bus import Listener
+from drivers.bus.bus import Listener, hang_up
 from drivers.bus.rig_time import RigTime
 from drivers.received import Received, received_of
 from estimator.errors import BallscrewError
@@ -104,7 +103,7 @@ class Receiver:
                 self._halt.wait(delay)
                 delay = min(2 * delay, BACK_OFF_S[1])
             finally:
-                _close(bus)
+                hang_up(bus)
 
     def _listen(self, bus: Listener) -> None:
         """Take frames until the bus has been silent for too long."""
@@ -180,9 +179,3 @@ class Receiver:
             self._put(Notice(f"frames again after {time.monotonic() - self._gone_at:.1f} s", "INFO"))
             self._gone_at = None
         self.state = "open"
-
-
-def _close(bus: Listener | None) -> None:
-    if bus is not None:
-        with suppress(Exception):  # a bus that is gone cannot be closed either
-            bus.shutdown()

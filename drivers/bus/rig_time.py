@@ -88,8 +88,7 @@ class FastTime(RigTime):
 
     def overdue(self) -> list[Received]:
         """Frames whose scan does not end."""
-        silent_s = time.monotonic() - self._latest if self._latest is not None else 0.0
-        return self.flush() if silent_s > self._patience_s else []
+        return self.flush() if self.silence() > self.speed_up * self._patience_s else []
 
     def flush(self) -> list[Received]:
         """Place what waits by its stamps."""

@@ -35,7 +35,7 @@ class Decoder:
         self.dbc = load_dbc(find_dbc(rig.log.dbc, rig.folder))
         self.scan = Scan(rig, self.dbc)
         self.sources: dict[str, list[Source]] = {}
-        for source in sources(rig, self.dbc).values():
+        for source in sources(rig, self.dbc):
             self.sources.setdefault(source.message.name, []).append(source)
         key = f"{rig.folder / 'rig.toml'}: log"
         self.checksums = {self.dbc.signal(name, f"{key}.checksums")[0].name for name in rig.log.checksums}

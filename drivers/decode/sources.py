@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from drivers.frames import Tally
 from estimator.errors import SetupError
 from estimator.rig import Rig, Signal
 
+Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
@@ -27,9 +29,7 @@ class Source:
     valid: Condition | None = None
     held: int | None = None  # last value of `fresh`
 
-    def read(
-        self, words: Words, now: NDArray[np.float64], quiet_s: float, tally: Tally
-    ) -> tuple[Mask, NDArray[np.float64]]:
+    def read(self, words: Words, now: Array, quiet_s: float, tally: Tally) -> tuple[Mask, Array]:
         """Readings of the frames of its message: where there is one, (n,) bool, and all values, (n,).
 
         now      (n,) s since the log's first frame
@@ -52,7 +52,7 @@ class Source:
             use = self._drop(use, (value < self.rule.lo) | (value > self.rule.hi), f"out of range {self.name}", tally)
         return use, value
 
-    def _fresh(self, number: NDArray[np.int64], now: NDArray[np.float64], quiet_s: float, tally: Tally) -> Mask:
+    def _fresh(self, number: NDArray[np.int64], now: Array, quiet_s: float, tally: Tally) -> Mask:
         if not len(number):
             return np.zeros(0, bool)
         new: Mask = np.diff(number, prepend=number[0] if self.held is None else self.held) != 0
@@ -68,17 +68,15 @@ class Source:
         return use & ~bad
 
 
-def sources(rig: Rig, dbc: Dbc) -> dict[str, Source]:
+def sources(rig: Rig, dbc: Dbc) -> Iterator[Source]:
     """A source for each channel and input of the rig that has a signal; one that the DBC lacks is a SetupError."""
-    by_name = {}
     for table, rules in (("channels", rig.channels), ("inputs", rig.inputs)):
         for name, rule in rules.items():
             key = f"{rig.folder / 'rig.toml'}: {table}.{name}"
             if rule.signals:
-                by_name[name] = _source(name, rule, dbc, key)
+                yield _source(name, rule, dbc, key)
             elif rule.column is None:
                 raise SetupError(f"{key}: 'signal' is missing: which signal of {dbc.path.name} is it?")
-    return by_name
 
 
 def _source(name: str, rule: Signal, dbc: Dbc, key: str) -> Source:

@@ -20,6 +20,7 @@ from drivers.budget import Budget
 from drivers.frames import FRAME, Frames, Tally
 
 Bytes = NDArray[np.uint8]
+Index = NDArray[np.intp]
 
 _LINE = re.compile(
     rb"\((\d{1,10})\.(\d{1,9})\) (\S+) ([0-9A-Fa-f]{8}|[0-9A-Fa-f]{3})#((?:[0-9A-Fa-f]{2}){0,8})( [RT])?\r?"
@@ -104,11 +105,13 @@ class _Reader:
         # A line that never ends (zeros after a power cut, a binary file) must not pile up in memory.
         return rest if len(rest) <= _CHUNK else rest[-_LONGEST:]
 
-    def _decode(self, text: bytes, buffer: Bytes, starts: NDArray[np.intp], lengths: NDArray[np.intp]) -> None:
-        todo = np.flatnonzero(lengths > 0)
-        tables = []
+    def _decode(self, text: bytes, buffer: Bytes, starts: Index, lengths: Index) -> None:
+        def line(index: int) -> bytes:
+            return text[starts[index] : starts[index] + lengths[index]]
+
+        todo, tables = np.flatnonzero(lengths > 0), []
         for attempt in count():
-            layout, todo = self._layout(text, starts, lengths, todo)
+            layout, todo = self._layout(line, todo)
             if layout is None:
                 break
             # a file of a thousand layouts is taken line by line: to look for more of each would never end
@@ -121,15 +124,12 @@ class _Reader:
         if tables:
             self._keep(np.concatenate(tables))
 
-    def _layout(
-        self, text: bytes, starts: NDArray[np.intp], lengths: NDArray[np.intp], todo: NDArray[np.intp]
-    ) -> tuple[re.Match[bytes] | None, NDArray[np.intp]]:
+    def _layout(self, line: Callable[[int], bytes], todo: Index) -> tuple[re.Match[bytes] | None, Index]:
         """The match of the first line still to do that is a frame; lines before it are counted and left."""
-        for position, line in enumerate(todo):
-            words = text[starts[line] : starts[line] + lengths[line]]
-            if match := _LINE.fullmatch(words):
+        for position, index in enumerate(todo):
+            if match := _LINE.fullmatch(line(index)):
                 return match, todo[position:]
-            self._odd(words, self.lines + 1 + int(line))
+            self._odd(line(index), self.lines + 1 + int(index))
         return None, todo[:0]
 
     def _odd(self, line: bytes, number: int) -> None:
@@ -150,7 +150,7 @@ class _Reader:
         self.blocks.append(table)
 
 
-def _cut(buffer: Bytes, starts: NDArray[np.intp], layout: re.Match[bytes]) -> tuple[NDArray[np.intp], NDArray[np.void]]:
+def _cut(buffer: Bytes, starts: Index, layout: re.Match[bytes]) -> tuple[Index, NDArray[np.void]]:
     """Decode the lines at `starts` that have this layout: their indices into `starts`, and the frames."""
     text = np.lib.stride_tricks.sliding_window_view(buffer, layout.end())[starts]
     values = _HEX[text]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 import can
@@ -10,11 +11,9 @@ import can
 from drivers.frames import LATEST_S, Tally
 from drivers.logs.candump_line import frame_of
 from drivers.logs.logs import is_lab_csv
-from drivers.logs.python_can import Messages
+from drivers.logs.python_can import Messages, WholeLines
 from drivers.received import Received, received_of
 from estimator.errors import InputError
-
-_LONGEST = 4096  # bytes of a line
 
 Position = Callable[[int], None]
 
@@ -35,22 +34,15 @@ def every_frame(path: Path, tally: Tally, position: Position = lambda byte: None
 
 
 def _candump(path: Path, tally: Tally, position: Position) -> Iterator[Received]:
-    with path.open("rb") as file:
-        line, number, whole = b"\n", 0, True
-        while piece := file.readline(_LONGEST):
-            number += whole  # else the rest of a line that is too long for a frame
-            line, whole = piece if whole else b"", piece.endswith(b"\n")
-            if not whole:
-                continue
-            if number % 1000 == 0:
-                position(file.tell())
-            if frame := frame_of(line.decode("latin-1")):
+    with closing(WholeLines(path)) as lines:
+        for line in lines:
+            if lines.count % 1000 == 0:
+                position(lines.tell())
+            if frame := frame_of(line):
                 yield frame
             elif not line.isspace():
                 tally.skip("torn or foreign line")
-        if not whole:
-            tally.skip("torn line")
-            tally.note(f"torn at line {number}: it has no line end; read up to there")
+        lines.account(tally)
 
 
 def _python_can(path: Path, tally: Tally, position: Position) -> Iterator[Received]:

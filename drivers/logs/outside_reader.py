@@ -42,11 +42,9 @@ class Sender:
             self.tally.skip(reason)
             return
         data, place = bytes(message.data), self.messages.place & 0xFFFFFFFF
-        row = PACKED.pack(
-            message.timestamp, message.arbitration_id, message.is_extended_id, len(data), data, place
-        )  # fmt: skip
+        about = message.timestamp, message.arbitration_id, message.is_extended_id
         with self.lock:
-            self.rows += row
+            self.rows += PACKED.pack(*about, len(data), data, place)
 
     def _flush_now_and_then(self) -> None:
         # from a thread, so that the frames before a loop in the reader are not lost

@@ -49,9 +49,8 @@ class Messages:
 
     def __iter__(self) -> Iterator[can.Message]:
         yield from self._messages(relative_timestamp=False)
-        if self._lines and self._lines.torn:
-            self._tally.skip("torn line")
-            self._tally.note(f"torn at line {self._lines.count}: it has no line end; read up to there")
+        if self._lines:
+            self._lines.account(self._tally)
         if self._suffix == ".blf" and (told := _told_size(self._path)) not in (None, self._size):
             # python-can takes half a container for a whole one
             there = f"its head says {told} bytes, {self._size} are there"
@@ -92,7 +91,7 @@ class Messages:
 
 
 class WholeLines:
-    """A text file line by line, for python-can's readers: a last line without its end is kept from them."""
+    """A text file line by line, long lines cut short; a last one without its end may be cut itself and is kept back."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("rb")
@@ -105,16 +104,22 @@ class WholeLines:
         return self
 
     def __next__(self) -> str:
-        line = self._file.readline(_LONGEST_LINE)
-        if not line:
-            raise StopIteration
-        self.count += 1
-        if not line.endswith(b"\n"):
-            self.torn = True
+        line = end = self._file.readline(_LONGEST_LINE)
+        while end and not end.endswith(b"\n"):
+            end = self._file.readline(_LONGEST_LINE)
+        self.count += bool(line)
+        self.torn |= bool(line) and not end
+        if not end:
             raise StopIteration
         text = line.decode("utf-8", "surrogateescape") if line.isascii() else line.decode("latin-1")
         self.silent += not text.lstrip().startswith((";", "//", "End T", "end t")) and bool(text.strip())
         return text
+
+    def account(self, tally: Tally) -> None:
+        """Tell of a last line without its end."""
+        if self.torn:
+            tally.skip("torn line")
+            tally.note(f"torn at line {self.count}: it has no line end; read up to there")
 
     def read(self) -> str:
         """Only its presence counts: python-can takes what can be read for a file."""

@@ -10,7 +10,7 @@ from drivers.virtual_rig.machine.geometry import ANCHOR_BEARING_MM, OMEGA_20, SP
 from drivers.virtual_rig.machine.heat import ThermalRig, step_middles
 from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
 from drivers.virtual_rig.machine.screw import growth_weights
-from drivers.virtual_rig.sensors.jig import jig
+from drivers.virtual_rig.sensors.jig import BOARD_SELF_HEATING, Jig
 from drivers.virtual_rig.sensors.probes import OVER_RANGE, Gauge, Probes, Reading
 from drivers.virtual_rig.sensors.truth import Truth
 
@@ -39,7 +39,8 @@ class Experiment:
         self.rig, self.probes, self.travel, self.draw = rig, probes, travel, draw
         self.motor_growth = growth_weights(ANCHOR_BEARING_MM, SPAN_MM[1], expansion)
         self.free_growth = growth_weights(SPAN_MM[0], ANCHOR_BEARING_MM, expansion)
-        self.jig = jig(rig.weather.start)
+        start = rig.weather.start
+        self.jig = Jig(start, start, start + BOARD_SELF_HEATING)
         self.rows: list[tuple] = []
         self.held: list[tuple[float, float, float, int]] = []
         self.start_at, self.cycles_done = REST_S, 0

@@ -29,10 +29,5 @@ class Jig:
         )
 
 
-def jig(start_degc: float) -> Jig:
-    """In equilibrium with the air."""
-    return Jig(start_degc, start_degc, start_degc + BOARD_SELF_HEATING)
-
-
 def _follow(value: float, target: float, tau: float) -> float:
     return target + (value - target) * math.exp(-1.0 / tau)

@@ -195,6 +195,16 @@ def test_files_that_are_no_log(tmp_path: Path) -> None:
     assert complaint(tmp_path / "pipe.log") == f"{tmp_path / 'pipe.log'}: not a regular file"
 
 
+def test_a_line_that_is_too_long_is_one_line(tmp_path: Path) -> None:
+    path = make(tmp_path / "a.asc")
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join([*lines[:40], "x" * 10_000 + "\n", *lines[40:]]))
+    record = read_recording(path, RIG)
+    assert record.frames == len(ROWS)
+    assert record.skipped["line without a frame"] == 1
+    assert record.notes == ()
+
+
 def test_absurd_stamps(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     text = make(path).read_text().splitlines(keepends=True)
