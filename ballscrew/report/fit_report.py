@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ballscrew.report.errors import HORIZONS
+from ballscrew.report.error_cells import HORIZONS
 from ballscrew.terminal import Terminal
 from estimator.accuracy.noise_floor import Error
 from estimator.fit.fit import Fit, Fitted

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ballscrew.report.comparison_report import sections
-from ballscrew.report.errors import cells
+from ballscrew.report.error_cells import cells
 from ballscrew.report.sections import Section, markdown
 from ballscrew.report.verdict import sentence
 from ballscrew.search import Verdict
@@ -17,7 +17,6 @@ from ballscrew.workspace import Loaded, Workspace, runs_of
 from estimator.accuracy.compare import compare
 from estimator.missing_effect.improve import ImprovedModel, Improvement
 from estimator.model import Model
-from estimator.rig import Rig
 from estimator.work import Workers
 
 ALSO_CHOSEN = "cross-validated: each recording left out once, but all of them were also used for choosing"
@@ -94,17 +93,14 @@ def note(improvement: Improvement) -> str:
 
 def steps_section(out: Outcome) -> Section:
     """The first page of report and views."""
-    steps = out.improvement.steps
+    steps, lengths = out.improvement.steps, "displacement" in out.work.rig.channels
+    of_what = "um: of the displacement readings, so while driving; " if lengths else ""
     said = [
         f"Added: {', '.join(filter(None, added(steps))) or 'nothing'}.",
         out.said,
-        f"Model alone (open loop), rms; {_of_what(out.work.rig)}{note(out.improvement)}.",
+        f"Model alone (open loop), rms; {of_what}{note(out.improvement)}.",
     ]
     return Section(f"{out.after.name}: {out.before.name} improved", said, steps_table(steps))
-
-
-def _of_what(rig: Rig) -> str:
-    return "um: of the displacement readings, so while driving; " if "displacement" in rig.channels else ""
 
 
 def as_json(improvement: Improvement) -> dict[str, Any]:

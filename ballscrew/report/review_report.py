@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ballscrew.report.errors import number
+from ballscrew.report.error_cells import number
 from ballscrew.report.sections import table
 from ballscrew.terminal import Rows, Terminal, duration
 from estimator.accuracy.accuracy import Accuracy, least_squares_line

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ballscrew.report.errors import cells
+from ballscrew.report.error_cells import cells
 from ballscrew.report.sections import Section
-from ballscrew.report.verdict import sentence, where
+from ballscrew.report.verdict import place_of, sentence
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
 from estimator.accuracy.noise_floor import Error
@@ -98,7 +98,7 @@ def _unknown(suggestion: Suggestion, rig: Rig) -> dict[str, Any] | None:
     at, follower = unknown.at_mm, unknown.follower
     return {
         "from_mm": at - 30.0 if at is not None else None, "to_mm": at + 30.0 if at is not None else None,
-        "node": unknown.node, "phase": follower.phase, "follows": follower.name, "what": where(unknown),
+        "node": unknown.node, "phase": follower.phase, "follows": follower.name, "what": place_of(unknown),
     }  # fmt: skip
 
 

@@ -52,12 +52,12 @@ def _wrong_input(wrong: Mislabel, far: bool) -> str:
 def _unknown(unknown: Unknown) -> str:
     what = "heat" if unknown.channel is None else "an offset of"
     return (
-        f"No effect of the catalogue explains it. Something like {what} {where(unknown)} does, which follows"
+        f"No effect of the catalogue explains it. Something like {what} {place_of(unknown)} does, which follows"
         f" {unknown.follower.words}. Begin with: {_new_effect(unknown)}"
     )
 
 
-def where(unknown: Unknown) -> str:
+def place_of(unknown: Unknown) -> str:
     """At 350 mm, in nut, T04."""
     if unknown.channel is not None:
         return unknown.channel or "all thermometers"
