@@ -49,7 +49,7 @@ def command(
     """
     names = chosen_thermometers(channels, work.rig)
     work.read(join=join)
-    work.terminal.say_if_compiling("passes")
+    work.terminal.say_if_compiling("passes", "smoothed")
     judged = list(_judged(work, names, lambda recording: muted(recording, work.rig, names, no_displacement, spans)))
     if not judged:
         return work.status

@@ -20,9 +20,9 @@ from estimator.inputs.follower import ALWAYS, RATE, Follower, followers
 from estimator.missing_heat.missing_heat import ALL, MissingHeat
 from estimator.record import Array
 from estimator.rig import Rig
+from estimator.sensitivity.objective import GOOD_K, GOOD_UM
 
-GOOD_K, GOOD_UM = 0.05, 0.2  # rms open loop that a good model leaves ...
-FLOORS = 2.0  # ... or so many times what the sensors leave, if that is more
+FLOORS = 2.0  # good is what a good model leaves, or so many times what the sensors leave, if that is more
 
 SEED = 1
 ORDERS = 500
