@@ -20,6 +20,10 @@ from estimator.effect import Effect
 from estimator.filter import Filter
 from estimator.rig import Channel
 from tests.conftest import PAPER, ballscrew, stepped
+from tests.viz_fake import fake_run
+from tests.viz_read import rows, view_names
+from viz.drawing.file import saved
+from viz.drawing.views import tabbed
 
 PAGE = Path(__file__).parents[1] / "docs" / "extending.md"
 
@@ -80,3 +84,15 @@ def test_a_command(monkeypatch):
     status, out, _ = ballscrew("channels", PAPER)
     assert (status, "T07" in out) == (0, True)
     assert json.loads(ballscrew("channels", PAPER, "--json")[1])["T06"] == 559.0
+
+
+def test_a_view(tmp_path):
+    run, module = fake_run("FS-20", 300), block("A view")
+    path = tmp_path / "table.rrd"
+    with saved(path, tabbed([module.page("FS-20", run.track)]), "FS-20", "", 243.0) as rec:
+        module.send(rec, "FS-20", run.track)
+    assert view_names(path) == ["Thermal error at the table [µm]"]
+    values = rows(path, "/FS-20/error_at_table/filter", "Measurements:values")[1]
+    known = np.isfinite(run.track.error_at_table_um)
+    assert known.any()
+    np.testing.assert_allclose(np.ravel(values), run.track.error_at_table_um[known])
