@@ -124,4 +124,6 @@ def _says() -> list[str]:
         "`estimator.filter.Filter`, from its innovations, measured in full, times the number of log-likelihoods that "
         f"scipy's L-BFGS-B with finite differences (step {EPS:g} of a parameter, p + 1 log-likelihoods a gradient) "
         "takes for the same posterior from the same start with the same scaling, counted by running it on our engine.",
+        "That filter reads its inputs tick by tick, as live, which takes most of its time; "
+        "with inputs read in blocks it took a third (2026-11-26: 109 times ours).",
     ]

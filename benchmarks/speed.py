@@ -34,7 +34,7 @@ def markdown() -> str:
         "`ballscrew review FS-20.blf --save`, from file to table and .rrd": _review,
         "reading the log into ticks": lambda: read_recording(RUN, rig),
         "python-can's reader and cantools' decode of each frame": _by_hand,
-        "the filter over all ticks": lambda: stepped(Filter(model, rig), recording),
+        "the filter tick by tick, as live": lambda: stepped(Filter(model, rig), recording),
     }
     seconds = {name: [] for name in jobs}  # type: dict[str, list[float]]
     for _ in range(ROUNDS):

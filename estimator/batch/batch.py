@@ -11,7 +11,7 @@ the borders of chunks, and once more chunk by chunk on the way back.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -66,15 +66,18 @@ def loglike(system: System) -> float:
     return float(kernels.forward(system.model, system.data, system.start))
 
 
-def smoothed(system: System, covariances: bool = False) -> Smoothed:
-    """Estimate of each tick from all readings (Durbin and Koopman 2012, 4.4), x + P r with covariance P - P N P."""
-    (T, n), m = system.b.shape, len(system.H)
-    cov = np.empty((T if covariances else 0, n, n))
-    result = Smoothed(np.empty((T, n)), np.empty((T, n)), cov, np.empty((T, m)), np.empty((T, m)))
+def smoothed(system: System, covariances: bool = False, channels: Sequence[int] = ()) -> Smoothed:
+    """Estimate of each tick from all readings (Durbin and Koopman 2012, 4.4), x + P r with covariance P - P N P.
+
+    channels  (k,) of which the smoothed reading is wanted
+    """
+    (T, n), which = system.b.shape, np.array(channels, dtype=np.int64)
+    cov, k = np.empty((T if covariances else 0, n, n)), len(which)
+    result = Smoothed(np.empty((T, n)), np.empty((T, n)), cov, np.empty((T, k)), np.empty((T, k)))
     r, N = np.zeros(n), np.zeros((n, n))
     for ticks, states, _ in _backwards(system):
         out = Smooth(*(a[ticks] for a in vars(result).values()))
-        kernels.smooth(system.model, _part(system.data, ticks), states, r, N, out)
+        kernels.smooth(system.model, _part(system.data, ticks), which, states, r, N, out)
     return result
 
 

@@ -114,7 +114,7 @@ class Compared(NamedTuple):
 
 
 class Smooth(NamedTuple):
-    """Smoothed x and var (K, n), cov (K or 0, n, n); reading H x and its variance, (K, m)."""
+    """Smoothed x and var (K, n), cov (K or 0, n, n); reading H x of some channels and its variance, (K, k)."""
 
     x: Array
     var: Array
@@ -401,18 +401,18 @@ def _smooth_covariance(P: Array, N: Array, var: Array, cov: Array) -> None:
 
 
 @kernel
-def smooth(model: Model, data: Data, states: States, r: Array, N: Array, out: Smooth) -> None:
-    """From the last tick to the first, after `forward` has kept all states."""
+def smooth(model: Model, data: Data, channels: Array, states: States, r: Array, N: Array, out: Smooth) -> None:
+    """From the last tick to the first, after `forward` has kept all states; channels (k,): whose reading is wanted."""
     H, back = model.H.copy(), _backwards(model)
     for t in range(len(data.y) - 1, -1, -1):
         P = states.P[t + 1]
         _vary(model, H, data.grown[t])
         _smooth_mean(states, t + 1, r, out.x[t])
         _smooth_covariance(P, N, out.var[t], out.cov[t] if len(out.cov) else P[:0])
-        for o in range(len(H)):
+        for k, o in enumerate(channels):
             Ph = np.dot(P, H[o])
-            out.reading[t, o] = np.dot(H[o], out.x[t])
-            out.reading_var[t, o] = np.dot(H[o], Ph) - np.dot(Ph, np.dot(N, Ph))
+            out.reading[t, k] = np.dot(H[o], out.x[t])
+            out.reading_var[t, k] = np.dot(H[o], Ph) - np.dot(Ph, np.dot(N, Ph))
         _unfuse(model, H, data, t, out.x[t], P, r, N, back)
         _carry(model.F_T[data.regime[t]], model.F[data.regime[t]], r, N, back.carry)
 

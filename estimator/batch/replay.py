@@ -67,10 +67,11 @@ class Replay:
         if self._posed is not None:
             T = len(self._posed.system.y)
             system = replace(self._posed.system, muted=~self.track.fused[-T:])
-            found = batch.smoothed(replace(self._posed, system=system).with_elongation())
+            elongation = len(system.H)  # the channel that is never read
+            found = batch.smoothed(replace(self._posed, system=system).with_elongation(), channels=[elongation])
             grows = np.isfinite(self.track.elongation_um[-T:])
-            um[-T:] = np.where(grows, found.reading[:, -1], np.nan)
-            sigma[-T:] = np.where(grows, np.sqrt(np.maximum(found.reading_var[:, -1], 0.0)), np.nan)
+            um[-T:] = np.where(grows, found.reading[:, 0], np.nan)
+            sigma[-T:] = np.where(grows, np.sqrt(np.maximum(found.reading_var[:, 0], 0.0)), np.nan)
             um[-T - 1], sigma[-T - 1] = self.track.elongation_um[-T - 1], self.track.sigma_um[-T - 1]
         return Smoothed(um, sigma)
 

@@ -107,7 +107,7 @@ class Smoothed:
 
     x, var   (T, n)
     cov      (T, n, n), or (0, n, n) where not asked for
-    reading  (T, m)  H x of each channel;  reading_var (T, m) its variance
+    reading  (T, k)  H x of the channels asked for;  reading_var (T, k) its variance
     """
 
     x: Array

@@ -177,7 +177,9 @@ def test_smoothed_is_the_joint_gaussian_given_all(system):
     assert found.cov == pytest.approx(np.array([P[t, :, t] for t in range(T)]), abs=1e-9)
     assert found.var == pytest.approx(np.diagonal(found.cov, axis1=1, axis2=2), abs=1e-12)
     assert smoothed(system).var == pytest.approx(found.var, abs=1e-12)
-    H = np.array([rows(system, t) for t in range(T)])
+    assert found.reading.shape == (T, 0)
+    some = [CHANNELS - 1, 0]
+    H, found = np.array([rows(system, t)[some] for t in range(T)]), smoothed(system, covariances=True, channels=some)
     assert found.reading == pytest.approx(np.einsum("tmi,ti->tm", H, x), abs=1e-9)
     assert found.reading_var == pytest.approx(np.einsum("tmi,tij,tmj->tm", H, found.cov, H), abs=1e-9)
     assert smoothed(system).cov.shape == (0, N, N)
