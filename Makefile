@@ -73,7 +73,6 @@ pictures-improve: $(READY)
 	$(BIN)/ballscrew improve $(HIDDEN) --held-out $(HIDDEN)/held-out --model $(MODEL) --quiet -o improved.toml
 	mkdir -p docs/pictures/improve
 	cp improved-*.png docs/pictures/improve
-	$(BIN)/python -m viz.viewer.pictures improved.rrd docs/pictures/improve --window 1280x800 --only Summary --only $(SHOWN)
 
 recordings: $(LOGS)
 

@@ -30,10 +30,13 @@ def main(names: list[str]) -> None:
 
 
 def _commit() -> str:
-    """What was measured: the commit, and whether files have been changed since."""
-    git = ["git", "-C", str(RESULTS.parent), "describe", "--always", "--dirty", "--exclude=*"]
-    done = subprocess.run(git, capture_output=True, text=True)
-    return f"commit {done.stdout.strip()}" if done.returncode == 0 else "no commit"
+    """What was measured: the commit, and whether anything but the results has been changed since."""
+    git = ["git", "-C", str(RESULTS.parents[1])]
+    done = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True)
+    if done.returncode:
+        return "no commit"
+    changed = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", ".", ":(exclude)benchmarks/RESULTS.md"]).returncode
+    return f"commit {done.stdout.strip()}{' and changes' if changed else ''}"
 
 
 def _keep(name: str, text: str) -> None:
