@@ -41,10 +41,16 @@ def accuracy(error: Array, sigma: Array | None = None, cooling: Array | None = N
     inside = np.abs(e) <= 2 * sigma[known] if sigma is not None else np.empty(0)
     return Accuracy(
         (float(e.min()), float(e.max())),
-        float(np.sqrt(np.mean(e**2))),
+        rms(e),
         float(np.abs(late).max()) if len(late) else float("nan"),
         float(inside.mean()) if len(inside) else float("nan"),
     )
+
+
+def rms(error: Array) -> float:
+    """Root mean square of what is known of an error, NaN where nothing is."""
+    known = error[np.isfinite(error)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
 
 
 def least_squares_line(estimate: Array, reference: Array) -> tuple[float, float, tuple[float, float]]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.accuracy import displacement
+from estimator.accuracy.accuracy import rms
 from estimator.accuracy.horizon import HORIZONS, Horizons, horizons, overall
 from estimator.accuracy.noise_floor import FAR, Error, noise_floor
 from estimator.batch.trial import Trial
@@ -92,12 +93,7 @@ def _by_horizon(found: Sequence[Horizons]) -> ByHorizon:
 
 
 def _of_channel(found: Sequence[Horizons], i: int) -> Mapping[str, float]:
-    rests = {name: np.concatenate([getattr(each, name)[:, i] for each in found]) for name in HORIZONS}
-    return {name: _rms(rest[np.isfinite(rest)]) for name, rest in rests.items()}
-
-
-def _rms(rest: Array) -> float:
-    return float(np.sqrt(np.mean(rest**2))) if len(rest) else float("nan")
+    return {name: rms(np.concatenate([getattr(each, name)[:, i] for each in found])) for name in HORIZONS}
 
 
 def _where(found: Sequence[Horizons], masks: Sequence[Array]) -> list[Horizons]:

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.accuracy.noise_floor import Error
+from estimator.accuracy.accuracy import rms
+from estimator.accuracy.noise_floor import Error, rms_by_family
 from estimator.batch import batch
 from estimator.batch.open_loop import open_loop_misfit
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.model import Model
 from estimator.record import Array
 
@@ -57,10 +59,6 @@ class Horizons:
         readings = np.where(np.isfinite(self.reference)[:, None], np.nan, getattr(self, horizon)[:, ~self.thermometers])
         return np.column_stack([self.reference - self.elongation[horizon], readings])
 
-    def error(self, horizon: str) -> Error:
-        """rms of one horizon."""
-        return overall([self], horizon)
-
 
 def horizons(trial: Trial, model: Model) -> Horizons:
     """All three predictions of one model on one recording."""
@@ -86,35 +84,18 @@ def horizons(trial: Trial, model: Model) -> Horizons:
     return Horizons(one_step, ahead, open_loop_misfit(trial, posed), thermometers, elongation, unknown)
 
 
-def open_loop_only(trial: Trial, model: Model) -> Horizons:
-    """The open-loop prediction alone; nothing is known of the others."""
-    posed = trial.pose(model)
-    open_loop = open_loop_misfit(trial, posed)
-    none, unknown = np.full_like(open_loop, np.nan), np.full(len(open_loop), np.nan)
-    elongation = {"one_step": unknown, "ahead": unknown, "open_loop": posed.run.grown}
-    thermometers = trial.rig.is_thermometer
-    return Horizons(none, none, open_loop, thermometers, elongation, unknown)
-
-
-def open_loop_error(trials: Iterable[Trial], model: Model) -> Error:
+def open_loop_error(trials: Trials, model: Model) -> Error:
     """rms by the model alone over several recordings together."""
-    return overall([open_loop_only(trial, model) for trial in trials], "open_loop")
+    return rms_by_family([open_loop_misfit(trial, trial.pose(model)) for trial in trials], trials[0].rig)
 
 
 def overall(found: Sequence[Horizons], horizon: str) -> Error:
     """rms over several recordings together."""
-    return Error(
-        _rms([each.temperature_errors(horizon) for each in found]),
-        _rms([each.elongation_errors(horizon) for each in found]),
-    )
+    families = (Horizons.temperature_errors, Horizons.elongation_errors)
+    return Error(*(rms(np.concatenate([errors(each, horizon).ravel() for each in found])) for errors in families))
 
 
 def errors(trials: Iterable[Trial], model: Model) -> dict[str, Error]:
     """Error of each horizon over several recordings together."""
     found = [horizons(trial, model) for trial in trials]
     return {name: overall(found, name) for name in HORIZONS}
-
-
-def _rms(rests: Sequence[Array]) -> float:
-    values = np.concatenate([rest[np.isfinite(rest)] for rest in rests])
-    return float(np.sqrt(np.mean(values**2))) if len(values) else float("nan")

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.accuracy.accuracy import rms
 from estimator.batch.trial import Trial
 from estimator.model import Model
+from estimator.record import Array
+from estimator.rig import Rig
 
 FAR = 3.0  # an open-loop error this many times the noise floor is missing physics
 
@@ -38,3 +42,9 @@ class Error:
 
     temperature_K: float
     elongation_um: float
+
+
+def rms_by_family(misfits: Sequence[Array], rig: Rig) -> Error:
+    """rms of what models miss on some recordings of a rig, (T, m) each."""
+    rest = np.concatenate(misfits)
+    return Error(rms(rest[:, rig.is_thermometer]), rms(rest[:, ~rig.is_thermometer]))

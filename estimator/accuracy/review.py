@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.accuracy import displacement, polyline
-from estimator.accuracy.accuracy import Accuracy, accuracy
+from estimator.accuracy.accuracy import Accuracy, accuracy, rms
 from estimator.batch.replay import Replay
 from estimator.errors import InputError
 from estimator.inputs.phase import cooling
@@ -108,8 +108,7 @@ def review(
 
 def _temperature_errors(track: Track, rig: Rig) -> tuple[float, float]:
     heat = rig.is_thermometer
-    errors = track.innovation[1:, heat], (track.measured - track.open_loop)[1:, heat]
-    return accuracy(errors[0]).rms_um, accuracy(errors[1]).rms_um
+    return rms(track.innovation[1:, heat]), rms((track.measured - track.open_loop)[1:, heat])
 
 
 def _reference_name(rig: Rig, truth_um: Array | None) -> str:

@@ -60,7 +60,7 @@ class Fit:
     raised         factor by which the process noise had to be raised, 1: not at all
     alike          pairs of parameters whose errors correlate by more than 0.95, with the correlation
     loglike        log posterior of the open-loop parameters and of the likelihood's
-    before, after  errors by horizon of the model as it came and as it left;  other: of the parameters not kept
+    before, after  errors by horizon of the model as it came and as it left
     converged      whether the search came to its end; `stopped`: by the user
     """
 
@@ -72,7 +72,6 @@ class Fit:
     loglike: tuple[float, float]
     before: dict[str, Error]
     after: dict[str, Error]
-    other: dict[str, Error]
     converged: bool
     stopped: bool
     steps: int
@@ -173,8 +172,7 @@ def _outcome(model: Model, found: Sequence[Optimum], left: Mapping[str, str], op
     better = replace(better, about={**model.about, **about})
     return Fit(
         better, fitted, kept.name, raised, alike(kept), (optimiser.first, optimiser.value), errors(trials, model),
-        errors(trials, better), judged[1 - at] if len(found) > 1 else {}, optimiser.converged, optimiser.stopped,
-        optimiser.steps,
+        errors(trials, better), optimiser.converged, optimiser.stopped, optimiser.steps,
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from estimator.effect import Effect
 from estimator.errors import SetupError
 from estimator.inputs.follower import followers
-from estimator.inputs.inputs import no_inputs
+from estimator.inputs.inputs import no_inputs, nothing
 from estimator.model import Model
 from estimator.network.check import checked_terms
 from estimator.rig import Rig
@@ -62,7 +62,7 @@ def candidates(model: Model, rig: Rig, effects: Iterable[type[Effect]]) -> tuple
 def unfit(model: Model, rig: Rig, effect: type[Effect]) -> str:
     """Why a model of this rig cannot have the effect, in one line; empty where it can."""
     try:
-        _terms(at_null(model + effect, effect), rig)
+        checked_terms(at_null(model + effect, effect), nothing(rig), rig)
     except SetupError as error:
         return str(error)
     except Exception as error:  # an effect of a user's own, written for another rig
@@ -85,11 +85,6 @@ def _at_ones(model: Model, name: str, rig: Rig) -> list[Term]:
     """Terms of one effect while everything turns and is covered."""
     ones = no_inputs(rig, np.ones((1, 1)), np.ones((1, rig.screw.cells if rig.screw else 0)))
     return list(model.terms_of(name, ones, rig))
-
-
-def _terms(model: Model, rig: Rig) -> None:
-    """Ask for all terms: a model that does not fit the rig is a SetupError."""
-    checked_terms(model, no_inputs(rig, np.zeros((1, 1)), np.zeros((1, rig.screw.cells if rig.screw else 0))), rig)
 
 
 def _nulls(effect: type[Effect]) -> dict[str, float]:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from estimator.batch.trials import Trials, slow_trial
-from estimator.inputs.inputs import no_inputs
+from estimator.inputs.inputs import nothing
 from estimator.missing_effect.moments import Column, moments, moments_of
 from estimator.missing_effect.panel import Judged, Panel
 from estimator.model import Model
@@ -85,8 +85,7 @@ def signals(model: Model, rig: Rig) -> list[str]:
     """
     drive = [name for name in DRIVE if name in rig.inputs]
     both = ["speed and position"] if len(drive) == 2 else []
-    still = no_inputs(rig, np.zeros((1, 1)), np.zeros((1, rig.screw.cells if rig.screw else 0)))
-    ends = {end for term in model.terms(still, rig) if isinstance(term, Link) for end in (term.a, term.b)}
+    ends = {end for term in model.terms(nothing(rig), rig) if isinstance(term, Link) for end in (term.a, term.b)}
     used = [name for name in rig.inputs if name in ends or rig.inputs[name].unit != "degC"]
     return [*drive, *both, *(n for n in used if n not in (*DRIVE, "current", "displacement_direct"))]
 

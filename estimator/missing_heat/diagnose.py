@@ -9,10 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from estimator.accuracy.horizon import errors
-from estimator.accuracy.noise_floor import Error, noise_floor
+from estimator.accuracy.noise_floor import Error, noise_floor, rms_by_family
 from estimator.accuracy.quality import ChannelQuality, quality
 from estimator.batch.trials import trials_of
 from estimator.inputs.phase import turns
@@ -61,7 +59,7 @@ def diagnose(model: Model, runs: Runs) -> Diagnosis:
     maps = missing_heat(misfits, runs.workers)
     progress("asking what it follows", 0.9)
     floor = noise_floor(model, trials[0])
-    limits, alone = limits_of(rig, floor), open_loop(misfits)
+    limits, alone = limits_of(rig, floor), rms_by_family([each.open_loop for each in misfits], rig)
     heat, wrong = without_shadows(where(maps, limits), wrong_readings(maps, limits))
     adequate = not (alone.temperature_K > limits.temperature_K or alone.elongation_um > limits.elongation_um)
     moves = any(bool(turns(recording.omega).any()) for recording in runs.recordings)
@@ -77,12 +75,3 @@ def without_shadows(heat: Sequence[Missing], wrong: Sequence[Wrong]) -> tuple[tu
     kept = [each for group, effect in zip(groups, effects, strict=True) if effect >= least for each in group]
     kept.sort(key=lambda each: -abs(each.heat_W))
     return tuple(kept), tuple(each for each in wrong if each.effect >= least)
-
-
-def open_loop(misfits: Sequence[Misfit]) -> Error:
-    """rms of the model alone over all recordings; NaN where a family was not measured."""
-    rest = np.concatenate([each.open_loop for each in misfits])
-    rig = misfits[0].trial.rig
-    heat = rig.is_thermometer
-    levels = [values[np.isfinite(values)] for values in (rest[:, heat], rest[:, ~heat])]
-    return Error(*(float(np.sqrt(np.mean(v**2))) if len(v) else float("nan") for v in levels))

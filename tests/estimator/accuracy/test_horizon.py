@@ -107,7 +107,7 @@ def test_the_elongation_is_foretold_as_the_filter_would(found, lived, trial, sma
 
 def test_where_the_elongation_is_known_readings_do_not_count(found):
     reference = found.elongation["open_loop"] + 3.0
-    assert replace(found, reference=reference).error("open_loop").elongation_um == pytest.approx(3.0)
+    assert overall([replace(found, reference=reference)], "open_loop").elongation_um == pytest.approx(3.0)
     half = np.where(np.arange(len(reference)) < 50, reference, np.nan)
     errors = replace(found, reference=half).elongation_errors("open_loop")
     assert errors[:50, 0] == pytest.approx(3.0)
@@ -128,7 +128,7 @@ def test_errors_are_roots_of_mean_squares_over_all_recordings(found, trial, smal
     told = errors([trial], small_model)
     assert set(told) == set(HORIZONS)
     assert told["one_step"] == once
-    assert told["ahead"] == found.error("ahead")
+    assert told["ahead"] == overall([found], "ahead")
 
 
 def test_a_wrong_model_is_worse_the_longer_it_is_alone(trial, small_model):
