@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from scipy.optimize import OptimizeResult, minimize
 
-from ballscrew.threads import threads
+from ballscrew.workspace import threads
 from benchmarks.accuracy import FOLDER
 from benchmarks.measure import Row, say, table
 from benchmarks.shipped import Judged, stepped

@@ -20,8 +20,7 @@ from ballscrew.own_effect.named import Named
 from ballscrew.report.improvement_report import Outcome, as_json, print_steps, report, steps_section, titles
 from ballscrew.search import effects_to_try, verdict_of
 from ballscrew.terminal import INTERRUPTED
-from ballscrew.threads import threads
-from ballscrew.workspace import Workspace, runs_of
+from ballscrew.workspace import Workspace, runs_of, threads
 from estimator.missing_effect.improve import Improvement, improve
 from estimator.model import Model
 from estimator.rig_folder.model_toml import save_model

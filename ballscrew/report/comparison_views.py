@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ballscrew.report.sections import Section, markdown
-from ballscrew.threads import threads
-from ballscrew.workspace import Loaded, Workspace
+from ballscrew.workspace import Loaded, Workspace, threads
 from estimator.accuracy.displacement import joined
 from estimator.accuracy.noise_floor import Error
 from estimator.batch.replay import replay

@@ -13,7 +13,7 @@ from estimator.inputs.phase import PHASES
 from estimator.missing_heat.diagnose import Diagnosis
 from estimator.missing_heat.follows import Follows
 from estimator.missing_heat.missing_heat import MissingHeat
-from estimator.missing_heat.where import Missing
+from estimator.missing_heat.where import Deficit
 from estimator.missing_heat.wrong_reading import Wrong
 
 
@@ -52,7 +52,7 @@ def _good_enough(diagnosis: Diagnosis) -> Error:
     return Error(diagnosis.limits.temperature_K, diagnosis.limits.elongation_um)
 
 
-def _heat_row(heat: Missing) -> list[str]:
+def _heat_row(heat: Deficit) -> list[str]:
     place = heat.node if heat.node is not None else f"{heat.from_mm:.0f} - {heat.to_mm:.0f} mm"
     return [place, PHASES[heat.phase], f"{heat.heat_W:+.2f}", number(heat.sd_W), *_followed(heat.follows)]
 
@@ -81,7 +81,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, object]:
     }
 
 
-def _told(one: Missing | Wrong, *keys: str) -> dict[str, object]:
+def _told(one: Deficit | Wrong, *keys: str) -> dict[str, object]:
     """Fields of a finding, how much it matters, and what it follows."""
     follows = one.follows
     told = {key: getattr(one, key) for key in (*keys, "effect")}

@@ -13,10 +13,7 @@ from estimator.rig import Rig
 from estimator.step import Mode, Step
 
 FEW_S = 5.0  # with too few thermometers
-DRIVE_S = (
-    3.0,
-    1.5,
-)  # without news of the drive, at rest and moving; it stops within a tick, and is then heard once a second
+DRIVE_S = (3.0, 1.5)  # without news of the drive, at rest and moving: it stops within a tick, then is heard each second
 DISPLACEMENT_S = 600.0
 SHARE = 0.25  # of the thermometers, that are too few
 

@@ -25,7 +25,7 @@ ROWS = 2048  # ticks whose profiles are worked out at a time
 
 
 @dataclass(frozen=True)
-class Smoothed:
+class SmoothedElongation:
     """Elongation from all readings of a recording, (K,) um, and its standard deviation; NaN before the start."""
 
     elongation_um: Array
@@ -61,7 +61,7 @@ class Replay:
                 each(at + 1 + chunk.ticks.stop)
         self.track = Track.joined(parts)
 
-    def smoothed(self) -> Smoothed:
+    def smoothed(self) -> SmoothedElongation:
         """The elongation after the fact, from the readings that the filter fused; nothing for less than two ticks."""
         um, sigma = np.full((2, len(self.track)), np.nan)
         if self._posed is not None:
@@ -73,7 +73,7 @@ class Replay:
             um[-T:] = np.where(grows, found.reading[:, 0], np.nan)
             sigma[-T:] = np.where(grows, np.sqrt(np.maximum(found.reading_var[:, 0], 0.0)), np.nan)
             um[-T - 1], sigma[-T - 1] = self.track.elongation_um[-T - 1], self.track.sigma_um[-T - 1]
-        return Smoothed(um, sigma)
+        return SmoothedElongation(um, sigma)
 
 
 def _estimates(posed: Posed, chunk: Chunk) -> Iterator[tuple[slice, Estimates]]:

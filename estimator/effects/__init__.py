@@ -6,49 +6,41 @@ In the order to read them: screw, nut, bearings, friction, air, surroundings, lo
 from __future__ import annotations
 
 from estimator.effect import Effect
-from estimator.effects.air import Radiation, RotatingConvection, StillAir
-from estimator.effects.bearings import AnchorFriction, AnchorHousing, FreeFriction, FreeHousing
-from estimator.effects.friction import BearingSpeedExponent, Churning, FrictionThinning, NutSpeedExponent
-from estimator.effects.length import BarExpansion, Displacement, ExpansionError, ProbeExpansion, SupportYield
-from estimator.effects.local import LocalHeat, LocalHeatDriving, MotorHeat
-from estimator.effects.nut import NutBody, NutFriction
-from estimator.effects.readings import BoardDrift, ChannelGain, ChannelOffset, SensorLag, Thermometers
-from estimator.effects.screw import Conduction
-from estimator.effects.surroundings import AmbientGradient, BaseDrift
+from estimator.effects import air, bearings, friction, length, local, nut, readings, screw, surroundings
 
 STRUCTURE: tuple[type[Effect], ...] = (
-    Conduction,
-    StillAir,
-    NutFriction,
-    AnchorFriction,
-    FreeFriction,
-    Thermometers,
-    Displacement,
+    screw.Conduction,
+    air.StillAir,
+    nut.NutFriction,
+    bearings.AnchorFriction,
+    bearings.FreeFriction,
+    readings.Thermometers,
+    length.Displacement,
 )
 HEAT: tuple[type[Effect], ...] = (
-    RotatingConvection,
-    NutBody,
-    AnchorHousing,
-    FreeHousing,
-    NutSpeedExponent,
-    BearingSpeedExponent,
-    FrictionThinning,
-    Churning,
-    MotorHeat,
-    Radiation,
-    BaseDrift,
-    AmbientGradient,
-    LocalHeat,
-    LocalHeatDriving,
+    air.RotatingConvection,
+    nut.NutBody,
+    bearings.AnchorHousing,
+    bearings.FreeHousing,
+    friction.NutSpeedExponent,
+    friction.BearingSpeedExponent,
+    friction.FrictionThinning,
+    friction.Churning,
+    local.MotorHeat,
+    air.Radiation,
+    surroundings.BaseDrift,
+    surroundings.AmbientGradient,
+    local.LocalHeat,
+    local.LocalHeatDriving,
 )
 READING: tuple[type[Effect], ...] = (
-    SensorLag,
-    ExpansionError,
-    SupportYield,
-    ProbeExpansion,
-    BarExpansion,
-    BoardDrift,
-    ChannelOffset,
-    ChannelGain,
+    readings.SensorLag,
+    length.ExpansionError,
+    length.SupportYield,
+    length.ProbeExpansion,
+    length.BarExpansion,
+    readings.BoardDrift,
+    readings.ChannelOffset,
+    readings.ChannelGain,
 )
 CATALOGUE: dict[str, type[Effect]] = {effect.name: effect for effect in (*STRUCTURE, *HEAT, *READING)}

@@ -23,42 +23,27 @@ SEATS = 2  # of an effect, that are judged
 
 @dataclass(frozen=True)
 class Screened:
-    """A candidate, and what it explains while the model's own parameters stay, or move.
+    """A candidate, and what it explains while the model's own parameters stay [0], or are fitted again [1].
 
     first  values from which a full fit may begin, of the candidate's parameters and of all
     """
 
     candidate: Candidate
-    stay: Judged
-    move: Judged
-    first_stay: Mapping[str, float]
-    first_move: Mapping[str, float]
-
-    def judged(self, refit: bool) -> Judged:
-        """One or the other."""
-        return self.move if refit else self.stay
-
-    def first(self, refit: bool) -> Mapping[str, float]:
-        """One or the other."""
-        return self.first_move if refit else self.first_stay
+    judged: tuple[Judged, Judged]
+    first: tuple[Mapping[str, float], Mapping[str, float]]
 
 
 @dataclass(frozen=True)
 class Screening:
-    """The model alone, as it is and with its own parameters fitted again, and all candidates, best seats only.
+    """All candidates, best seats only; `own`: what each of the model's own parameters explains alone, by its path."""
 
-    own  what each of the model's own parameters explains alone, by its path
-    """
-
-    stay: Judged
-    move: Judged
     own: Mapping[str, Judged]
     found: tuple[Screened, ...]
 
     def best(self, refit: bool) -> list[Screened]:
         """The best seat of each effect, best effect first."""
         best: dict[str, Screened] = {}
-        for each in sorted(self.found, key=lambda s: s.judged(refit).misfit):
+        for each in sorted(self.found, key=lambda s: s.judged[refit].misfit):
             best.setdefault(each.candidate.name, each)
         return list(best.values())
 
@@ -73,17 +58,15 @@ def screening(
     Candidates that move no reading of these recordings are left out.
     """
     own = [Column(wide, path) for path in model.free()]
-    groups = _groups(candidates)
     found: list[Screened] = []
     panel = Panel(own, moments(trials, wide, own))
     anyhow = [i for i, column in enumerate(own) if column.path in loose]
-    alone, again = panel.judge(anyhow), panel.judge(range(len(own)))
-    for group in groups:
+    for group in _groups(candidates):
         columns = [Column(c.place(wide), path) for c in group for path in c.paths]
         wider = Panel([*own, *columns], moments(trials, wide, [*own, *columns]))
         found += _screened(group, anyhow, len(own), wider)
     singly = {column.path: panel.judge(sorted({*anyhow, i})) for i, column in enumerate(own)}
-    return Screening(alone, again, singly, tuple(found))
+    return Screening(singly, tuple(found))
 
 
 def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
@@ -109,8 +92,8 @@ def _screened(group: Sequence[Candidate], anyhow: Sequence[int], k: int, panel: 
     judged = []
     for i in sorted(kept):
         at = range(starts[i], starts[i] + sizes[i])
-        stay, move = panel.judge([*anyhow, *at]), panel.judge([*range(k), *at])
-        judged.append(Screened(group[i], stay, move, _values(panel, stay), _values(panel, move)))
+        both = panel.judge([*anyhow, *at]), panel.judge([*range(k), *at])
+        judged.append(Screened(group[i], both, (_values(panel, both[0]), _values(panel, both[1]))))
     return judged
 
 

@@ -83,7 +83,7 @@ class Search:
         for refit in (False, True):
             for rank, one in enumerate(found.best(refit)):
                 if rank < REFINED or (one.candidate.body and refit):
-                    tried.append(self._refined([one.candidate], refit, one.first(refit)))
+                    tried.append(self._refined([one.candidate], refit, one.first[refit]))
         best: dict[str, Hypothesis] = {}
         for each in sorted(tried, key=lambda h: h.misfit):
             best.setdefault(each.names[0], each)
@@ -134,9 +134,9 @@ class Search:
         both = [(one, refit) for refit in (False, True) for one in found.best(refit)[:1]]
         if not both:
             return None
-        one, refit = min(both, key=lambda pair: pair[0].judged(pair[1]).misfit)
+        one, refit = min(both, key=lambda pair: pair[0].judged[pair[1]].misfit)
         least = STRANGE if len(self.trials) > 1 else ALONE
-        return one if one.judged(refit).misfit < least * best else None
+        return one if one.judged[refit].misfit < least * best else None
 
     def _verdict(
         self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis],

@@ -18,7 +18,7 @@ from estimator.missing_heat.follows import Limits, limits_of
 from estimator.missing_heat.misfit import Misfit, misfit
 from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
 from estimator.missing_heat.sentences import sentences
-from estimator.missing_heat.where import SHADOW, Missing, together, where
+from estimator.missing_heat.where import SHADOW, Deficit, together, where
 from estimator.missing_heat.wrong_reading import Wrong, wrong_readings
 from estimator.model import Model
 from estimator.work import Runs
@@ -40,7 +40,7 @@ class Diagnosis:
     floor: Error
     limits: Limits
     quality: tuple[ChannelQuality, ...]
-    where: tuple[Missing, ...]
+    where: tuple[Deficit, ...]
     readings: tuple[Wrong, ...]
     sentences: tuple[str, ...]
     maps: tuple[MissingHeat, ...]
@@ -67,7 +67,7 @@ def diagnose(model: Model, runs: Runs) -> Diagnosis:
     return Diagnosis(adequate, {**found, "open_loop": alone}, floor, limits, judged, heat, wrong, told, tuple(maps))
 
 
-def without_shadows(heat: Sequence[Missing], wrong: Sequence[Wrong]) -> tuple[tuple[Missing, ...], tuple[Wrong, ...]]:
+def without_shadows(heat: Sequence[Deficit], wrong: Sequence[Wrong]) -> tuple[tuple[Deficit, ...], tuple[Wrong, ...]]:
     """Findings without those that are small beside the largest; heat at one place in several phases stays together."""
     groups = together(heat)
     effects = [max(each.effect for each in group) for group in groups]

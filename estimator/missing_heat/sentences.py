@@ -11,7 +11,7 @@ from estimator.inputs.follower import ALWAYS
 from estimator.inputs.phase import PHASES
 from estimator.missing_heat.follows import Follows
 from estimator.missing_heat.missing_heat import ALL
-from estimator.missing_heat.where import Missing, together
+from estimator.missing_heat.where import Deficit, together
 from estimator.missing_heat.wrong_reading import Wrong
 
 NOTHING = "Nothing: what is left is as large as the sensors' own errors."
@@ -19,7 +19,7 @@ FINDINGS = 2
 
 
 def sentences(
-    adequate: bool, alone: Error, floor: Error, heat: Sequence[Missing], wrong: Sequence[Wrong], moves: bool = True
+    adequate: bool, alone: Error, floor: Error, heat: Sequence[Deficit], wrong: Sequence[Wrong], moves: bool = True
 ) -> tuple[str, ...]:
     """How far the model is off, and the two findings that matter most; without phases on a rig that never moves."""
     if adequate and not heat and not wrong:
@@ -39,7 +39,7 @@ def _size(alone: Error, floor: Error) -> str:
     return f"The model alone is {off} off, {times:.0f} times what the sensors leave."
 
 
-def _heat(same: Sequence[Missing], moves: bool) -> str:
+def _heat(same: Sequence[Deficit], moves: bool) -> str:
     most = same[0]
     place = f"in {most.node}" if most.node is not None else f"between {most.from_mm:.0f} and {most.to_mm:.0f} mm"
     when = " and ".join(PHASES[phase] for phase in PHASES if phase in {each.phase for each in same})

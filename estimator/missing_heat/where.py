@@ -21,7 +21,7 @@ SHOULDER = 0.25  # of a peak's heat per length, down to which its neighbours bel
 
 
 @dataclass(frozen=True)
-class Missing:
+class Deficit:
     """Heat that is missing in some neighbouring zones, or a body (`node`), during one phase.
 
     heat_W, sd_W  mean over the time of this phase in all recordings; positive: the model lacks it
@@ -38,9 +38,9 @@ class Missing:
     follows: Follows
 
 
-def where(found: Sequence[MissingHeat], limits: Limits) -> tuple[Missing, ...]:
+def where(found: Sequence[MissingHeat], limits: Limits) -> tuple[Deficit, ...]:
     """All heat that is surely missing and matters, largest first."""
-    listed: list[Missing] = []
+    listed: list[Deficit] = []
     for phase in PHASES:
         if not any((each.blocks.phase == phase).any() for each in found):
             continue
@@ -54,7 +54,7 @@ def where(found: Sequence[MissingHeat], limits: Limits) -> tuple[Missing, ...]:
                 if not sure and (told.name is None or told.explains < TOLD):
                     continue
                 effect = _effect(found, phase, run, limits)
-                listed.append(Missing(zones[0].from_mm, zones[-1].to_mm, zones[0].node, phase, heat, sd, effect, told))
+                listed.append(Deficit(zones[0].from_mm, zones[-1].to_mm, zones[0].node, phase, heat, sd, effect, told))
     return tuple(sorted(listed, key=lambda each: -abs(each.heat_W)))
 
 
@@ -68,9 +68,9 @@ def _material(found: Sequence[MissingHeat], phase: str, runs: list[list[int]], l
     return kept
 
 
-def together(heat: Sequence[Missing]) -> list[list[Missing]]:
+def together(heat: Sequence[Deficit]) -> list[list[Deficit]]:
     """The same heat in several phases: of one sign, at places that overlap, and alike in size; largest first."""
-    groups: list[list[Missing]] = []
+    groups: list[list[Deficit]] = []
     for each in heat:
         like = next((group for group in groups if _same(group[0], each)), None)
         if like is None:
@@ -80,7 +80,7 @@ def together(heat: Sequence[Missing]) -> list[list[Missing]]:
     return groups
 
 
-def _same(one: Missing, other: Missing) -> bool:
+def _same(one: Deficit, other: Deficit) -> bool:
     near = one.node == other.node
     if one.from_mm is not None and one.to_mm is not None and other.from_mm is not None and other.to_mm is not None:
         near = one.from_mm < other.to_mm and other.from_mm < one.to_mm

@@ -16,7 +16,7 @@ from estimator.inputs.phase import PHASES
 from estimator.missing_heat.diagnose import diagnose
 from estimator.missing_heat.follows import Follows
 from estimator.missing_heat.sentences import NOTHING, sentences
-from estimator.missing_heat.where import Missing
+from estimator.missing_heat.where import Deficit
 from estimator.missing_heat.wrong_reading import Wrong
 from estimator.rig import Signal
 from estimator.terms import SCREW, Heat
@@ -107,8 +107,8 @@ def test_one_thermometer_with_an_offset(runs, lived, small_model):
 
 def test_sentences_put_what_matters_most_first(rig):
     chance = Follows(None, 0.4, 0.1)
-    heat = [Missing(100.0, 200.0, None, phase, 5.0, 0.5, 4.0, Follows(ALWAYS, 0.0, 1.0)) for phase in PHASES] + [
-        Missing(None, None, "cup", "late_stop", -2.0, 0.1, 1.0, chance)
+    heat = [Deficit(100.0, 200.0, None, phase, 5.0, 0.5, 4.0, Follows(ALWAYS, 0.0, 1.0)) for phase in PHASES] + [
+        Deficit(None, None, "cup", "late_stop", -2.0, 0.1, 1.0, chance)
     ]
     wrong = [Wrong("T1", "K", 0.1, 0.01, 0.2, 6.0, Follows(known_followers(rig)["board"], 0.001, 0.9))]
     told = sentences(False, Error(0.4, float("nan")), Error(0.05, float("nan")), heat, wrong)
