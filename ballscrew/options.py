@@ -135,8 +135,10 @@ def bus_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def workspace_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The terminal's options on a command with `recordings_options`, which gets `work`: its logs are to be read."""
+    """LOG..., --rig, --model and the terminal's options on a command, which gets `work`: its logs are to be read."""
 
+    @logs_argument
+    @rig_options
     @terminal_options
     @wraps(command)
     def with_workspace(terminal: Terminal, logs: Sequence[Path], rig_path: Any, model_path: Any, **given: Any) -> Any:
@@ -154,15 +156,12 @@ rig_options = stacked(  # --rig and --model
     rig_option(f"Rig folder; {NEAREST_RIG}"),
     click.option("--model", "model_path", type=PATH, help="Model TOML; else the rig folder's model.toml."),
 )
-recordings_options = stacked(logs_argument, rig_options)
 save_option = output_file("--save", "rrd", metavar="OUT.rrd", help="Write the views as a rerun file.")
 view_option = click.option("--view", is_flag=True, help="Open the views in the rerun viewer, where there is a screen.")
-channels_option = click.option(
-    "--channels", metavar="2,4,..", help="Use only these thermometers, by number or name; default: all."
+channel_options = stacked(
+    click.option("--channels", metavar="2,4,..", help="Use only these thermometers, by number or name; default: all."),
+    click.option("--no-displacement", is_flag=True, help="Do not use the displacement readings."),
 )
-no_displacement_option = click.option(
-    "--no-displacement", is_flag=True, help="Do not use the displacement readings."
-)  # fmt: skip
 search_options = stacked(
     click.option(
         "--held-out", "held_out", multiple=True, type=PATH, metavar="LOG",

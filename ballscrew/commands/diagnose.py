@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import recordings_options, save_option, workspace_options
+from ballscrew.options import save_option, workspace_options
 from ballscrew.report.diagnosis_report import as_json, print_diagnosis, sections
 from ballscrew.report.sections import Section
 from ballscrew.workspace import Workspace
@@ -14,7 +14,6 @@ from estimator.missing_heat.diagnose import diagnose
 
 
 @click.command("diagnose")
-@recordings_options
 @save_option
 @workspace_options
 def command(work: Workspace, rrd: Path | None) -> int:

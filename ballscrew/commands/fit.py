@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import model_output, recordings_options, workspace_options
+from ballscrew.options import model_output, workspace_options
 from ballscrew.report.fit_report import as_json, print_fit
 from ballscrew.terminal import INTERRUPTED
 from ballscrew.workspace import Workspace
@@ -15,7 +15,6 @@ from estimator.rig_folder.model_toml import save_model
 
 
 @click.command("fit")
-@recordings_options
 @model_output()
 @workspace_options
 def command(work: Workspace, out: Path) -> int:

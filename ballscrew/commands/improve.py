@@ -8,14 +8,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import (
-    model_output,
-    output_file,
-    recordings_options,
-    search_options,
-    view_option,
-    workspace_options,
-)
+from ballscrew.options import model_output, output_file, search_options, view_option, workspace_options
 from ballscrew.own_effect.named import Named
 from ballscrew.report.improvement_report import Outcome, as_json, print_steps, report, steps_section, titles
 from ballscrew.search import effects_to_try, verdict_of
@@ -27,7 +20,6 @@ from estimator.rig_folder.model_toml import save_model
 
 
 @click.command("improve")
-@recordings_options
 @search_options
 @model_output("Write the best model here.")
 @output_file(

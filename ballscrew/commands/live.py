@@ -17,14 +17,7 @@ from ballscrew.monitor.json_lines import json_lines
 from ballscrew.monitor.monitor import Monitor
 from ballscrew.monitor.session import Session
 from ballscrew.muting import chosen_thermometers, never_fused
-from ballscrew.options import (
-    bus_options,
-    channels_option,
-    no_displacement_option,
-    rig_options,
-    save_option,
-    terminal_options,
-)
+from ballscrew.options import bus_options, channel_options, rig_options, save_option, terminal_options
 from ballscrew.terminal import INTERRUPTED, Terminal
 from ballscrew.workspace import open_workspace
 from drivers.bus.bus import BusAddress
@@ -51,8 +44,7 @@ LATE_S = 0.5  # wall time that frames of a bus faster than the rig may be late
 @click.option("--bind", default="127.0.0.1", show_default=True, help="Address that views are served on.")
 @save_option
 @click.option("--publish", is_flag=True, help="Transmit Estimate and Compensation each second. Else nothing is sent.")
-@channels_option
-@no_displacement_option
+@channel_options
 @click.option("--speed-up", default=1.0, show_default=True, help="The bus runs so many times faster than the rig.")
 @click.option("--seconds", type=float, metavar="S", help="End after this time of the rig; default: never.")
 @terminal_options

@@ -9,14 +9,7 @@ from pathlib import Path
 import click
 
 from ballscrew.muting import chosen_thermometers, muted
-from ballscrew.options import (
-    channels_option,
-    no_displacement_option,
-    recordings_options,
-    save_option,
-    view_option,
-    workspace_options,
-)
+from ballscrew.options import channel_options, save_option, view_option, workspace_options
 from ballscrew.report.review_report import as_json, print_reviews
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.review import Review, review
@@ -26,10 +19,8 @@ from estimator.state.gate import Mute
 
 
 @click.command("review")
-@recordings_options
 @click.option("--join", is_flag=True, help="The LOGs are parts of one recording: one estimate runs through them.")
-@channels_option
-@no_displacement_option
+@channel_options
 @click.option(
     "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO]",
     help="Do not use a channel, `telemeter` or `displacement` from FROM to TO: seconds from the start, or stop1 ...",

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import recordings_options, save_option, search_options, workspace_options
+from ballscrew.options import save_option, search_options, workspace_options
 from ballscrew.report.search_report import as_json, error_of, print_verdict, ranked, section_of
 from ballscrew.search import Verdict, effects_to_try, verdict_of
 from ballscrew.workspace import Workspace, runs_of
@@ -15,7 +15,6 @@ from estimator.missing_effect.suggest import suggest
 
 
 @click.command("suggest")
-@recordings_options
 @search_options
 @save_option
 @workspace_options

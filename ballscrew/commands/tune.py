@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import model_output, output_file, recordings_options, workspace_options
+from ballscrew.options import model_output, output_file, workspace_options
 from ballscrew.report.tune_report import as_json, print_tuning, save_views
 from ballscrew.workspace import Workspace
 from estimator.fit.tune import tune
@@ -14,7 +14,6 @@ from estimator.rig_folder.model_toml import save_model
 
 
 @click.command("tune")
-@recordings_options
 @model_output()
 @output_file("--save", "rrd", metavar="OUT.rrd", help="Write innovations before and after as a rerun file.")
 @workspace_options

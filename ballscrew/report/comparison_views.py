@@ -15,7 +15,7 @@ from estimator.batch.replay import replay
 from estimator.missing_heat.misfit import misfit
 from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
 from estimator.model import Model
-from estimator.record import Array, Recording
+from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Track
 from estimator.work import Runs, Workers
@@ -65,7 +65,7 @@ def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], worker
     recordings = [one.recording for one in loaded]
     sides = [_sides(model, Runs(rig, recordings, workers)) for model in models]
     return [
-        Compared(one.path.stem, rig, r.time_s, r.channels, _readings(r, rig, models[-1]), own)
+        Compared(one.path.stem, rig, r.time_s, r.channels, joined(r, rig, models[-1]).um, own)
         for one, r, own in zip(loaded, recordings, zip(*sides, strict=True), strict=True)
     ]
 
@@ -120,14 +120,8 @@ def _kept(track: Track) -> dict[str, Array]:
 def _missed(heat: MissingHeat) -> dict[str, object]:
     time_s, zones = heat.misfit.trial.rest.time_s, heat.zones
     begins, mean = minutes(time_s, heat.mean[heat.blocks.of_tick])
-    places = np.array([(z.from_mm + z.to_mm) / 2 for z in zones if z.node is None])
+    places = np.array([zone.middle_mm for zone in zones if zone.node is None])
     bodies = [zone.node for zone in zones if zone.node is not None]
     on_screw = np.array([zone.node is None for zone in zones])
     by_place = HeatMap(begins, places, mean[:, on_screw], bodies, mean[:, ~on_screw])
     return {"misfit_time_s": time_s, "misfit": heat.misfit.open_loop, "heat": by_place}
-
-
-def _readings(recording: Recording, rig: Rig, model: Model) -> Array:
-    if "displacement" not in rig.channels:
-        return np.full(len(recording), np.nan)
-    return joined(recording, rig, model).um

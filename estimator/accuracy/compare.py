@@ -68,7 +68,10 @@ def compare(model: Model, runs: Runs, truths: Sequence[Array | None] | None = No
         model.name,
         whole,
         _by_horizon(rest) if known and rest else None,
-        {name: _of_channel(found, i) for i, name in enumerate(rig.names)},
+        {
+            name: {h: rms(np.concatenate([getattr(e, h)[:, i] for e in found])) for h in HORIZONS}
+            for i, name in enumerate(rig.names)
+        },
         {phase: _by_horizon(_where(found, [p == phase for p in phases])) for phase in PHASES},
         {float(level): _by_horizon(_where(found, [s == level for s in speeds])) for level in levels},
         floor,
@@ -82,18 +85,12 @@ def _reference(trial: Trial, model: Model, truth: Array | None) -> Array:
     """Elongation since the start that predictions are compared with, (T,) um; NaN where there is none."""
     if truth is not None:
         return truth[trial.begin :]
-    if "displacement" not in trial.rig.channels:
-        return np.full(len(trial.rest), np.nan)
     at_rest = phase_of(trial.recording) != "drive"
     return np.where(at_rest, displacement.joined(trial.recording, trial.rig, model).um, np.nan)[trial.begin :]
 
 
 def _by_horizon(found: Sequence[Horizons]) -> ByHorizon:
     return {name: overall(found, name) for name in HORIZONS}
-
-
-def _of_channel(found: Sequence[Horizons], i: int) -> Mapping[str, float]:
-    return {name: rms(np.concatenate([getattr(each, name)[:, i] for each in found])) for name in HORIZONS}
 
 
 def _where(found: Sequence[Horizons], masks: Sequence[Array]) -> list[Horizons]:

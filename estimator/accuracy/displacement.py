@@ -52,13 +52,15 @@ class Stop(NamedTuple):
 
 
 def joined(recording: Recording, rig: Rig, model: Model) -> Joined:
-    """Held values while driving, the direct reading at rest."""
+    """Held values while driving, the direct reading at rest; nothing where the rig has no displacement channel."""
+    um, noise = np.full((2, len(recording)), np.nan)
+    if "displacement" not in rig.channels:
+        return Joined(um, noise, 0.0)
     expansion = jig_expansion(recording, model)
     held = recording.channels[:, rig.index("displacement")] - expansion
     direct = recording.inputs["displacement_direct"] - expansion if "displacement_direct" in recording.inputs else held
     read_at = recording.time_s - recording.ages_s[:, rig.index("displacement")]
     scatter = model["displacement.sd"] if "displacement.sd" in model.values else 0.0
-    um, noise = np.full((2, len(recording)), np.nan)
     out, end = Joined(um, noise, scatter), Stop(0.0, 0.0)
     for driving, ticks in phases(recording):
         if driving:

@@ -79,7 +79,7 @@ def review(
     track, smoothed = replayed.track, replayed.smoothed()
     if (track.mode == Mode.INIT).all():
         raise InputError(f"{recording.name}: no thermometer was ever read; nothing to estimate from")
-    used = list(channels or rig.thermometers)
+    used, heat = list(channels or rig.thermometers), rig.is_thermometer
     line = polyline.elongation(recording, rig, used)
     estimates = {
         "filter": track.elongation_um,
@@ -89,10 +89,9 @@ def review(
     }
     if rig.subset_7:
         estimates["polyline_7"] = polyline.elongation(recording, rig, rig.subset_7)
-    readings, readings_sd = np.full(len(recording), np.nan), np.zeros(len(recording))
+    measured = displacement.joined(recording, rig, model)
+    readings, readings_sd = measured.um, measured.sd
     if "displacement" in rig.channels:
-        measured = displacement.joined(recording, rig, model)
-        readings, readings_sd = measured.um, measured.sd
         estimates["polyline_joined"] = polyline.joined_polyline(recording, rig, model, line)
         estimates["last_reading"] = polyline.last_reading(recording, rig, model, line)
     reference = readings if truth_um is None else truth_um
@@ -102,13 +101,9 @@ def review(
         _judge_by_readings(errors, sigma, track, rig, readings_sd)
     return Review(
         recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, readings_sd, sigma,
-        smoothed.sigma_um, cooling(recording), len(polyline.along_screw(rig, used)), *_temperature_errors(track, rig),
+        smoothed.sigma_um, cooling(recording), len(polyline.along_screw(rig, used)),
+        rms(track.innovation[1:, heat]), rms((track.measured - track.open_loop)[1:, heat]),
     )  # fmt: skip
-
-
-def _temperature_errors(track: Track, rig: Rig) -> tuple[float, float]:
-    heat = rig.is_thermometer
-    return rms(track.innovation[1:, heat]), rms((track.measured - track.open_loop)[1:, heat])
 
 
 def _reference_name(rig: Rig, truth_um: Array | None) -> str:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from estimator.battery.bench import Bench, without
-from estimator.effect import Effect, Param
+from estimator.effect import Effect
 from estimator.errors import BallscrewError
 from estimator.model import Model
 from estimator.network import assemble
@@ -99,7 +99,10 @@ def invisible(bench: Bench) -> Iterator[str]:
 def seen(bench: Bench) -> Iterator[str]:
     """Off each null the readings are others."""
     null = bench.reads(bench.at(**bench.nulls))
-    places = {key: _off_null(bench.effect.params[key]) for key in bench.nulls}
+    params = bench.effect.params
+    places = {
+        key: params[key].hi if params[key].value == null else params[key].value for key, null in bench.nulls.items()
+    }
     unseen = []
     for key, off in places.items():
         if _apart(bench.reads(bench.at(**{**bench.nulls, key: off})), null) <= SEEN:
@@ -107,12 +110,8 @@ def seen(bench: Bench) -> Iterator[str]:
     nodes = assemble.layout(list(bench.model.terms(bench.u, bench.rig)), bench.rig).nodes
     spared = any(isinstance(term, Heat) and term.node not in nodes for term in bench.terms())
     for key in unseen:
-        excused = bench.effect.params[key].fixed or (spared and len(unseen) < len(places))
+        excused = params[key].fixed or (spared and len(unseen) < len(places))
         yield (Remark if excused else str)(f"{key} = {places[key]:g} leaves nothing in any reading")
-
-
-def _off_null(param: Param) -> float:
-    return param.hi if param.value == param.null else param.value
 
 
 def _apart(a: Array, b: Array) -> float:

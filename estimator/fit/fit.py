@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from estimator.accuracy.horizon import errors
 from estimator.accuracy.noise_floor import Error
@@ -138,7 +139,7 @@ def _followed(followed: Followed, optimiser: Optimiser) -> Optimum:
         search.run()
         optimiser.stopped = search.stopped
     own = _likely(search)
-    both = _beside(followed.covariance, own.covariance)
+    both = block_diag(followed.covariance, own.covariance)
     return Optimum("open loop", own.model, (*followed.paths, *levels), both, np.append(alone, own.alone))
 
 
@@ -151,11 +152,6 @@ def _alone(curvature: Array, bread: Array, cov: Array) -> Array:
     open_ = (ways[:, weak] ** 2).sum(axis=1) > WEAK
     variance = (ways[:, ~weak] ** 2) @ (1.0 / rates[~weak])
     return np.asarray(np.where(open_, np.inf, np.sqrt(variance) / scale * wider))
-
-
-def _beside(a: Array, b: Array) -> Array:
-    """Two matrices on one diagonal."""
-    return np.block([[a, np.zeros((len(a), len(b)))], [np.zeros((len(b), len(a))), b]])
 
 
 def _outcome(model: Model, found: Sequence[Optimum], left: Mapping[str, str], optimiser: Optimiser, runs: Runs) -> Fit:

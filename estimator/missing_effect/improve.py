@@ -77,11 +77,6 @@ def _heard(runs: Runs, step: int) -> Runs:
     return replace(runs, progress=lambda stage, done: runs.progress(f"step {step}: {stage}", done))
 
 
-def with_sd(h: Hypothesis) -> Model:
-    """The model of a hypothesis, with the sd of what was fitted."""
-    return h.model.with_values(dict(h.parameters()))
-
-
 def _taken(found: Suggestion) -> Hypothesis | None:
     """What a verdict says to add; the model fitted again where that alone explains as much; None: stop."""
     if found.verdict not in ("effect", "tie") or not found.found:
@@ -99,6 +94,6 @@ def _fitted(found: Suggestion) -> Hypothesis | None:
 
 
 def _step(added: str, tie: tuple[str, ...], h: Hypothesis, held_out: Runs) -> ImprovedModel:
-    model = with_sd(h)
+    model = h.model.with_values(dict(h.parameters()))  # with the sd of what was fitted
     held = open_loop_error(slow_trials_of(model, held_out), model) if held_out.recordings else None
     return ImprovedModel(added, tie, model, Error(h.judged.heat_K, h.judged.length_um), held)

@@ -144,8 +144,8 @@ def heat_series(found: MissingHeat, zones: Sequence[int]) -> Series:
     total = np.kron(np.eye(len(found.blocks)), length)
     sd = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", total, found.covariance, total), 0.0))
     rig, ends = found.misfit.trial.rig, [found.zones[z] for z in zones]
-    places = [(z.from_mm + z.to_mm) / 2 for z in ends if z.from_mm is not None and z.to_mm is not None]
-    near = _near(rig, float(np.mean(places))) if places else _on(rig, ends[0].node)
+    middle = float(np.mean([zone.middle_mm for zone in ends]))
+    near = _near(rig, middle) if np.isfinite(middle) else _on(rig, ends[0].node)
     everything = np.ones(len(found.blocks.of_tick), dtype=bool)
     return Series(found.mean @ length, sd, _followers(found, near, everything, found.blocks.mean))
 

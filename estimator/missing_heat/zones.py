@@ -28,6 +28,11 @@ class Zone:
     node: str | None
     length_m: float
 
+    @property
+    def middle_mm(self) -> float:
+        """Where it is along the screw; NaN for a body."""
+        return float("nan") if self.from_mm is None or self.to_mm is None else (self.from_mm + self.to_mm) / 2
+
 
 def zones(rig: Rig, place: Layout) -> tuple[Zone, ...]:
     """Equal stretches of the screw from end to end, then the bodies that thermometers read."""
@@ -52,8 +57,6 @@ def alike(found: tuple[Zone, ...]) -> Array:
 
     The heats of bodies are independent of each other and of the screw's.
     """
-    at = np.array(
-        [(z.from_mm + z.to_mm) / 2 if z.from_mm is not None and z.to_mm is not None else np.nan for z in found]
-    )
+    at = np.array([zone.middle_mm for zone in found])
     near = np.exp(-np.abs(at[:, None] - at) / ALIKE_MM)
     return np.where(np.isfinite(near), near, np.eye(len(found)))
