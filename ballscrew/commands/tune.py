@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from ballscrew.options import model_output, output_file, workspace_options
-from ballscrew.report.tune_report import as_json, print_tuning, save_views
+from ballscrew.report.sections import print_sections
+from ballscrew.report.tune_report import as_json, save_views, sections
 from ballscrew.workspace import Workspace
 from estimator.fit.tune import tune
 from estimator.rig_folder.model_toml import save_model
@@ -28,7 +29,7 @@ def command(work: Workspace, out: Path, rrd: Path | None) -> int:
     with work.runs(f"tuning on {len(work.loaded)} recordings", None) as runs:
         tuned = tune(work.model, runs)
     save_model(tuned.model, out)
-    print_tuning(work.terminal, tuned)
+    print_sections(work.terminal, sections(tuned))
     work.terminal.say(f"model: {out}")
     work.terminal.json(as_json(tuned))
     if rrd is not None:

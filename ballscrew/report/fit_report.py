@@ -6,9 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ballscrew.report.error_cells import HORIZONS
+from ballscrew.report.error_cells import HORIZONS, cells
 from ballscrew.terminal import Terminal
-from estimator.accuracy.noise_floor import Error
 from estimator.fit.fit import Fit, Fitted
 
 WORSE = 1.2  # times an error before
@@ -24,8 +23,8 @@ def print_fit(terminal: Terminal, fit: Fit) -> None:
     rows = [_row(fit, f) for f in fit.parameters]
     terminal.table([["parameter", "before", "fitted", "+- sd", "unit", ""], *rows], prose=5)
     terminal.say()
-    errors = [[title, *_pair(fit.before[key], fit.after[key])] for key, title in HORIZONS.items()]
-    terminal.table([["error, rms", "before", "after", "", "before", "after", ""], *errors])
+    errors = [[title, *cells([fit.before[key], fit.after[key]])] for key, title in HORIZONS.items()]
+    terminal.table([["error, rms", "before, K", "um", "after, K", "um"], *errors])
     for sentence in (KEPT[fit.kept], *worse(fit), *_cautions(fit)):
         terminal.say(sentence)
 
@@ -45,16 +44,6 @@ def _remark(fit: Fit, f: Fitted) -> str:
     if f.determined:
         return ""
     return "these runs say less than the table" if fit.model.param(f.path).sd else "these runs do not determine it"
-
-
-def _pair(before: Error, after: Error) -> list[str]:
-    """K and um, before and after; nothing where a run is too short to look ahead, or has no length."""
-    cells = []
-    for key, digits, unit in (("temperature_K", 3, "K"), ("elongation_um", 2, "um")):
-        known = np.isfinite(getattr(after, key))
-        cells += [f"{getattr(error, key):.{digits}f}" if known else "" for error in (before, after)]
-        cells.append(unit if known else "")
-    return cells
 
 
 def worse(fit: Fit) -> list[str]:

@@ -38,7 +38,7 @@ def print_sections(terminal: Terminal, sections: Sequence[Section]) -> None:
     first, *rest = sections
     terminal.table(first.rows)
     for section in rest:
-        terminal.say("\n" + "; ".join([section.title, *section.said]))
+        terminal.say("\n" + "\n".join([section.title, *section.said]))
         terminal.table(section.rows)
     for sentence in first.said:
         terminal.say(sentence)

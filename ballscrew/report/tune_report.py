@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ballscrew.report.sections import Section, markdown
-from ballscrew.terminal import Rows, Terminal
+from ballscrew.terminal import Rows
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.quality import ChannelQuality, innovations, overall
 from estimator.batch.trial import Trial
@@ -19,16 +19,6 @@ LEGEND = (
     "in 2 sd: 95 % when honest; blind: of what is read after ten minutes without readings",
 )
 FIGURES = ("nis", "whiteness", "in_2sd", "blind_nis", "blind_in_2sd")
-
-
-def print_tuning(terminal: Terminal, tuned: Tuned) -> None:
-    """Noise levels, innovations of each channel, and what a person should know of the outcome."""
-    levels, channels = sections(tuned)
-    terminal.table(levels.rows)
-    terminal.say("\nbefore->after")
-    terminal.table(channels.rows)
-    for sentence in (*channels.said, *levels.said):
-        terminal.say(sentence)
 
 
 def sections(tuned: Tuned) -> list[Section]:
