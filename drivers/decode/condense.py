@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from drivers.decode.drive import DriveCondenser
 from drivers.frames import Tally
-from estimator.errors import SetupError
 from estimator.record import Recording
 from estimator.rig import RAD_S, Rig
 
@@ -43,8 +42,7 @@ class Condenser:
     def __init__(self, rig: Rig, tally: Tally, held_ticks: int = 2) -> None:
         self.rig = rig
         self.drive = DriveCondenser(rig, tally, held_ticks)
-        self.rad_s = _unit(rig, "speed", RAD_S)
-        _unit(rig, "position", {"mm": 1.0})
+        self.rad_s = RAD_S[rig.inputs["speed"].unit] if "speed" in rig.inputs else 1.0
         self._position = NONE
 
     def rows(self, readings: Mapping[str, Readings], date: Array) -> Recording:
@@ -76,13 +74,3 @@ def _at(position: Readings, speed: Readings) -> Array:
     index = np.searchsorted(position.frame, speed.frame, side="right") - 1
     fresh = (index >= 0) & (speed.row - position.row[index] <= 1)
     return np.where(fresh, position.value[index], np.nan)
-
-
-def _unit(rig: Rig, name: str, factors: Mapping[str, float]) -> float:
-    if name not in rig.inputs:
-        return 1.0
-    unit = rig.inputs[name].unit
-    if unit not in factors:
-        key = f"{rig.folder / 'rig.toml'}: inputs.{name}.unit"
-        raise SetupError(f"{key}: '{unit}' is no unit of it; use {' or '.join(factors)}")
-    return factors[unit]

@@ -322,7 +322,7 @@ def test_an_effect_that_the_rig_cannot_serve_says_so_in_one_line(tmp_path, file,
     [
         ("at_mm = 375.0", "at_mm = 3750.0", "channels.TC8.at_mm = 3750 is outside the screw, 0 ... 400 mm"),
         ("to_mm = 400.0", "to_mm = -1.0", "screw: from_mm must be below to_mm"),
-        ("tick_s = 5.0", "tick_s = 0", "tick_s must be above 0"),
+        ("tick_s = 5.0", "tick_s = 0", "tick_s is 0, must be 0.01 ... 3600 s"),
         ("tick_s = 5.0", 'tick_s = "5"', "tick_s: expected a number, got '5'"),
         ("hi = 50.0", "hi = 0.0", "heater: lo = 0 is not below hi = 0"),
         ("[log]", "[nut]\nlength_mm = 10.0\ncentre_mm = 5.0\n[log]", "[nut] needs the input 'position'"),
