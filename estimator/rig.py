@@ -186,7 +186,11 @@ class Log:
 
 @dataclass(frozen=True)
 class Rig:
-    """A whole installation. `channels` keeps the order of the file; the displacement is a channel like the others."""
+    """A whole installation. `channels` keeps the order of the file; the displacement is a channel like the others.
+
+    zero_C     temperature of the whole screw at which its growth is zero; None: growth counts from the first sample
+    zero_sd_K  how well all thermometers together are known against it
+    """
 
     name: str
     tick_s: float
@@ -197,6 +201,8 @@ class Rig:
     supports: Mapping[str, Support] = field(default_factory=dict)
     log: Log = Log()
     subset_7: tuple[str, ...] = ()
+    zero_C: float | None = None
+    zero_sd_K: float = 0.0
     folder: Path = Path()
 
     @cached_property

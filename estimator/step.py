@@ -26,7 +26,8 @@ class Step:
     """The estimate after one tick.
 
     time_s            s since the first frame
-    elongation_um     growth of the measured span since the start; sigma_um its standard deviation
+    elongation_um     growth of the measured span since the start, or since the rig's zero_C; sigma_um its standard
+                      deviation
     open_loop_um      the same by the model alone
     profile_C         (x,) temperatures at the estimator's display places; profile_sd_K likewise
     bodies_C          (bodies,) temperatures of nut and housings

@@ -18,6 +18,8 @@ from estimator.rig import Rig
 from estimator.state.gate import Mute
 from estimator.step import Mode, Track
 
+OURS = ("filter", "smoothed", "open_loop")  # what counts from the rig's zero_C; all else from the first sample
+
 
 @dataclass(frozen=True)
 class Review:
@@ -25,7 +27,8 @@ class Review:
 
     estimates     elongation by name: filter, smoothed, open_loop, polyline, polyline_7, polyline_joined, last_reading
     errors        reference minus estimate, by the same names
-    reference     truth where there is one, else the displacement readings as the paper joins them; NaN without either
+    reference     truth where there is one, else the displacement readings as the paper joins them; NaN without either.
+                  It counts from the first sample, to which a rig with a zero_C adds what the filter found grown by then
     readings_sd   (K,) um, what their own scatter makes of the joined readings
     sigma         standard deviation of each error by its estimate's own word, of filter and smoothed
     smoothed_sd   (K,) um, of the smoothed estimate itself
@@ -80,6 +83,7 @@ def review(
     if (track.mode == Mode.INIT).all():
         raise InputError(f"{recording.name}: no thermometer was ever read; nothing to estimate from")
     used, heat = list(channels or rig.thermometers), rig.is_thermometer
+    began_um = track.open_loop_um[np.isfinite(track.open_loop_um)][:1].sum()  # counted from a zero_C; else 0
     line = polyline.elongation(recording, rig, used)
     estimates = {
         "filter": track.elongation_um,
@@ -94,7 +98,9 @@ def review(
     if "displacement" in rig.channels:
         estimates["polyline_joined"] = polyline.joined_polyline(recording, rig, model, line)
         estimates["last_reading"] = polyline.last_reading(recording, rig, model, line)
-    reference = readings if truth_um is None else truth_um
+    estimates |= {name: um + began_um for name, um in estimates.items() if name not in OURS}
+    readings = readings + began_um
+    reference = readings if truth_um is None else truth_um + began_um
     errors = {name: reference - series for name, series in estimates.items()}
     sigma = {"filter": track.sigma_um, "smoothed": smoothed.sigma_um}
     if truth_um is None and "displacement" in rig.channels:

@@ -40,14 +40,15 @@ class Posed:
     system: System
 
     def with_elongation(self) -> System:
-        """The system with one channel more that is never read: the elongation since the first sample, um."""
+        """The system with one channel more that is never read: the elongation, um."""
         system, T = self.system, len(self.system.y)
+        began_um = self.state.began_um(system.x0)
         muted = np.zeros(system.y.shape, dtype=bool) if system.muted is None else system.muted
         return replace(
             system,
             y=np.column_stack([system.y, np.full(T, np.nan)]),
             muted=np.column_stack([muted, np.ones(T, dtype=bool)]),
-            H=np.vstack([system.H, self.state.elongation(0.0)]),
+            H=np.vstack([system.H, self.state.elongation(began_um)]),
             spans=np.append(system.spans, 1.0),
             R=np.column_stack([system.R, np.ones(T)]),
         )
@@ -91,7 +92,7 @@ class Trial:
         """The model as a linear system."""
         forcing = self._forcing.with_model(model)
         ticks = forcing.ticks(self.drive)
-        readings, state = forcing.readings, State(forcing.readings, self.rig.expansion_tolerance)
+        readings, state = forcing.readings, State(forcing.readings, self.rig)
         x0, P0 = self.run.estimate(readings, forcing.terms, forcing.place, ticks.offset[0])
         F, response = forcing.response(ticks)
         regime, response = ticks.regime[1:], response[1:]

@@ -32,7 +32,11 @@ WIDTH = Bound("mm", 0.1, 10_000.0)
 ANY = Bound("", -1e9, 1e9)
 SIGNAL = {"scale": ANY, "offset": ANY, "lo": ANY, "hi": ANY}
 BOUNDS: Mapping[type, Mapping[str, Bound]] = {
-    Rig: {"tick_s": Bound("s", 0.01, 3600.0)},
+    Rig: {
+        "tick_s": Bound("s", 0.01, 3600.0),
+        "zero_C": Bound("degC", -60.0, 200.0, "20 is the reference temperature of lengths"),
+        "zero_sd_K": Bound("K", 0.0, 10.0),
+    },
     Screw: {
         "from_mm": PLACE,
         "to_mm": PLACE,

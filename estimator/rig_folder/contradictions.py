@@ -28,6 +28,10 @@ def contradictions(rig: Rig) -> Iterator[str]:
         yield from _nut(rig)
     if rig.screw:
         yield from _states(rig)
+    elif rig.zero_C is not None:
+        yield "zero_C is where the growth of the screw is zero, but there is no [screw]; leave it out"
+    if rig.zero_sd_K and rig.zero_C is None:
+        yield "zero_sd_K is how well zero_C is known, but there is no zero_C; say it, or leave both out"
 
 
 def _signals(rig: Rig) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ def load_rig(folder: Path | str) -> Rig:
     folder = Path(folder)
     path = folder / "rig.toml"
     table = fields.load(path)
-    known = {"name", "tick_s", "screw", "nut", "supports", "channels", "inputs", "log", "subset_7"}
+    known = {f.name for f in dataclasses.fields(Rig)} - {"folder"}
     for key in table:
         if key not in known:
             raise SetupError(f"{path} has no {brief(key)}; {nearest(key, known)}")
@@ -30,7 +31,7 @@ def load_rig(folder: Path | str) -> Rig:
             raise SetupError(f"{path}: '{key}' is missing")
     rig = Rig(
         name=fields.checked(table["name"], str, f"{path}: name"),
-        tick_s=fields.checked(table.get("tick_s", 1.0), float, f"{path}: tick_s", BOUNDS[Rig]["tick_s"]),
+        tick_s=_number(table, "tick_s", 1.0, path),
         channels=_records(Channel, table, "channels", path),
         inputs=_records(Signal, table, "inputs", path),
         screw=_optional(Screw, table, "screw", path),
@@ -38,11 +39,18 @@ def load_rig(folder: Path | str) -> Rig:
         supports=_records(Support, table, "supports", path),
         log=_optional(Log, table, "log", path) or Log(),
         subset_7=fields.checked(table.get("subset_7", []), tuple[str, ...], f"{path}: subset_7"),
+        zero_C=_number(table, "zero_C", None, path),
+        zero_sd_K=_number(table, "zero_sd_K", 0.0, path),
         folder=folder,
     )
     for wrong in contradictions(rig):
         raise SetupError(f"{path}: {wrong}")
     return rig
+
+
+def _number(table: Mapping[str, Any], key: str, default: float | None, path: Path) -> Any:
+    """A number at the top of the file, in its bounds, or its default."""
+    return fields.checked(table[key], float, f"{path}: {key}", BOUNDS[Rig][key]) if key in table else default
 
 
 def _optional(cls: type, table: Mapping[str, Any], key: str, path: Path) -> Any:

@@ -60,7 +60,8 @@ class Reporter:
         view, state, x, P, fused = self._view, self._state, estimates.x, estimates.P, estimates.fused
         um = 1.0 if view.has_span else np.nan  # without a screw nothing grows
         z, P_z = x[:, state.temperatures], P[:, state.temperatures, state.temperatures]
-        elongation = state.elongation(estimates.grown_um)
+        grown_um = self._run.began_um + estimates.grown_um
+        elongation = state.elongation(grown_um)
         position = self._position.held(rows.inputs.get("position", np.full(len(rows), np.nan)))
         table, table_sd = self._table_error(position, x, P)
         return Track(
@@ -71,7 +72,7 @@ class Reporter:
             mode=modes(fused, self._rig),
             elongation_um=um * (elongation * x).sum(axis=1),
             sigma_um=um * np.sqrt(variances(elongation[:, None], P)[:, 0]),
-            open_loop_um=um * estimates.grown_um,
+            open_loop_um=um * grown_um,
             profile_C=z @ view.profile.T,
             profile_sd_K=np.sqrt(variances(view.profile, P_z)),
             bodies_C=z[:, view.at_bodies],
@@ -91,12 +92,13 @@ class Reporter:
     def _table_error(self, position_mm: Array, x: Array, P: Array) -> tuple[Array, Array]:
         """Growth between the anchor bearing and the nut's centre since the start, and its sd: (K,) um each.
 
-        growth (1 + e), e the error of the expansion coefficient;   var = w' P w + growth^2 var(e)
+        growth (1 + e), e the error of the expansion coefficient;   var = w' P w + growth^2 var(e) + (sum(w) zero_sd)^2
         """
         state, weights = self._state, self._view.table_error(position_mm)
         at, e = state.temperatures, state.expansion
-        growth = (weights * (x[:, at] - self._run.x[at])).sum(axis=1)
+        growth = (weights * (x[:, at] - self._run.zero)).sum(axis=1)
         variance = variances(weights[:, None], P[:, at, at])[:, 0] + growth**2 * P[:, e, e]
+        variance += (weights.sum(axis=1) * self._rig.zero_sd_K) ** 2
         return growth * (1.0 + x[:, e]), np.sqrt(variance)
 
 

@@ -50,13 +50,24 @@ class Run:
         """Growth of the span since the start, um, when the temperatures are z (n,)."""
         return float(self.view.growth @ (z - self.x[self.state.temperatures]))
 
+    @property
+    def began_um(self) -> float:
+        """Growth at the start: 0 but for a rig with a zero_C, which counts from there."""
+        return self.state.began_um(self.x)
+
+    @property
+    def zero(self) -> Array:
+        """Temperatures from which growth counts, (n,) degC: those at the start, or the rig's zero_C everywhere."""
+        zero_C, z = self.forcing.rig.zero_C, self.x[self.state.temperatures]
+        return z if zero_C is None else np.full_like(z, zero_C)
+
     def open_loop(self) -> OpenLoop:
         """The model alone, from the first estimate on."""
         return OpenLoop(self.x[self.state.temperatures], self.forcing.readings, self.forcing.rig.tick_s)
 
     def estimate(self, readings: Readings, terms: Sequence[Term], place: Layout, offset: Array) -> tuple[Array, Array]:
         """Estimate after the same first readings by another model's terms; complex where its readings are."""
-        state = State(readings, self.forcing.rig.expansion_tolerance)
+        state = State(readings, self.forcing.rig)
         before = prior(self.start, terms, place, self.sample.inputs)
         return state.first(before, self.sample.channels - offset, _variance(readings), self.first.fuse)
 
@@ -80,7 +91,7 @@ def begin(model: Model, rig: Rig, recording: Recording, mute: Mute, keep: int | 
     sd = np.sqrt(variances(readings.rows, cov) + readings.zero_sd**2 + R)
     muted, none = mute(sample.time_s), np.zeros(len(sd), dtype=int)
     first = innovation(sample.channels, readings.rows @ mean + offset, sd, muted, none)
-    state = State(readings, rig.expansion_tolerance)
+    state = State(readings, rig)
     x, P = state.first((mean, cov), sample.channels - offset, R, first.fuse)
     return Run(tick, start, sample, forcing, state, View(rig, place, forcing.terms), offset, first, x, P)
 

@@ -5,7 +5,8 @@ zeros         (k,) K or um  of readings whose zero is unknown: constant but for 
 expansion     1  by which share the screw expands more than the model says: constant, known within the rig's
               tolerance; it acts on the open-loop growth, so that the system stays linear
 start         um  growth c z at the first sample, constant: kept as a state, so that the elongation c z - start knows
-              how much of its uncertainty both share
+              how much of its uncertainty both share. Where the rig says its zero_C it is c zero_C, which the first
+              sample tells nothing of; what all thermometers are off together is its uncertainty
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 from estimator.network.assemble import Readings
 from estimator.network.discretise import Transition
 from estimator.record import Array
+from estimator.rig import Rig
 
 
 class State:
@@ -25,7 +27,7 @@ class State:
     zero_of                         place of each channel's unknown zero, by the channel's index
     """
 
-    def __init__(self, readings: Readings, expansion_tolerance: float) -> None:
+    def __init__(self, readings: Readings, rig: Rig) -> None:
         self.n = readings.rows.shape[1]
         with_zero = np.flatnonzero(np.real(readings.zero_sd))
         self.expansion = self.n + len(with_zero)
@@ -33,12 +35,12 @@ class State:
         self.temperatures, self.zeros = slice(0, self.n), slice(self.n, self.expansion)
         self.constants = slice(self.n, self.start)
         self.zero_of = {int(i): self.n + k for k, i in enumerate(with_zero)}
-        self.growth, self.spans = readings.growth, readings.spans
+        self.growth, self.spans, self._rig = readings.growth, readings.spans, rig
         self.dtype = np.result_type(readings.rows, readings.zero_sd, readings.growth)
         self._rows = np.zeros((len(readings.rows), self.size), self.dtype)
         self._rows[:, self.temperatures] = readings.rows
         self._rows[with_zero, self.zeros] = np.eye(len(with_zero))
-        self._variance = np.append(readings.zero_sd[with_zero], expansion_tolerance) ** 2
+        self._variance = np.append(readings.zero_sd[with_zero], rig.expansion_tolerance) ** 2
         self._walk = np.append(readings.zero_walk[with_zero], 0.0) ** 2
 
     def channel_zeros(self, x: Array) -> Array:
@@ -70,16 +72,27 @@ class State:
     def first(self, prior: tuple[Array, Array], reading: Array, R: Array, fuse: Array) -> tuple[Array, Array]:
         """Estimate (size,), (size, size) after the first sample: prior, then the readings (m,) to fuse. May be complex.
 
-        K = P H' S^-1;   x + K (y - H x);   P - K S K';   then the start is c z of that estimate
+        K = P H' S^-1;   x + K (y - H x);   P - K S K';   then the start is c z of that estimate, or c zero_C
         """
         x, P = self.prior(*prior)
         H = self.rows(0.0)[fuse]
         S = H @ P @ H.T + np.diag(R[fuse])
         K = np.linalg.solve(S, H @ P).T
         x, P = x + K @ (reading[fuse] - H @ x), P - K @ S @ K.T
+        zero_C, um_per_K = self._rig.zero_C, self.growth.sum()
         copy = np.eye(self.size, dtype=self.dtype)
-        copy[self.start, self.start], copy[self.start, self.temperatures] = 0.0, self.growth
-        return copy @ x, copy @ P @ copy.T
+        copy[self.start, self.start] = 0.0
+        copy[self.start, self.temperatures] = self.growth if zero_C is None else 0.0
+        x, P = copy @ x, copy @ P @ copy.T
+        if zero_C is not None:
+            x[self.start], P[self.start, self.start] = um_per_K * zero_C, (um_per_K * self._rig.zero_sd_K) ** 2
+        return x, P
+
+    def began_um(self, x: Array) -> float:
+        """Growth at the first sample, after which the full state is x: 0 but for a rig with a zero_C."""
+        if self._rig.zero_C is None:
+            return 0.0
+        return float(np.real(self.growth @ x[self.temperatures] - x[self.start]))
 
     def transition(self, z: Transition, dt: float) -> Transition:
         """F (size, size), J (size, n), Q (size, size) of the full state."""

@@ -171,6 +171,25 @@ def test_elongation_and_sigma_are_those_of_the_growth_since_the_first_sample(bot
         assert track.sigma_um[ticks - 1] == pytest.approx(np.sqrt(max(row @ cov @ row, 0)), abs=1e-6)
 
 
+def test_from_a_zero_the_elongation_and_its_sd_are_those_of_the_temperatures(ticking, small_model, recording):
+    """Off together by zero_sd_K, all thermometers make the growth of the whole span wrong."""
+    rig = replace(ticking, zero_C=19.0, zero_sd_K=0.05)
+    filter_ = Filter(small_model, rig)
+    track = stepped(filter_, recording)
+    whole, grown_um = joint(small_model, rig, recording)
+    growth = span_growth(rig, filter_.run.forcing.place)
+    (A, a), (b, cov) = whole.states[0], whole.given(recording.channels, 1)
+    began = growth @ ((A @ b + a)[:4] - 19.0)
+    assert began > 3.0
+    for ticks in (1, 4, SAMPLES):
+        (now, a), (b, cov) = whole.states[ticks - 1], whole.given(recording.channels, ticks)
+        row = growth @ now[:4] + (began + grown_um[ticks - 1]) * now[-1]
+        variance = row @ cov @ row + (180 * 12e-3 * 0.05) ** 2
+        assert track.elongation_um[ticks - 1] == pytest.approx(row @ b + growth @ (a[:4] - 19.0), abs=1e-9)
+        assert track.sigma_um[ticks - 1] == pytest.approx(np.sqrt(variance), abs=1e-6)
+        assert track.open_loop_um[ticks - 1] == pytest.approx(began + grown_um[ticks - 1], abs=1e-9)
+
+
 def test_innovations_and_nis_are_those_of_each_reading_given_all_before(both, recording):
     _, track, whole, _ = both
     for k in range(1, SAMPLES):

@@ -56,6 +56,28 @@ def lived(request, driven, live) -> tuple:
     return model, rig, live(model, rig, drive, seed=1, process=True).recording
 
 
+def test_counted_from_a_zero_only_lengths_are_others(lived):
+    """By what by now is known to have been grown at the first sample, another coefficient included."""
+    model, rig, recording = lived
+    counted, filter_ = both(model, replace(rig, zero_C=20.0, zero_sd_K=0.1), recording), Filter(model, rig)
+    usual = stepped(filter_, recording)
+    lengths = {"elongation_um", "sigma_um", "open_loop_um", "error_at_table_um", "error_at_table_sd_um"}
+    for key in set(SERIES) - lengths:
+        np.testing.assert_array_equal(getattr(counted, key), getattr(usual, key), err_msg=key)
+    began = counted.elongation_um[0]
+    lo, hi = rig.screw.span_mm
+    rise = counted.profile_C[0].mean() - 20.0
+    assert began == pytest.approx(rig.screw.expansion * 1e3 * (hi - lo) * rise, rel=0.05)
+    np.testing.assert_allclose(counted.open_loop_um - usual.open_loop_um, began, rtol=0, atol=1e-9)
+    state = filter_.run.state
+    since = filter_.x[state.start] - 20.0 * state.growth.sum() + began * filter_.x[state.expansion]
+    assert counted.elongation_um[-1] - usual.elongation_um[-1] == pytest.approx(since, abs=1e-9)
+    assert (counted.sigma_um > rig.screw.expansion * 1e3 * (hi - lo) * 0.1).all()
+    smooth = Replay(model, replace(rig, zero_C=20.0, zero_sd_K=0.1), recording, None, lambda _: None).smoothed()
+    assert smooth.elongation_um[-1] == pytest.approx(counted.elongation_um[-1], abs=1e-9)
+    assert smooth.sigma_um[-1] == pytest.approx(counted.sigma_um[-1], abs=1e-9)
+
+
 def copy(run: Recording) -> Recording:
     """The recording with arrays of its own, to break."""
     own = {key: getattr(run, key).copy() for key in ("channels", "ages_s", "omega", "coverage")}

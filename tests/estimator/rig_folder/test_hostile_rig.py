@@ -21,6 +21,7 @@ from estimator.battery import exercise
 from estimator.errors import SetupError
 from estimator.rig import Rig
 from estimator.rig_folder.bounds import BOUNDS
+from estimator.rig_folder.contradictions import contradictions
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from tests.processes import ended
@@ -29,7 +30,11 @@ ROOT = Path(__file__).parents[3]
 PAPER, ROD = ROOT / "recordings", ROOT / "examples" / "heated_rod"
 MODELS = {folder: load_model(folder / "model.toml") for folder in (PAPER, ROD)}
 EVERY = {  # what the files of the rigs leave out
-    PAPER: {"screw": {"cells": 270, "reference_rpm": 1667.0, "knots_mm": []}},
+    PAPER: {
+        "screw": {"cells": 270, "reference_rpm": 1667.0, "knots_mm": []},
+        "zero_C": 20.0,
+        "zero_sd_K": 0.1,
+    },
     ROD: {
         "screw": {"bore_mm": 1.0, "lead_mm": 5.0, "span_from_mm": 10.0, "span_to_mm": 390.0},
         "subset_7": ["TC1", "TC2"],
@@ -167,6 +172,10 @@ def test_every_number_has_bounds_that_hold_its_default(record):
         (PAPER, "subset_7", ["T02", "T02"], "subset_7: a thermometer is named twice"),
         (PAPER, "name", {}, "name: expected str, got {}"),
         (PAPER, "tick_s", 10**400, "tick_s is 1000"),
+        (PAPER, "zero_C", 293.15, "zero_C is 293.15, must be -60 ... 200 degC; 20 is the reference temperature"),
+        (PAPER, "zero_C", math.nan, "zero_C is nan, must be -60 ... 200 degC"),
+        (PAPER, "zero_sd_K", -0.1, "zero_sd_K is -0.1, must be 0 ... 10 K"),
+        (ROD, "zero_sd_K", 0.1, "zero_sd_K is how well zero_C is known, but there is no zero_C"),
         (ROD, "channels", {"gauge": {"unit": "um"}}, "channels: no thermometer among them"),
         (ROD, "channels.TC1.scale", 0, "channels.TC1.scale is 0: every reading would be the same"),
         (ROD, "supports.left.width_mm", 0.0, "supports.left.width_mm is 0.0, must be 0.1 ... 10000 mm"),
@@ -223,3 +232,10 @@ def test_the_command_ends_with_2_and_one_line(tmp_path):
     assert done.stderr == (
         f"error: {tmp_path / 'rig.toml'}: screw.conductivity is -5, must be 0.05 ... 5000 W/(m K); steel has 46\n"
     )
+
+
+def test_a_zero_needs_a_screw_that_grows():
+    heaters = load_rig(ROOT / "examples" / "two_heaters")
+    assert list(contradictions(dataclasses.replace(heaters, zero_C=20.0))) == [
+        "zero_C is where the growth of the screw is zero, but there is no [screw]; leave it out"
+    ]
