@@ -89,8 +89,8 @@ def test_a_command(monkeypatch):
 def test_a_view(tmp_path):
     run, module = fake_run("FS-20", 300), block("A view")
     path = tmp_path / "table.rrd"
-    with saved(path, tabbed([module.page("FS-20", run.track)]), "FS-20", "", 243.0) as rec:
-        module.send(rec, "FS-20", run.track)
+    with saved(path, tabbed([module.page("FS-20", run.track)]), "FS-20", "", 243.0) as file:
+        module.send(file / "FS-20", run.track)
     assert view_names(path) == ["Thermal error at the table [µm]"]
     values = rows(path, "/FS-20/error_at_table/filter", "Measurements:values")[1]
     known = np.isfinite(run.track.error_at_table_um)

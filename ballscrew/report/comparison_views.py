@@ -19,11 +19,11 @@ from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Track
 from estimator.work import Runs, Workers
-from viz.comparison.bars import Bars, Series
 from viz.comparison.compared import Compared, HeatMap, Side
 from viz.comparison.comparison import save
 from viz.comparison.maps import HEAT, OPEN_LOOP
 from viz.drawing import paths
+from viz.drawing.bars import Bars, Series
 from viz.drawing.scale import minutes
 from viz.viewer.printed import print_bars, print_maps
 
@@ -80,28 +80,28 @@ def error_bars(errors: Sequence[tuple[str, Error, Error | None]]) -> list[Bars]:
             held = np.array([getattr(held, key) if held else np.nan for _, _, held in errors])
             series.append(Series("held out", held, paths.HELD_OUT))
         figures.append(Bars(f"Model alone, rms of {what} [{unit}]", rows, series))
-    return [bars for bars in figures if bars.known]
+    return [bars for bars in figures if np.isfinite(bars.values).any()]
 
 
 def by_channel(runs: Sequence[Compared]) -> list[Bars]:
     """rms of what each model alone misses, channel by channel over all recordings."""
-    first = runs[0]
+    rig = runs[0].rig
+    kinds = (("thermometer", "K", rig.is_thermometer), ("displacement", "µm", ~rig.is_thermometer))
     return [
-        Bars(f"Model alone, rms by {what} [{unit}]", [first.rig.names[i] for i in columns], _rms(runs, columns))
-        for what, unit, columns in (("thermometer", "K", first.thermometers), ("displacement", "µm", first.lengths))
-        if len(columns)
+        Bars(f"Model alone, rms by {what} [{unit}]", np.array(rig.names)[shown].tolist(), _rms(runs, shown))
+        for what, unit, shown in kinds
+        if shown.any()
     ]
 
 
-def _rms(runs: Sequence[Compared], columns: Array) -> list[Series]:
+def _rms(runs: Sequence[Compared], shown: Array) -> list[Series]:
     series = []
-    for i, (side, colour) in enumerate(zip(paths.SIDES, (paths.BEFORE, paths.AFTER), strict=True)):
-        if i < len(runs[0].sides):
-            squares = np.concatenate([run.sides[i].misfit[:, columns] for run in runs]) ** 2
-            known = np.isfinite(squares).sum(axis=0)
-            mean = np.nansum(squares, axis=0) / np.maximum(known, 1)
-            name = side if len(runs[0].sides) > 1 else "model alone"
-            series.append(Series(name, np.where(known > 0, np.sqrt(mean), np.nan), colour))
+    for side in runs[0].named:
+        squares = np.concatenate([run.named[side].misfit[:, shown] for run in runs]) ** 2
+        known = np.isfinite(squares).sum(axis=0)
+        rms = np.sqrt(np.divide(np.nansum(squares, axis=0), known, out=np.full(len(known), np.nan), where=known > 0))
+        name = side if len(runs[0].sides) > 1 else "model alone"
+        series.append(Series(name, rms, paths.COMPARED_AS[side]))
     return series
 
 

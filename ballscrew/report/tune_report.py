@@ -12,7 +12,7 @@ from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.quality import ChannelQuality, innovations, overall
 from estimator.batch.trial import Trial
 from estimator.fit.tune import Tuned
-from viz.tuning.tuned import Side, Tuning
+from viz.tuning.tuned import Innovations, Tuning
 
 LEGEND = (
     "NIS: 1 when the noise is right; whiteness: largest autocorrelation within a minute, 0 when white",
@@ -79,20 +79,26 @@ def as_json(tuned: Tuned) -> dict[str, object]:
 
 def save_views(path: Path, work: Workspace, tuned: Tuned) -> None:
     """Write the views of a tuning into `path`: innovations before and after."""
-    from viz.tuning.tuning import Nis, save  # rerun takes half a second to import
+    from viz.drawing import paths  # rerun takes half a second to import
+    from viz.drawing.bars import NisBars, Series
+    from viz.tuning.tuning import save
 
     titles = {"nis": "NIS a tick ahead [1]", "blind_nis": "NIS after ten minutes without readings [1]"}
-    both = (tuned.before, tuned.after)
+    both = dict(zip(paths.SIDES, (tuned.before, tuned.after), strict=True))
     bars = [
-        Nis(title, *(np.array([getattr(one, figure) for one in some]) for some in both))
+        NisBars(title, work.rig.names, [
+            Series(side, np.array([getattr(one, figure) for one in some]), paths.COMPARED_AS[side])
+            for side, some in both.items()
+        ])
         for figure, title in titles.items()
-    ]
+    ]  # fmt: skip
     save(path, work.rig.names, [_tuning(one, work, tuned) for one in work.loaded], bars, markdown(sections(tuned)))
     work.terminal.say_views(path)
 
 
 def _tuning(one: Loaded, work: Workspace, tuned: Tuned) -> Tuning:
     trial = Trial(work.model, work.rig, one.recording)
-    known = [innovations(trial, model) for model in (work.model, tuned.model)]
-    before, after = (Side(some.scaled, some.autocorrelation) for some in known)
-    return Tuning(one.path.stem, known[0].time_s, known[0].lags_s, before, after)
+    known = {side: innovations(trial, model) for side, model in (("before", work.model), ("after", tuned.model))}
+    time_s, lags_s = known["after"].time_s, known["after"].lags_s
+    sides = {side: Innovations(some.scaled, some.autocorrelation) for side, some in known.items()}
+    return Tuning(one.path.stem, time_s, lags_s, sides)

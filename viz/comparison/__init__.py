@@ -1,1 +1,1 @@
-"""Views of two models beside each other: comparison, compared, layout, bars, curves, maps."""
+"""Views of two models beside each other: comparison, compared, layout, curves, maps."""

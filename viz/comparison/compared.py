@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from estimator.record import Array
 from estimator.rig import Rig
-from viz.drawing import columns
-from viz.drawing.columns import Indices
+from viz.drawing import paths
 
 
 @dataclass(frozen=True)
@@ -62,11 +61,10 @@ class Compared:
     sides: tuple[Side, ...]
 
     @property
-    def thermometers(self) -> Indices:
-        """Columns of the thermometers among the channels, in order."""
-        return columns.thermometers(self.rig)
+    def named(self) -> dict[str, Side]:
+        """The sides by "before" and "after"."""
+        return dict(zip(paths.SIDES, self.sides, strict=False))
 
-    @property
-    def lengths(self) -> Indices:
-        """Columns of the others."""
-        return columns.lengths(self.rig)
+    def said(self, side: str) -> str:
+        """How a legend begins: nothing to tell apart where there is one model."""
+        return f"{side}, " if len(self.sides) > 1 else ""

@@ -10,10 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from viz.comparison import bars, curves, maps
-from viz.comparison.bars import Bars
+from viz.comparison import curves, maps
 from viz.comparison.compared import Compared
-from viz.comparison.layout import blueprint
+from viz.comparison.layout import bars_at, blueprint
+from viz.drawing import bars
+from viz.drawing.bars import Bars
 from viz.drawing.file import distinct, saved
 
 
@@ -27,10 +28,10 @@ def save(
     runs = distinct(runs)
     scales, last_s = maps.scales_of(runs), float(np.floor(max(run.time_s[-1] for run in runs)))
     name = f"{' and '.join(models)}: {', '.join(run.name for run in runs)}"
-    with saved(path, blueprint(runs, models, figures), name, summary, last_s) as rec:
+    with saved(path, blueprint(runs, models, figures), name, summary, last_s) as file:
         for tab, some in figures.items():
             for i, each in enumerate(some):
-                bars.send(rec, bars.at(tab, i), each)
+                bars.send(file / bars_at(tab, i), each)
         for run in runs:
-            curves.send(rec, run)
-            maps.send(rec, run, scales)
+            curves.send(file, run)
+            maps.send(file, run, scales)

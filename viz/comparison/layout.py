@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import rerun.blueprint as rrb
 
 from viz.comparison import curves
-from viz.comparison.bars import Bars, at
+from viz.comparison.compared import Compared
 from viz.comparison.maps import BODIES, HEAT, INNOVATION, OPEN_LOOP, TITLES, UNITS, frame_of, map_of
 from viz.drawing import paths
-from viz.drawing.scale import Range, lasting
-from viz.drawing.views import LEGEND_ROOM, SQUEEZED, Whole, flat, plot, tabbed
-
-if TYPE_CHECKING:
-    from viz.comparison.compared import Compared
+from viz.drawing.bars import Bars
+from viz.drawing.views import below_legend, by_run, ends, flat, key, paged, plot, summary_view, tabbed, whole
 
 PLOTS = 4  # thermometers on one page
 LEGEND_AT_END = 0.2  # of a plot's time
@@ -25,28 +21,28 @@ def blueprint(
     runs: Sequence[Compared], models: Sequence[str], figures: Mapping[str, Sequence[Bars]]
 ) -> rrb.Blueprint:  # fmt: skip
     """The layout of a saved file."""
-    pages = [_pages(run, models) for run in runs]
-    own = (
-        pages[0] if len(runs) == 1 else [rrb.Tabs(*some, name=run.name) for run, some in zip(runs, pages, strict=True)]
-    )
-    text = rrb.TextDocumentView(origin=paths.SUMMARY, name="Summary")
     first, *others = [_figures(tab, some) for tab, some in figures.items()]
-    return tabbed([rrb.Horizontal(text, first, name="Summary"), *others, *own])
+    own = by_run([run.name for run in runs], [_pages(run, models) for run in runs])
+    return tabbed([rrb.Horizontal(summary_view(), first, name="Summary"), *others, *own])
+
+
+def bars_at(tab: str, i: int) -> str:
+    """Where figure i of a tab is."""
+    return f"{paths.BARS}/{paths.root(tab)}/{i}"
 
 
 def _figures(tab: str, some: Sequence[Bars]) -> rrb.Container:
-    drawn = [flat(at(tab, i), each.title, each.frame.bounds) for i, each in enumerate(some)]
+    drawn = [flat(bars_at(tab, i), each.title, each.frame.bounds) for i, each in enumerate(some)]
     return rrb.Vertical(*drawn, row_shares=[len(each.rows) + 5 for each in some], name=tab)
 
 
 def _pages(run: Compared, models: Sequence[str]) -> list[rrb.Container]:
-    count = len(run.rig.thermometers)
-    groups = [range(first, min(first + PLOTS, count)) for first in range(0, count, PLOTS)]
+    lengths = run.rig.screw is not None or not run.rig.is_thermometer.all()
     return [
         *_heat(run, models),
-        _residuals(run, models),
-        *([_elongation(run)] if run.rig.screw is not None or len(run.lengths) else []),
-        *(_temperatures(run, group) for group in groups),
+        rrb.Vertical(_maps(run, models, OPEN_LOOP), _maps(run, models, INNOVATION), name="Residuals"),
+        *([_elongation(run)] if lengths else []),
+        *(_temperatures(run, group) for group in paged(len(run.rig.thermometers), PLOTS)),
     ]
 
 
@@ -57,17 +53,13 @@ def titles(models: Sequence[str]) -> dict[str, str]:
     return {side: f"{side}: {name}" for side, name in zip(paths.SIDES, models, strict=True)}
 
 
-def _residuals(run: Compared, models: Sequence[str]) -> rrb.Container:
-    return rrb.Vertical(_maps(run, models, OPEN_LOOP), _maps(run, models, INNOVATION), name="Residuals")
-
-
 def _heat(run: Compared, models: Sequence[str]) -> list[rrb.Container]:
     heat, views = run.sides[0].heat, []
     if len(heat.places_mm):
         views.append(_maps(run, models, HEAT))
     if heat.bodies:
         name = f"Heat that the model alone lacks in {', '.join(heat.bodies)} [W]"
-        views.append(_plot(run, paths.compared(paths.root(run.name), BODIES), name, None, True))
+        views.append(plot(paths.compared(paths.root(run.name), BODIES), name, whole(run.time_s)))
     return [rrb.Vertical(*views, name="Missing heat")] if views else []
 
 
@@ -77,38 +69,30 @@ def _maps(run: Compared, models: Sequence[str], what: str) -> rrb.Container:
         flat(paths.compared(root, what, side), f"{title}: {TITLES[what]}", bounds)
         for side, title in titles(models).items()
     ]
-    views.append(flat(paths.compared(root, f"{what}_key"), f"[{UNITS[what]}]", SQUEEZED))
+    views.append(key(paths.compared(root, f"{what}_key"), UNITS[what]))
     return rrb.Horizontal(*views, column_shares=[*[9] * len(models), 1.9])
 
 
 def _elongation(run: Compared) -> rrb.Container:
-    root, views = paths.root(run.name), []
+    root, span, views = paths.root(run.name), whole(run.time_s), []
     if run.rig.screw is not None:
-        low, high = curves.elongation(run)
-        extent = low, low + LEGEND_ROOM * (high - low)
-        views.append(_plot(run, paths.compared(root, "elongation"), "Elongation [µm]", extent, True))
-    if len(run.lengths):
-        name, (low, high) = (
+        origin = paths.compared(root, "elongation")
+        views.append(below_legend(origin, "Elongation [µm]", span, curves.elongation(run)))
+    if not run.rig.is_thermometer.all():
+        origin, name = (
+            paths.compared(root, "displacement"),
             "Displacement reading − open-loop, unknown zero taken out [µm]",
-            curves.misfit(run),
         )
-        extent = low, low + LEGEND_ROOM * (high - low)
-        views.append(_plot(run, paths.compared(root, "displacement"), name, extent, True))
+        views.append(below_legend(origin, name, span, curves.misfit(run)))
     return rrb.Vertical(*views, row_shares=[3, 2][: len(views)], name="Elongation")
 
 
 def _temperatures(run: Compared, group: range) -> rrb.Container:
     plots, names = [], paths.channel_names(run.rig, "°C")
     for i in group:
-        channel, extent = run.rig.thermometers[i], curves.temperatures(run, int(run.thermometers[i]))
+        channel = run.rig.thermometers[i]
+        extent = curves.temperatures(run, run.rig.index(channel))
         origin = paths.compared(paths.root(run.name), "temperature", channel)
-        plots.append(_plot(run, origin, names[i], extent, True, LEGEND_AT_END))
-    first, *_, last = [run.rig.thermometers[i] for i in group] * 2
-    name = f"{first} ... {last}" if len(group) > 1 else first
+        plots.append(plot(origin, names[i], whole(run.time_s), extent, room=LEGEND_AT_END))
+    name = ends([run.rig.thermometers[i] for i in group])
     return rrb.Grid(*plots, grid_columns=2 if len(group) > 1 else 1, name=name)
-
-
-def _plot(
-    run: Compared, origin: str, name: str, extent: Range | None, legend: bool = False, room: float = 0.0
-) -> rrb.TimeSeriesView:
-    return plot(origin, name, Whole(lasting(run.time_s)), extent, legend, room)

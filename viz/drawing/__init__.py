@@ -1,4 +1,4 @@
 """What views are drawn with.
 
-In the order to read them: paths, file, views, scale, axes, frame, columns, series, profile, screw, residuals, events.
+In the order to read them: paths, scale, entity, file, views, frames, series, profile, screw, body, bars, residuals.
 """

@@ -20,25 +20,40 @@ from rerun.chunk import RrdReader
 
 from estimator.errors import InputError
 from viz.drawing import paths
+from viz.drawing.entity import Entity
 
 Named = TypeVar("Named", bound=Any)  # a dataclass with a name
 
 
-@contextmanager
-def saved(
-    path: Path, layout: rrb.Blueprint, name: str, summary: str, opens_at_s: float
-) -> Iterator[rr.RecordingStream]:  # fmt: skip
-    """A stream into `path` (.rrd) until the block ends: layout, name and summary (markdown) are in it already."""
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: there is no folder {path.parent}")
-    rec = rr.RecordingStream(paths.APPLICATION, recording_id=uuid.uuid4())
+def stream(identity: uuid.UUID, path: Path | None = None) -> rr.RecordingStream:
+    """An empty stream, into `path` if one is given."""
+    rec = rr.RecordingStream(paths.APPLICATION, recording_id=identity)
     rec.set_log_time_enabled(False)
-    rec.save(path, default_blueprint=layout)
+    if path is not None:
+        if not path.parent.is_dir():
+            raise InputError(f"{path}: there is no folder {path.parent}")
+        try:
+            rec.save(path)
+        except RuntimeError as error:
+            raise InputError(f"{path}: cannot be written ({error})") from error
+    return rec
+
+
+def begin(rec: rr.RecordingStream, layout: rrb.Blueprint, name: str) -> None:
+    """Say how a stream is shown and what it is called."""
     rec.send_blueprint(layout, make_active=True, make_default=True)
     rec.send_recording_name(name)
-    rec.log(paths.SUMMARY, rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
-    rec.log(paths.MOMENT, rr.AnyValues(time_s=opens_at_s), static=True)
-    yield rec
+
+
+@contextmanager
+def saved(path: Path, layout: rrb.Blueprint, name: str, summary: str, opens_at_s: float) -> Iterator[Entity]:
+    """The root of a stream into `path` (.rrd) until the block ends: layout, name and summary are in it already."""
+    rec = stream(uuid.uuid4(), path)
+    begin(rec, layout, name)
+    root = Entity(rec)
+    (root / paths.SUMMARY).text(summary)
+    (root / paths.MOMENT).log(rr.AnyValues(time_s=opens_at_s))
+    yield root
     rec.disconnect()
 
 

@@ -11,16 +11,15 @@ TIMELINE = "time"
 
 SUMMARY = "summary"
 ACCURACY = "accuracy"
-BANDS = "accuracy/bands"
 
 PROFILE = "profile"
 ELONGATION = "elongation"
 ERROR = "error"
 SCREW = "screw"
-SURPRISE_MAP = "residual/innovation"
-SURPRISE_BAR = "residual_bar/innovation"
-MODEL_MAP = "residual/open_loop"
-MODEL_BAR = "residual_bar/open_loop"
+MAPS = {  # of the innovations and of the model alone, and the colour bar of each
+    "residual/innovation": "residual_bar/innovation",
+    "residual/open_loop": "residual_bar/open_loop",
+}
 WHITENESS = "whiteness"
 NIS = "nis"
 TEMPERATURES = "channels/temperature"
@@ -54,6 +53,7 @@ MEASURED: Colour = (255, 180, 60)
 LEFT_OUT: Colour = (225, 90, 90)
 BEFORE: Colour = (240, 130, 60)
 AFTER: Colour = (90, 170, 255)
+COMPARED_AS = dict(zip(SIDES, (BEFORE, AFTER), strict=True))
 CROSS_VALIDATED: Colour = (120, 210, 130)
 HELD_OUT: Colour = (250, 220, 60)
 BOUND: Colour = (150, 150, 155)
@@ -70,14 +70,14 @@ def root(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_.-]+", "_", name)
 
 
-def scaled(above: str, side: str, channel: str) -> str:
-    """Where the scaled innovations of a channel are: `above` a run's root, side "before" or "after"."""
-    return f"{above}/scaled/{side}/{root(channel)}"
+def scaled(side: str, channel: str) -> str:
+    """Where, below a run's root, the scaled innovations of a channel are: side "before" or "after"."""
+    return f"scaled/{side}/{root(channel)}"
 
 
-def compared(above: str, what: str, *parts: str) -> str:
-    """Where views of two models on a run begin: `above` the run's root; parts such as a side or a channel."""
-    return "/".join([above, COMPARED, what, *map(root, parts)])
+def compared(above: str, *parts: str) -> str:
+    """Where views of two models on a run begin: `above` the run's root; parts such as what is shown and a channel."""
+    return "/".join([above, COMPARED, *map(root, parts)])
 
 
 def channel_names(rig: Rig, unit: str) -> list[str]:

@@ -11,9 +11,9 @@ import rerun as rr
 from estimator.record import Array
 from estimator.rig import Rig
 from viz.drawing import paths
-from viz.drawing.axes import Axes
-from viz.drawing.columns import Flags, Indices
-from viz.drawing.scale import BodyScale
+from viz.drawing.entity import Entity
+from viz.drawing.frames import Axes
+from viz.drawing.scale import BodyScale, Flags, Indices
 
 PICTURE_S = 10.0  # profile and screw are kept every 10 s, curves at every tick
 ASPECT = 0.46  # height of the frame over its width
@@ -42,44 +42,44 @@ def picture_ticks(time_s: Array, profile_C: Array) -> Indices:
     return known[first]
 
 
-def style(rec: rr.RecordingStream, root: str, rig: Rig, axes: Axes, truth: bool) -> None:
+def places_mm(rig: Rig) -> Array:
+    """Where the channels are on the screw, (m,) mm; NaN for one that is not on it."""
+    return np.array([np.nan if c.at_mm is None else c.at_mm for c in rig.channels.values()])
+
+
+def style(at: Entity, rig: Rig, axes: Axes, truth: bool) -> None:
     """Log the key and the looks of lines and points, once."""
-    at, points = f"{root}/{paths.PROFILE}", rr.Radius.ui_points
+    at, points = at / paths.PROFILE, rr.Radius.ui_points
     absent = {"nut": rig.nut is None, "bearings": not rig.supports, "truth": not truth}
-    axes.key(rec, f"{at}/axes/key", [entry for entry in KEY if not absent.get(entry[0])])
-    line = rr.LineStrips2D.from_fields(
-        radii=points([1.8, 0.6, 0.6]), colors=[paths.FILTER, paths.BAND_EDGE, paths.BAND_EDGE], draw_order=2.0
-    )
-    rec.log(f"{at}/estimate", line, static=True)
-    comb = rr.LineStrips2D.from_fields(radii=points(0.7), colors=paths.BAND, draw_order=1.0)
-    rec.log(f"{at}/band", comb, static=True)
-    dots = rr.Points2D.from_fields(radii=points(4.5), draw_order=30.0)
-    rec.log(f"{at}/measured", dots, static=True)
-    rings = rr.Points2D.from_fields(radii=points(2.2), colors=paths.REFERENCE, draw_order=31.0)
-    rec.log(f"{at}/truth", rings, static=True)
-    nut = rr.LineStrips2D.from_fields(radii=points(3.5), colors=paths.NUT, draw_order=3.0)
-    rec.log(f"{at}/nut", nut, static=True)
+    axes.key(at / "axes/key", [entry for entry in KEY if not absent.get(entry[0])])
+    lines, dots = rr.LineStrips2D.from_fields, rr.Points2D.from_fields
+    edges = [paths.FILTER, paths.BAND_EDGE, paths.BAND_EDGE]
+    (at / "estimate").log(lines(radii=points([1.8, 0.6, 0.6]), colors=edges, draw_order=2.0))
+    (at / "band").log(lines(radii=points(0.7), colors=paths.BAND, draw_order=1.0))
+    (at / "measured").log(dots(radii=points(4.5), draw_order=30.0))
+    (at / "truth").log(dots(radii=points(2.2), colors=paths.REFERENCE, draw_order=31.0))
+    (at / "nut").log(lines(radii=points(3.5), colors=paths.NUT, draw_order=3.0))
 
 
-def frame(rec: rr.RecordingStream, root: str, rig: Rig, axes: Axes, static: bool = True) -> None:
+def frame(at: Entity, rig: Rig, axes: Axes, since_s: float | None = None) -> None:
     """Log axes and bearings."""
-    at = f"{root}/{paths.PROFILE}"
-    axes.draw(rec, f"{at}/axes", "place x [mm]", y_unit=" °C", x_pieces=12, static=static)
+    at = at / paths.PROFILE
+    axes.draw(at / "axes", "place x [mm]", y_unit=" °C", x_pieces=12, since_s=since_s)
     spans = [(s.at_mm - s.width_mm / 2, s.at_mm + s.width_mm / 2) for s in rig.supports.values()]
     if spans:
         bars = [axes.place(span, axes.y[0]) for span in spans]
         thick = rr.LineStrips2D(bars, radii=rr.Radius.ui_points(3.5), colors=paths.BOUND, draw_order=2.5)
-        rec.log(f"{at}/bearings", thick, static=static)
+        (at / "bearings").log(thick, since_s)
 
 
-def send(rec: rr.RecordingStream, root: str, axes: Axes, time_s: Array, x_mm: Array, mean: Array, sd: Array) -> None:
-    """Log n profiles: times (n,) s, places (x,) mm, means and standard deviations (n, x)."""
-    at, index, n = f"{root}/{paths.PROFILE}", [rr.TimeColumn(paths.TIMELINE, duration=time_s)], len(time_s)
+def send(at: Entity, axes: Axes, time_s: Array, mean: Array, sd: Array) -> None:
+    """Log n profiles from end to end: times (n,) s, means and standard deviations (n, x)."""
+    n, x_mm = len(time_s), np.linspace(*axes.x, mean.shape[1])
     strips = axes.place(x_mm, np.stack([mean, mean + 2 * sd, mean - 2 * sd], axis=1)).astype(np.float32)
     lines = rr.LineStrips2D.columns(strips=strips.reshape(3 * n, -1, 2)).partition(np.full(n, 3))
-    rec.send_columns(f"{at}/estimate", indexes=index, columns=lines)
+    (at / paths.PROFILE / "estimate").rows(time_s, lines)
     comb = axes.place(np.repeat(x_mm, 2), _comb(mean - 2 * sd, mean + 2 * sd)).astype(np.float32)
-    rec.send_columns(f"{at}/band", indexes=index, columns=rr.LineStrips2D.columns(strips=comb))
+    (at / paths.PROFILE / "band").rows(time_s, rr.LineStrips2D.columns(strips=comb))
 
 
 def _comb(low: Array, high: Array) -> Array:
@@ -89,32 +89,25 @@ def _comb(low: Array, high: Array) -> Array:
     return pairs.reshape(len(low), -1)
 
 
-def send_measured(
-    rec: rr.RecordingStream, root: str, axes: Axes, time_s: Array, at_mm: Array, values: Array, fused: Flags
-) -> None:
+def send_measured(at: Entity, axes: Axes, time_s: Array, at_mm: Array, values: Array, fused: Flags) -> None:
     """Log measured temperatures (n, m) at places (m,), each in the colour of whether it was fused (n, m)."""
-    known = np.isfinite(values)
+    known = np.isfinite(values + at_mm)
     colours = np.where(fused[known][:, None], paths.MEASURED, paths.LEFT_OUT).astype(np.uint8)
     columns = rr.Points2D.columns(positions=axes.place(at_mm, values)[known].astype(np.float32), colors=colours)
-    index = [rr.TimeColumn(paths.TIMELINE, duration=time_s)]
-    rec.send_columns(f"{root}/{paths.PROFILE}/measured", indexes=index, columns=columns.partition(known.sum(axis=1)))
+    (at / paths.PROFILE / "measured").rows(time_s, columns.partition(known.sum(axis=1)))
 
 
-def send_truth(rec: rr.RecordingStream, root: str, axes: Axes, time_s: Array, at_mm: Array, values: Array) -> None:
+def send_truth(at: Entity, axes: Axes, time_s: Array, at_mm: Array, values: Array) -> None:
     """Log true temperatures (n, m) at places (m,)."""
-    n, m = values.shape
-    places = axes.place(at_mm, values).reshape(-1, 2).astype(np.float32)
-    index = [rr.TimeColumn(paths.TIMELINE, duration=time_s)]
-    rows = rr.Points2D.columns(positions=places).partition(np.full(n, m))
-    rec.send_columns(f"{root}/{paths.PROFILE}/truth", indexes=index, columns=rows)
+    known = np.isfinite(values + at_mm)
+    points = rr.Points2D.columns(positions=axes.place(at_mm, values)[known].astype(np.float32))
+    (at / paths.PROFILE / "truth").rows(time_s, points.partition(known.sum(axis=1)))
 
 
-def send_nut(rec: rr.RecordingStream, root: str, axes: Axes, rig: Rig, time_s: Array, position_mm: Array) -> None:
+def send_nut(at: Entity, axes: Axes, rig: Rig, time_s: Array, position_mm: Array) -> None:
     """Log where the nut is (n,), as a bar on the x axis."""
     assert rig.nut is not None
     middle = rig.nut.centre(position_mm)
     ends = np.stack([middle - rig.nut.length_mm / 2, middle + rig.nut.length_mm / 2], axis=-1)
     bars = rr.LineStrips2D.columns(strips=axes.place(ends, axes.y[0]).astype(np.float32))
-    rec.send_columns(
-        f"{root}/{paths.PROFILE}/nut", indexes=[rr.TimeColumn(paths.TIMELINE, duration=time_s)], columns=bars
-    )
+    (at / paths.PROFILE / "nut").rows(time_s, bars)

@@ -11,7 +11,10 @@ from estimator.record import Array
 
 Range = tuple[float, float]
 Colours = NDArray[np.uint8]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
 
+MINUTE_S = 60.0
 WARM = ((70, 90, 225), (60, 185, 205), (135, 210, 95), (250, 220, 70), (250, 135, 45), (225, 40, 45))
 DIVERGING = ((150, 215, 255), (45, 115, 220), (34, 34, 38), (215, 85, 30), (255, 210, 100))
 
@@ -22,12 +25,6 @@ class BodyScale:
 
     temperature_C: Range
     elongation_um: Range
-
-
-def lasting(time_s: Array) -> Range:
-    """First and last time, at least a second apart: the viewer does not bear an axis without length."""
-    begin, end = float(time_s[0]), float(time_s[-1])
-    return begin, max(end, begin + 1.0)
 
 
 def extent_of(*arrays: Array) -> Range:
@@ -71,18 +68,25 @@ def symmetric(values: Array) -> Range:
     return -end, end
 
 
-def minutes(time_s: Array, values: Array, width_s: float = 60.0, first_s: float | None = None) -> tuple[Array, Array]:
-    """Means over windows of a minute: begins of the windows (n,) and means (n, columns); NaN where all is.
+def sums(time_s: Array, values: Array, width_s: float = MINUTE_S, first_s: float | None = None) -> tuple[Array, Array]:
+    """Sums over windows of a minute: begins (n,) s and sums (n, ...), not-known counting as nothing.
 
     The first window begins at `first_s`, by default at the first time.
     """
     first_s = float(time_s[0]) if first_s is None else first_s
     window = np.floor((time_s - first_s) / width_s).astype(int)
-    count, total = np.zeros((2, window[-1] + 1, values.shape[1]))
-    np.add.at(count, window, np.isfinite(values))
-    np.add.at(total, window, np.nan_to_num(values))
-    mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
-    return first_s + np.arange(len(mean)) * width_s, mean
+    total = np.zeros((window[-1] + 1, *values.shape[1:]))
+    np.add.at(total, window, np.where(np.isfinite(values), values, 0.0))
+    return first_s + np.arange(len(total)) * width_s, total
+
+
+def minutes(
+    time_s: Array, values: Array, width_s: float = MINUTE_S, first_s: float | None = None
+) -> tuple[Array, Array]:  # fmt: skip
+    """Means over the same windows; NaN where all is."""
+    begins, total = sums(time_s, values, width_s, first_s)
+    count = sums(time_s, np.isfinite(values), width_s, first_s)[1]
+    return begins, np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
 
 
 def coloured(values: ArrayLike, extent: Range, anchors: tuple[tuple[int, int, int], ...] = WARM) -> Colours:

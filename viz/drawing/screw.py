@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from estimator.record import Array
 from estimator.rig import Rig
 from viz.drawing import paths
+from viz.drawing.entity import Entity
 from viz.drawing.scale import BodyScale, coloured, step_of
 
 RING = 10
@@ -33,62 +34,56 @@ def held_mm(rig: Rig) -> float:
     return rig.supports["anchor"].at_mm if "anchor" in rig.supports else rig.screw.to_mm
 
 
-def style(rec: rr.RecordingStream, root: str, rig: Rig, x_mm: Array) -> None:
+def style(at: Entity, rig: Rig, places: int) -> None:
     """Log what does not move, once: the tube, bearings, the mark of the cold end, the colours of the colour bar."""
     assert rig.screw is not None
-    at, radius = f"{root}/{paths.SCREW}", rig.screw.outer_mm / 2
-    rec.log(at, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    vertices, normals, triangles = _tube(x_mm, radius)
-    tube = rr.Mesh3D(vertex_positions=vertices, vertex_normals=normals, triangle_indices=triangles)
-    rec.log(f"{at}/tube", tube, static=True)
+    at, radius = at / paths.SCREW, rig.screw.outer_mm / 2
+    at.log(rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    vertices, normals, triangles = _tube(np.linspace(rig.screw.from_mm, rig.screw.to_mm, places), radius)
+    (at / "tube").log(rr.Mesh3D(vertex_positions=vertices, vertex_normals=normals, triangle_indices=triangles))
     end, arm = rig.screw.from_mm, 2.6 * radius
     cross = [[[end, -arm, 0], [end, arm, 0]], [[end, 0, -arm], [end, 0, arm]]]
-    rec.log(f"{at}/cold_end", rr.LineStrips3D(cross, radii=rr.Radius.ui_points(1), colors=paths.TEXT), static=True)
+    (at / "cold_end").log(rr.LineStrips3D(cross, radii=rr.Radius.ui_points(1), colors=paths.TEXT))
     for name, support in rig.supports.items():
-        half = [[support.width_mm / 2, 1.9 * radius, 1.9 * radius]]
-        box = rr.Boxes3D(
-            centers=[[support.at_mm, 0, 0]],
-            half_sizes=half,
-            fill_mode="transparentfillmajorwireframe",
-            colors=paths.METAL,
-        )
-        rec.log(f"{at}/bearing/{paths.root(name)}", box, static=True)
+        box = _box(support.width_mm, 1.9 * radius, paths.METAL, [[support.at_mm, 0, 0]])
+        (at / "bearing" / paths.root(name)).log(box)
     if rig.nut is not None:
-        half = [[rig.nut.length_mm / 2, 1.6 * radius, 1.6 * radius]]
-        box = rr.Boxes3D(half_sizes=half, fill_mode="transparentfillmajorwireframe", colors=paths.NUT)
-        rec.log(f"{at}/nut", box, static=True)
-    _names(rec, at, rig, arm)
-    _bar(rec, at, rig)
+        (at / "nut").log(_box(rig.nut.length_mm, 1.6 * radius, paths.NUT))
+    labels = {f"{name} bearing": (support.at_mm, 1.6 * arm) for name, support in rig.supports.items()}
+    labels["end when cold"] = rig.screw.from_mm, -1.3 * arm
+    _words(at / "names", [[x, 0.0, z] for x, z in labels.values()], list(labels))
+    _bar(at / "bar", rig)
 
 
-def _names(rec: rr.RecordingStream, at: str, rig: Rig, arm: float) -> None:
-    assert rig.screw is not None
-    labels = {f"{name} bearing": support.at_mm for name, support in rig.supports.items()}
-    labels["end when cold"] = rig.screw.from_mm
-    heights = [-1.3 * arm if name == "end when cold" else 1.6 * arm for name in labels]
-    places = [[x, 0.0, z] for x, z in zip(labels.values(), heights, strict=True)]
-    words = rr.Points3D(places, labels=list(labels), show_labels=True, radii=0.0, colors=paths.TEXT)
-    rec.log(f"{at}/names", words, static=True)
+def _box(
+    length_mm: float, half_mm: float, colour: paths.Colour, centres: list[list[float]] | None = None
+) -> rr.Boxes3D:
+    sizes = [[length_mm / 2, half_mm, half_mm]]
+    return rr.Boxes3D(
+        centers=centres, half_sizes=sizes, fill_mode="transparentfillmajorwireframe", colors=colour
+    )  # fmt: skip
 
 
-def _bar(rec: rr.RecordingStream, at: str, rig: Rig) -> None:
+def _words(at: Entity, places: ArrayLike, texts: list[str], since_s: float | None = None) -> None:
+    at.log(rr.Points3D(places, labels=texts, show_labels=True, radii=0.0, colors=paths.TEXT), since_s)
+
+
+def _bar(at: Entity, rig: Rig) -> None:
     """A colour bar below the screw, as a row of boxes."""
-    pieces = 48
+    pieces, length = 48, _length_mm(rig)
     centers = _along_bar(rig, (np.arange(pieces) + 0.5) / pieces)
     colours = coloured(np.linspace(0.0, 1.0, pieces), (0.0, 1.0))
-    length = _length_mm(rig)
     half = [[BAR_WIDTH * length / pieces / 2, 1.0, 0.009 * length]]
-    rec.log(f"{at}/bar", rr.Boxes3D(centers=centers, half_sizes=half, fill_mode="solid", colors=colours), static=True)
+    at.log(rr.Boxes3D(centers=centers, half_sizes=half, fill_mode="solid", colors=colours))
 
 
-def bar_labels(rec: rr.RecordingStream, root: str, rig: Rig, scale: BodyScale, growth: bool = False) -> None:
-    """Log what the colours mean, once; with `growth` also how many times too large it is drawn, from now on."""
-    places = _along_bar(rig, np.array([0.0, 0.5, 1.0, 1.6][: 4 if growth else 3]))
+def bar_labels(at: Entity, rig: Rig, scale: BodyScale, since_s: float | None = None) -> None:
+    """Log what the colours mean; where that changes, from `since_s` on, also how many times too large growth is."""
+    growth = [] if since_s is None else [f"growth × {exaggeration(rig, scale):g}"]
+    labels = [*(f"{tick:g} °C" for tick in np.linspace(*scale.temperature_C, 3)), *growth]
+    places = _along_bar(rig, np.array([0.0, 0.5, 1.0, 1.6][: len(labels)]))
     places[:, 2] -= 0.012 * _length_mm(rig)
-    labels = [f"{tick:g} °C" for tick in np.linspace(*scale.temperature_C, 3)]
-    labels += [f"growth × {exaggeration(rig, scale):g}"] if growth else []
-    words = rr.Points3D(places, labels=labels, show_labels=True, radii=0.0, colors=paths.TEXT)
-    rec.log(f"{root}/{paths.SCREW}/bar_labels", words, static=not growth)
+    _words(at / paths.SCREW / "bar_labels", places, labels, since_s)
 
 
 def _along_bar(rig: Rig, shares: Array) -> Array:
@@ -117,15 +112,7 @@ def _tube(x_mm: Array, radius: float) -> tuple[NDArray[np.float32], NDArray[np.f
     return vertices.astype(np.float32), normals.astype(np.float32), sides.astype(np.uint32)
 
 
-def send(
-    rec: rr.RecordingStream,
-    root: str,
-    rig: Rig,
-    scale: BodyScale,
-    time_s: Array,
-    profile_C: Array,
-    elongation_um: Array,
-) -> None:
+def send(at: Entity, rig: Rig, scale: BodyScale, time_s: Array, profile_C: Array, elongation_um: Array) -> None:
     """Log n moments: temperatures (n, x) as colours, elongation (n,) as a stretch away from the anchor."""
     assert rig.screw is not None
     n, (lo, hi) = len(time_s), rig.screw.span_mm
@@ -133,19 +120,13 @@ def send(
     stretch, shift = np.ones((n, 3)), np.zeros((n, 3))
     stretch[:, 0] += exaggeration(rig, scale) * elongation_um * 1e-3 / (hi - lo)
     shift[:, 0] = held_mm(rig) * (1 - stretch[:, 0])
-    columns = [
-        *rr.Mesh3D.columns(vertex_colors=colours).partition(np.full(n, colours.shape[0] // n)),
-        *rr.Transform3D.columns(translation=shift, scale=stretch),
-    ]
-    rec.send_columns(
-        f"{root}/{paths.SCREW}/tube", indexes=[rr.TimeColumn(paths.TIMELINE, duration=time_s)], columns=columns
-    )
+    shades = rr.Mesh3D.columns(vertex_colors=colours).partition(np.full(n, colours.shape[0] // n))
+    (at / paths.SCREW / "tube").rows(time_s, [*shades, *rr.Transform3D.columns(translation=shift, scale=stretch)])
 
 
-def send_nut(rec: rr.RecordingStream, root: str, rig: Rig, time_s: Array, position_mm: Array) -> None:
+def send_nut(at: Entity, rig: Rig, time_s: Array, position_mm: Array) -> None:
     """Log where the nut is (n,)."""
     assert rig.nut is not None
     places = np.zeros((len(time_s), 3))
     places[:, 0] = rig.nut.centre(position_mm)
-    index = [rr.TimeColumn(paths.TIMELINE, duration=time_s)]
-    rec.send_columns(f"{root}/{paths.SCREW}/nut", indexes=index, columns=rr.Transform3D.columns(translation=places))
+    (at / paths.SCREW / "nut").rows(time_s, rr.Transform3D.columns(translation=places))

@@ -5,13 +5,13 @@ Time axes show a whole run, or a window that slides along: left to itself a time
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import rerun as rr
 import rerun.blueprint as rrb
 
+from estimator.record import Array
 from estimator.rig import Rig
 from viz.drawing import paths
 from viz.drawing.scale import Range
@@ -20,65 +20,50 @@ LEGEND_ROOM = 1.6  # of the height: curves keep below the legend
 SQUEEZED = (-6.0, 36.0), (-7.0, 75.0)  # bounds of a colour bar's view
 
 
-class Span(Protocol):
-    """What time axes show."""
+@dataclass(frozen=True)
+class Span:
+    """What time axes show: from `begin_s` to `end_s`, measured as `boundary` says."""
+
+    boundary: Callable[..., rrb.TimeRangeBoundary]
+    begin_s: float = 0.0
+    end_s: float = 0.0
+
+    def axis(self, room: float) -> rrb.TimeAxis:
+        """The axis; `room` is left at its end for a legend, as a share of the span."""
+        end_s = self.end_s + room * (self.end_s - self.begin_s)
+        begin, end = (self.boundary(seconds=seconds) for seconds in (self.begin_s, end_s))
+        return rrb.TimeAxis(view_range=rr.TimeRange(start=begin, end=end))
 
     @property
     def queried(self) -> rrb.VisibleTimeRange | None:
         """Which data is asked for at all; None: what the axis shows."""
-
-    def axis(self, room: float) -> rrb.TimeAxis:
-        """The axis; `room` is left at its end for a legend, as a share of the span."""
+        return None
 
 
-@dataclass(frozen=True)
-class Whole:
-    """A run from its begin to its end, s."""
-
-    extent: Range
-    queried: None = None
-
-    def axis(self, room: float) -> rrb.TimeAxis:
-        """From begin to end."""
-        return whole(self.extent, room)
-
-
-@dataclass(frozen=True)
-class Everything:
-    """All there is, however long it has become."""
-
-    queried: None = None
-
-    def axis(self, room: float) -> rrb.TimeAxis:
-        """From the first row to the last: an end that is not known leaves no room."""
-        infinite = rrb.TimeRangeBoundary.infinite
-        return rrb.TimeAxis(view_range=rr.TimeRange(start=infinite(), end=infinite()))
-
-
-@dataclass(frozen=True)
-class Sliding:
+class Sliding(Span):
     """The last `window_s` s."""
 
-    window_s: float
+    def __init__(self, window_s: float) -> None:
+        super().__init__(rrb.TimeRangeBoundary.cursor_relative, -window_s)
+
+    def axis(self, room: float) -> rrb.TimeAxis:
+        """From the window's begin to a little after now."""
+        return super().axis(max(room, 0.02))
 
     @property
     def queried(self) -> rrb.VisibleTimeRange:
         """Nothing older than the window: what the viewer has to do does not grow with the run."""
-        relative = rrb.TimeRangeBoundary.cursor_relative
-        return rrb.VisibleTimeRange(paths.TIMELINE, start=relative(seconds=-self.window_s), end=relative(seconds=0.0))
-
-    def axis(self, room: float) -> rrb.TimeAxis:
-        """From the window's begin to now."""
-        relative, after = rrb.TimeRangeBoundary.cursor_relative, max(room, 0.02) * self.window_s
-        window = rr.TimeRange(start=relative(seconds=-self.window_s), end=relative(seconds=after))
-        return rrb.TimeAxis(view_range=window)
+        begin, end = (self.boundary(seconds=seconds) for seconds in (self.begin_s, self.end_s))
+        return rrb.VisibleTimeRange(paths.TIMELINE, start=begin, end=end)
 
 
-def whole(extent: Range, room: float = 0.0) -> rrb.TimeAxis:
-    """A time axis over a run; `room` is left at its end for a legend, as a share of the run."""
-    absolute = rrb.TimeRangeBoundary.absolute
-    end = extent[1] + room * (extent[1] - extent[0])
-    return rrb.TimeAxis(view_range=rr.TimeRange(start=absolute(seconds=extent[0]), end=absolute(seconds=end)))
+EVERYTHING = Span(lambda seconds: rrb.TimeRangeBoundary.infinite())  # however long it has become
+
+
+def whole(time_s: Array) -> Span:
+    """A run from its begin to its end, at least a second: the viewer does not bear an axis without length."""
+    begin, end = float(time_s[0]), float(time_s[-1])
+    return Span(rrb.TimeRangeBoundary.absolute, begin, max(end, begin + 1.0))
 
 
 def plot(
@@ -105,6 +90,11 @@ def flat(origin: str, name: str, bounds: tuple[Range, Range]) -> rrb.Spatial2DVi
     x, y = bounds
     visible = rrb.VisualBounds2D(x_range=list(x), y_range=list(y))
     return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=visible, background=list(paths.BACKGROUND))
+
+
+def key(origin: str, unit: str) -> rrb.Spatial2DView:
+    """The colour bar of a map."""
+    return flat(origin, f"[{unit}]", SQUEEZED)
 
 
 def profile_view(root: str, rig: Rig, bounds: tuple[Range, Range]) -> rrb.Spatial2DView:
@@ -147,20 +137,19 @@ def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
 
 def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:
     """Where measurement and model part."""
-    rows = f"row = thermometer {rig.thermometers[0]} ... {rig.thermometers[-1]} from below"
     count = len(rig.thermometers)
+    rows = f"mean of 1 min [K]; row = thermometer {rig.thermometers[0]} ... {rig.thermometers[-1]} from below"
     maps = [
-        _map(root, paths.SURPRISE_MAP, paths.SURPRISE_BAR, f"Innovation, mean of 1 min [K]; {rows}", span, count),
-        _map(root, paths.MODEL_MAP, paths.MODEL_BAR, f"Measured − open-loop, mean of 1 min [K]; {rows}", span, count),
+        rrb.Horizontal(
+            plot(f"{root}/{at}", f"{title}, {rows}", span, (0.0, count + 1.0), legend=False),
+            key(f"{root}/{bar}", "K"),
+            column_shares=[9, 1],
+        )
+        for title, (at, bar) in zip(("Innovation", "Measured − open-loop"), paths.MAPS.items(), strict=True)
     ]
     name = "Sum of a minute's innovations over its sd [1]; within ±1.96 if white"
     white = plot(f"{root}/{paths.WHITENESS}", name, span, legend=False)
     return rrb.Vertical(*maps, rrb.Horizontal(white, nis_view(root, span)), row_shares=[3, 3, 2.4], name="Residuals")
-
-
-def _map(root: str, at: str, bar: str, name: str, span: Span, count: int) -> rrb.Container:
-    rows = plot(f"{root}/{at}", name, span, (0.0, count + 1.0), legend=False)
-    return rrb.Horizontal(rows, flat(f"{root}/{bar}", "[K]", SQUEEZED), column_shares=[9, 1])
 
 
 def channel_page(root: str, rig: Rig, span: Span, temperature_C: Range | None = None) -> rrb.Container:
@@ -174,17 +163,46 @@ def channel_page(root: str, rig: Rig, span: Span, temperature_C: Range | None = 
 
 def temperature_plots(root: str, rig: Rig, span: Span, temperature_C: Range | None = None) -> list[rrb.TimeSeriesView]:
     """What the thermometers read, in as few plots as leave every legend whole."""
-    plots = []
-    for at, columns in paths.thermometer_groups(rig).items():
-        first, *_, last = [*rig.thermometers[columns]] * 2
-        plots.append(plot(f"{root}/{at}", f"Thermometers {first} ... {last} [°C]", span, temperature_C, room=0.2))
-    return plots
+    return [
+        plot(
+            f"{root}/{at}",
+            f"Thermometers {ends(rig.thermometers[columns], always=True)} [°C]",
+            span,
+            temperature_C,
+            room=0.2,
+        )
+        for at, columns in paths.thermometer_groups(rig).items()
+    ]
 
 
-def tabbed(tabs: Sequence[rrb.Container], tab: int | str = 0) -> rrb.Blueprint:
+def ends(names: Sequence[str], always: bool = False) -> str:
+    """The first and the last of some names, or the only one."""
+    return f"{names[0]} ... {names[-1]}" if always or len(names) > 1 else names[0]
+
+
+def paged(count: int, most: int) -> list[range]:
+    """Numbers 0 ... count - 1 in pages of so many."""
+    return [range(first, min(first + most, count)) for first in range(0, count, most)]
+
+
+def summary_view() -> rrb.TextDocumentView:
+    """What the caller says of all runs."""
+    return rrb.TextDocumentView(origin=paths.SUMMARY, name="Summary")
+
+
+def by_run(names: Sequence[str], pages: Sequence[Sequence[rrb.Container]]) -> list[rrb.Container]:
+    """The tabs of the only run, or a tab for each run with its own inside."""
+    return (
+        list(pages[0])
+        if len(pages) == 1
+        else [rrb.Tabs(*own, name=name) for name, own in zip(names, pages, strict=True)]
+    )
+
+
+def tabbed(tabs: Sequence[rrb.Container]) -> rrb.Blueprint:
     """A layout of these tabs and nothing else."""
     return rrb.Blueprint(
-        rrb.Tabs(*tabs, active_tab=tab),
+        rrb.Tabs(*tabs, active_tab=0),
         rrb.TimePanel(state="collapsed", timeline=paths.TIMELINE, play_state="following"),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),

@@ -10,15 +10,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import rerun as rr
 
-from estimator.record import Array, Sample
+from estimator.record import Sample
 from estimator.rig import Rig
 from estimator.step import Track
-from viz.drawing import columns, paths, profile, screw
-from viz.drawing.axes import Axes
-from viz.drawing.columns import Indices
-from viz.drawing.scale import BodyScale
+from viz.drawing import body, profile, screw
+from viz.drawing.entity import Entity
+from viz.drawing.frames import Axes
+from viz.drawing.scale import BodyScale, Indices
 from viz.live.repeat import Repeated
 from viz.live.scale import Growing
 
@@ -34,15 +33,15 @@ def frame_of(rig: Rig, scale: BodyScale = NONE_YET) -> Axes:
 class Body:
     """What has been drawn of profile and screw; `newest`: whether the newest tick of each batch gets a picture."""
 
-    def __init__(self, rec: rr.RecordingStream, root: str, rig: Rig, newest: bool) -> None:
-        self._rec, self._root, self._rig, self._newest = rec, root, rig, newest
-        self._on_screw, self._places_mm = columns.on_screw(rig), columns.places_mm(rig)
+    def __init__(self, at: Entity, rig: Rig, newest: bool) -> None:
+        self._at, self._rig, self._newest = at, rig, newest
+        self._on_screw = np.isfinite(profile.places_mm(rig))
         self._temperature, self._growth = Growing(LEAST_K), Growing(LEAST_UM)
         self._scale = Repeated[BodyScale]()
-        self._x_mm = np.empty(0)
         self._piece = -np.inf  # of 10 s, the last one with a picture
+        self._begun = False
         if rig.screw is not None:
-            profile.style(rec, root, rig, frame_of(rig), truth=False)
+            profile.style(at, rig, frame_of(rig), truth=False)
 
     def send(self, samples: Sequence[Sample], track: Track) -> None:
         """Send pictures of some of these ticks; none without a screw, or before the filter has started."""
@@ -51,12 +50,14 @@ class Body:
         shown = self._shown(track)
         if not len(shown):
             return
-        if not len(self._x_mm):
-            self._x_mm = np.linspace(self._rig.screw.from_mm, self._rig.screw.to_mm, track.profile_C.shape[1])
-            screw.style(self._rec, self._root, self._rig, self._x_mm)
-        self._draw(track, shown, self._held(track, shown))
-        if self._rig.nut is not None:
-            self._nut(track.time_s[shown], np.array([samples[k].inputs.get("position", np.nan) for k in shown]))
+        if not self._begun:
+            self._begun = True
+            screw.style(self._at, self._rig, track.profile_C.shape[1])
+        scale = self._held(track, shown)
+        body.send(self._at, self._rig, frame_of(self._rig, scale), scale, track, shown)
+        position_mm = np.array([samples[k].inputs.get("position", np.nan) for k in shown])
+        axes = frame_of(self._rig)  # the nut stands on the x axis, which does not change
+        body.send_nut(self._at, self._rig, axes, track.time_s[shown], position_mm)
 
     def _shown(self, track: Track) -> Indices:
         shown = profile.picture_ticks(track.time_s, track.profile_C)
@@ -77,22 +78,6 @@ class Body:
         scale = BodyScale(temperature, growth)
         begin = float(track.time_s[shown[0]])
         if self._scale.due(scale, begin):
-            self._rec.set_time(paths.TIMELINE, duration=begin)
-            profile.frame(self._rec, self._root, self._rig, frame_of(self._rig, scale), static=False)
-            screw.bar_labels(self._rec, self._root, self._rig, scale, growth=True)
+            profile.frame(self._at, self._rig, frame_of(self._rig, scale), begin)
+            screw.bar_labels(self._at, self._rig, scale, begin)
         return scale
-
-    def _draw(self, track: Track, shown: Indices, scale: BodyScale) -> None:
-        rec, root, axes, time_s = self._rec, self._root, frame_of(self._rig, scale), track.time_s[shown]
-        profile.send(rec, root, axes, time_s, self._x_mm, track.profile_C[shown], track.profile_sd_K[shown])
-        measured, fused = track.measured[shown][:, self._on_screw], track.fused[shown][:, self._on_screw]
-        inside = np.clip(measured, *scale.temperature_C)  # a broken thermometer stands at the frame's edge
-        profile.send_measured(rec, root, axes, time_s, self._places_mm, inside, fused)
-        screw.send(rec, root, self._rig, scale, time_s, track.profile_C[shown], track.elongation_um[shown])
-
-    def _nut(self, time_s: Array, position_mm: Array) -> None:
-        known = np.isfinite(position_mm)
-        if known.any():
-            axes = frame_of(self._rig)  # the nut stands on the x axis, which does not change
-            profile.send_nut(self._rec, self._root, axes, self._rig, time_s[known], position_mm[known])
-            screw.send_nut(self._rec, self._root, self._rig, time_s[known], position_mm[known])

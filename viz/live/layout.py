@@ -6,7 +6,7 @@ import rerun.blueprint as rrb
 
 from estimator.rig import Rig
 from viz.drawing import paths
-from viz.drawing.axes import Axes
+from viz.drawing.frames import Axes
 from viz.drawing.views import (
     Span,
     channel_page,

@@ -10,15 +10,16 @@ import uuid
 from pathlib import Path
 
 import rerun as rr
-import rerun.blueprint as rrb
 
-from estimator.errors import BallscrewError, InputError, SetupError
+from estimator.errors import BallscrewError, SetupError
 from estimator.record import Sample
 from estimator.rig import Rig
 from estimator.step import Step
 from viz.drawing import paths
-from viz.drawing.events import Event
-from viz.drawing.views import Everything, Sliding, Span
+from viz.drawing.entity import Entity
+from viz.drawing.file import begin, stream
+from viz.drawing.series import Event
+from viz.drawing.views import EVERYTHING, Sliding, Span
 from viz.live.body import frame_of
 from viz.live.layout import blueprint
 from viz.live.outlet import Outlet
@@ -97,7 +98,7 @@ class LiveViews:
             outlet.close()
 
     def _serve(self, bind: str, port: int, memory: str) -> None:
-        rec = self._stream()
+        rec = stream(self._id)
         pages = [f"http://{bind}:*"]  # whose scripts may read the stream: those that this address serves
         try:
             sink = rr.GrpcServerSink(bind, port, server_memory_limit=memory, cors_allow_origin=pages)
@@ -106,36 +107,19 @@ class LiveViews:
         except (RuntimeError, ValueError) as error:
             raise SetupError(f"{bind}:{port}: no live views ({error}; memory limit {memory})") from error
         self.url = sink.uri
-        self._begin(rec, Sliding(self._window_s))
-        self._outlets.append(Outlet(self.url, rec, self._rows(rec, newest=True), SERVED_S))
+        rows = self._begun(rec, Sliding(self._window_s), newest=True)
+        self._outlets.append(Outlet(self.url, rec, rows, SERVED_S))
 
     def _keep(self, path: Path) -> None:
-        if not path.parent.is_dir():
-            raise InputError(f"{path}: there is no folder {path.parent}")
-        rec, layout = self._stream(), self._layout(Everything())
-        try:
-            rec.save(path, default_blueprint=layout)
-        except RuntimeError as error:
-            raise InputError(f"{path}: cannot be written ({error})") from error
-        self._begin(rec, Everything())
-        rows = self._rows(rec, newest=False)
+        rec = stream(self._id, path)
+        rows = self._begun(rec, EVERYTHING, newest=False)
         self._outlets.append(Outlet(str(path), rec, rows, KEPT_S, lambda: _full(path.parent)))
 
-    def _stream(self) -> rr.RecordingStream:
-        rec = rr.RecordingStream(paths.APPLICATION, recording_id=self._id)
-        rec.set_log_time_enabled(False)
-        return rec
-
-    def _begin(self, rec: rr.RecordingStream, span: Span) -> None:
-        rec.send_blueprint(self._layout(span), make_active=True, make_default=True)
-        rec.send_recording_name(self._title)
-
-    def _layout(self, span: Span) -> rrb.Blueprint:
-        frame = frame_of(self._rig) if self._rig.screw is not None else None
-        return blueprint(paths.root(self._title), self._rig, frame, span)
-
-    def _rows(self, rec: rr.RecordingStream, newest: bool) -> Rows:
-        return Rows(rec, paths.root(self._title), self._rig, newest, self._window_s)
+    def _begun(self, rec: rr.RecordingStream, span: Span, newest: bool) -> Rows:
+        """What a stream shows, once it has its layout and its name."""
+        root, frame = paths.root(self._title), frame_of(self._rig) if self._rig.screw is not None else None
+        begin(rec, blueprint(root, self._rig, frame, span), self._title)
+        return Rows(Entity(rec) / root, self._rig, newest, self._window_s)
 
 
 def _full(folder: Path) -> str:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import fields
 
 import numpy as np
-import rerun as rr
 
-from estimator.record import Array
 from estimator.rig import Rig
 from viz.drawing import paths, residuals
-from viz.drawing.axes import colour_bar
-from viz.drawing.residuals import MAPS, WINDOW_S, Misfit
-from viz.drawing.scale import DIVERGING, coloured, minutes
+from viz.drawing.entity import Entity
+from viz.drawing.frames import colour_bar
+from viz.drawing.residuals import Misfit
+from viz.drawing.scale import MINUTE_S, minutes
 from viz.live.room import room, send_room
 from viz.live.scale import Decades
 
@@ -24,13 +23,13 @@ NIS_RANGE = 0.0, 2.0  # at least
 class Minutes:
     """The open minute of a stream; those before have been sent."""
 
-    def __init__(self, rec: rr.RecordingStream, root: str, rig: Rig) -> None:
-        self._rec, self._root = rec, root
+    def __init__(self, at: Entity, rig: Rig) -> None:
+        self._at = at
         self._open: Misfit | None = None
         self._begin_s = np.nan  # of the first minute that has not been sent
         self._scale: Decades | None = None
-        residuals.style(rec, root, rig)
-        room(rec, f"{root}/{paths.NIS}", *residuals.NIS)
+        residuals.style(at, rig)
+        room(at / paths.NIS, *residuals.NIS)
 
     def send(self, ticks: Misfit) -> None:
         """Take ticks, and send the minutes that are over."""
@@ -38,7 +37,7 @@ class Minutes:
             self._open, self._begin_s = ticks, float(ticks.time_s[0])
         else:
             self._open = _joined(self._open, ticks)
-        minute = np.floor((self._open.time_s - self._begin_s) / WINDOW_S)
+        minute = np.floor((self._open.time_s - self._begin_s) / MINUTE_S)
         over = int(np.searchsorted(minute, minute[-1]))
         if over:
             self._close(_rows(self._open, slice(0, over)))
@@ -51,26 +50,20 @@ class Minutes:
             self._open = None
 
     def _close(self, ticks: Misfit) -> None:
-        residuals.send_tests(self._rec, self._root, ticks, self._begin_s)
+        residuals.send_tests(self._at, ticks, self._begin_s)
         if self._scale is None and np.isfinite(ticks.innovation_sd).any():
-            self._scale = self._scaled(ticks.innovation_sd)
-        for at, values in ticks.mapped().items():
+            self._scale = Decades.of(ticks.innovation_sd)  # of both maps, from now on
+            for bar in paths.MAPS.values():
+                colour_bar(self._at / bar, COLOURS, "K", self._scale.labels("K"))
+        for drawn, values in ticks.mapped().items():
             begins, means = minutes(ticks.time_s, values, first_s=self._begin_s)
-            stripes = np.append(begins, begins[-1] + WINDOW_S - SHORT_S)
+            stripes = np.append(begins, begins[-1] + MINUTE_S - SHORT_S)
             means = np.concatenate([means, means[-1:]])
             shades = self._scale.shares(means) if self._scale else np.full_like(means, np.nan)
-            residuals.send_map(self._rec, f"{self._root}/{at}", stripes, shades, COLOURS)
-        residuals.send_bounds(self._rec, self._root, begins + WINDOW_S / 2)
-        send_room(self._rec, f"{self._root}/{paths.NIS}", begins[-1], NIS_RANGE)
-        self._begin_s = begins[-1] + WINDOW_S
-
-    def _scaled(self, sd: Array) -> Decades:
-        """The scale of both maps, which holds from now on."""
-        scale = Decades.of(sd)
-        shades = coloured(np.linspace(*COLOURS, 64), COLOURS, DIVERGING)
-        for bar in MAPS.values():
-            colour_bar(self._rec, f"{self._root}/{bar}", shades, scale.labels("K"))
-        return scale
+            residuals.send_map(self._at / drawn, stripes, shades, COLOURS)
+        residuals.send_bounds(self._at, begins + MINUTE_S / 2)
+        send_room(self._at / paths.NIS, begins[-1], NIS_RANGE)
+        self._begin_s = begins[-1] + MINUTE_S
 
 
 def _joined(before: Misfit, after: Misfit) -> Misfit:

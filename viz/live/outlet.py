@@ -11,7 +11,7 @@ import rerun as rr
 
 from estimator.record import Sample
 from estimator.step import Step
-from viz.drawing.events import Event
+from viz.drawing.series import Event
 from viz.live.rows import Rows
 
 WAITING = 20_000  # ticks and events that may wait; the oldest are given up

@@ -10,38 +10,34 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-import rerun as rr
 
 from estimator.record import Array
-from viz.drawing import series
+from viz.drawing.entity import Entity
 from viz.drawing.scale import Range
 from viz.live.repeat import Repeated
 from viz.live.scale import Growing
 
 
-def room(rec: rr.RecordingStream, plot: str, name: str, colour: Sequence[int]) -> None:
+def room(plot: Entity, name: str, colour: Sequence[int]) -> None:
     """Log the looks of the points that hold a plot's range open, once: those of one of its curves."""
-    series.dots(rec, f"{plot}/room", [name, name], colour, 0.0)
+    (plot / "room").dots([name, name], colour, 0.0)
 
 
-def send_room(rec: rr.RecordingStream, plot: str, time_s: float, extent: Range) -> None:
+def send_room(plot: Entity, time_s: float, extent: Range) -> None:
     """Hold a range open at `time_s`, s."""
-    series.send(rec, f"{plot}/room", np.array([time_s]), np.array([extent]))
+    (plot / "room").curves(np.array([time_s]), np.array([extent]))
 
 
 class Room:
     """The range of one plot, at least `least` wide, that holds all its values so far; sent again every `every_s` s."""
 
-    def __init__(
-        self, rec: rr.RecordingStream, plot: str, curve: tuple[str, Sequence[int]], least: float, every_s: float
-    ) -> None:
-        self._rec, self._plot = rec, plot
-        self._range, self._sent = Growing(least), Repeated[Range](every_s)
-        room(rec, plot, *curve)
+    def __init__(self, plot: Entity, name: str, colour: Sequence[int], least: float, every_s: float) -> None:
+        self._plot, self._range, self._sent = plot, Growing(least), Repeated[Range](every_s)
+        room(plot, name, colour)
 
     def hold(self, time_s: float, values: Iterable[Array]) -> Range | None:
         """Take values of a batch that ends at `time_s`, some of which may be unknown; returns the range."""
         extent = self._range.hold(values)
         if extent is not None and self._sent.due(extent, time_s):
-            send_room(self._rec, self._plot, time_s, extent)
+            send_room(self._plot, time_s, extent)
         return extent

@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import rerun as rr
 
 from estimator.record import Array, Sample
 from estimator.rig import Rig
 from estimator.step import Step, Track
-from viz.drawing import columns, events, paths, series
-from viz.drawing.events import Event
+from viz.drawing import paths, series
+from viz.drawing.entity import Entity
 from viz.drawing.residuals import Misfit
+from viz.drawing.series import Event
 from viz.live.body import Body
 from viz.live.minutes import Minutes
 from viz.live.repeat import Repeated
@@ -33,52 +33,50 @@ class Rows:
     window_s  what the time axes show, s
     """
 
-    def __init__(self, rec: rr.RecordingStream, root: str, rig: Rig, newest: bool, window_s: float) -> None:
-        self._rec, self._root, self._rig, self._window_s = rec, root, rig, window_s
-        self._heat, self._lengths = columns.thermometers(rig), columns.lengths(rig)
-        self._minutes = Minutes(rec, root, rig)
-        self._body = Body(rec, root, rig, newest)
-        self._status = Repeated[str]()
+    def __init__(self, at: Entity, rig: Rig, newest: bool, window_s: float) -> None:
+        self._at, self._rig, self._window_s = at, rig, window_s
+        self._lengths = np.flatnonzero(~rig.is_thermometer)
+        self._minutes, self._body, self._status = Minutes(at, rig), Body(at, rig, newest), Repeated[str]()
         often_s = min(60.0, window_s / 2)
-        curve = next(iter(series.OPEN_LOOP.items()))
-        self._elongation = Room(rec, f"{root}/{paths.ELONGATION}", curve, LEAST_UM, often_s)
-        names, colours = paths.channel_names(rig, "°C"), series.channel_colours(len(self._heat))
+        (curve,) = series.OPEN_LOOP.items()
+        self._elongation = Room(at / paths.ELONGATION, *curve, LEAST_UM, often_s)
+        names, colours = paths.channel_names(rig, "°C"), series.channel_colours(len(rig.thermometers))
         self._temperatures = [
-            (Room(rec, f"{root}/{plot}", (names[group][0], colours[group][0]), LEAST_K, often_s), group)
+            (Room(at / plot, names[group][0], colours[group][0], LEAST_K, often_s), group)
             for plot, group in paths.thermometer_groups(rig).items()
         ]
         self._last = np.full(2, np.nan)  # elongation by the filter and by the model alone, um
         self._dot = np.full((1, 2), np.nan)  # time and value of the reading drawn last
         self._fused = np.zeros(len(self._lengths), dtype=int)
         self._time_s = 0.0
-        series.style(rec, root, rig, series.OPEN_LOOP)
+        series.style(at, rig, series.OPEN_LOOP)
 
     def send(self, ticks: Sequence[tuple[Sample, Step]], happened: Sequence[Event], status: str | None) -> None:
         """Send what has come since the last time."""
         if ticks:
             self._ticks(ticks)
         if happened:
-            events.send(self._rec, self._root, list(happened))
-        if status is not None:
-            self._say(status)
+            series.send_events(self._at, happened)
+        if status is not None and self._status.due(status, self._time_s):
+            (self._at / paths.STATUS).text(status, self._time_s)
 
     def end(self) -> None:
         """Send what waits for its minute to be over."""
         self._minutes.end()
 
     def _ticks(self, ticks: Sequence[tuple[Sample, Step]]) -> None:
-        rec, root = self._rec, self._root
         samples, steps = zip(*ticks, strict=True)
         track = Track.of(steps, np.empty(0), ())
         self._time_s = float(track.time_s[-1])
-        series.send_track(rec, root, self._rig, track)
-        series.send_known(rec, f"{root}/{paths.ELONGATION}/models", track.time_s, track.open_loop_um)
+        series.send_track(self._at, self._rig, track)
+        (self._at / paths.ELONGATION / "models").known(track.time_s, track.open_loop_um)
         band = 2 * track.sigma_um
         self._elongation.hold(self._time_s, [track.elongation_um - band, track.elongation_um + band])
         self._readings(track)
-        self._minutes.send(Misfit.of(track, self._heat))
+        heat = self._rig.is_thermometer
+        self._minutes.send(Misfit.of(track, heat))
         self._body.send(samples, track)
-        fused = np.where(track.fused, track.measured, np.nan)[:, self._heat]
+        fused = np.where(track.fused, track.measured, np.nan)[:, heat]
         for room, group in self._temperatures:
             room.hold(self._time_s, [fused[:, group]])
 
@@ -89,7 +87,7 @@ class Rows:
         self._fused = self._fused + fused.sum(axis=0)
         innovation = np.where(before > 0, track.innovation[:, self._lengths], np.nan)
         known = np.isfinite(innovation).any(axis=1)
-        series.send(self._rec, f"{self._root}/{paths.DISPLACEMENT}", track.time_s[known], innovation[known])
+        (self._at / paths.DISPLACEMENT).curves(track.time_s[known], innovation[known])
         now = np.stack([track.elongation_um, track.open_loop_um], axis=-1)
         last = np.concatenate([self._last[None], now[:-1]])
         self._last = now[-1]
@@ -108,10 +106,4 @@ class Rows:
         if len(shown):
             self._dot = rows[shown[-1:]]
         drawn = rows[shown[shown > 0]]
-        series.send(self._rec, f"{self._root}/{paths.ELONGATION}/readings", drawn[:, 0], drawn[:, 1])
-
-    def _say(self, markdown: str) -> None:
-        if self._status.due(markdown, self._time_s):
-            self._rec.set_time(paths.TIMELINE, duration=self._time_s)
-            text = rr.TextDocument(markdown, media_type=rr.MediaType.MARKDOWN)
-            self._rec.log(f"{self._root}/{paths.STATUS}", text)
+        (self._at / paths.ELONGATION / "readings").curves(*drawn.T)

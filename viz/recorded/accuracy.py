@@ -13,14 +13,15 @@ import rerun as rr
 
 from estimator.record import Array
 from viz.drawing import paths
-from viz.drawing.axes import Axes, words
-from viz.drawing.columns import Indices
-from viz.drawing.scale import Range, extent_of, rounded
+from viz.drawing.entity import Entity
+from viz.drawing.frames import Axes
+from viz.drawing.scale import Indices, Range, extent_of, rounded
 from viz.recorded.run import JUDGED, Run
 
 SIDE, LOW = 1000.0, 420.0  # view units: side of the square, height of the frame below
 LINE = 47.0
 THIN_S = 20.0
+BANDS = "bands"  # the table
 
 
 @dataclass(frozen=True)
@@ -68,32 +69,30 @@ def figure_of(runs: Sequence[Run]) -> Figure:
     return Figure(square, replace(below, down=float(gap)))
 
 
-def send(rec: rr.RecordingStream, runs: Sequence[Run]) -> None:
+def send(at: Entity, runs: Sequence[Run]) -> None:
     """Log the figures and the table of all runs that can be judged, once."""
     runs = [run for run in runs if run.is_judged]
     if not runs:
         return
     figure, reference = figure_of(runs), _reference(runs)
     for estimate in JUDGED:
-        at, by = f"{paths.ACCURACY}/{estimate}", f"elongation by the {estimate} [µm]"
-        figure.square.draw(rec, f"{at}/axes", by, f"elongation: {reference} [µm]")
-        figure.errors.draw(rec, f"{at}/error_axes", by, f"{reference} − {estimate} [µm]")
+        own, by = at / estimate, f"elongation by the {estimate} [µm]"
+        figure.square.draw(own / "axes", by, f"elongation: {reference} [µm]")
+        figure.errors.draw(own / "error_axes", by, f"{reference} − {estimate} [µm]")
         for i, run in enumerate(runs):
-            _points(rec, f"{at}/runs/{paths.root(run.name)}", run, estimate, figure, paths.RUNS[i % len(paths.RUNS)])
-        _parallels(rec, at, band_of(runs, estimate), figure)
-        _key(rec, f"{at}/key", runs, figure.square)
-    table = rr.TextDocument(bands_table(runs), media_type=rr.MediaType.MARKDOWN)
-    rec.log(paths.BANDS, table, static=True)
+            _points(own / "runs" / paths.root(run.name), run, estimate, figure, paths.RUNS[i % len(paths.RUNS)])
+        _parallels(own, band_of(runs, estimate), figure)
+        _key(own / "key", runs, figure.square)
+    (at / BANDS).text(bands_table(runs))
 
 
-def _points(rec: rr.RecordingStream, at: str, run: Run, estimate: str, figure: Figure, colour: paths.Colour) -> None:
+def _points(at: Entity, run: Run, estimate: str, figure: Figure, colour: paths.Colour) -> None:
     errors = run.errors_um[estimate]
     shown = thinned(run.track.time_s, errors)
     x = run.judged_um(estimate)[shown]
     for name, axes, y in (("square", figure.square, run.reference_um), ("errors", figure.errors, errors)):
         places = axes.place(x, y[shown]).astype(np.float32)
-        dots = rr.Points2D(places, radii=rr.Radius.ui_points(1.6), colors=colour, draw_order=10.0)
-        rec.log(f"{at}/{name}", dots, static=True)
+        (at / name).log(rr.Points2D(places, radii=rr.Radius.ui_points(1.6), colors=colour, draw_order=10.0))
 
 
 def thinned(time_s: Array, errors_um: Array) -> Indices:
@@ -106,37 +105,33 @@ def thinned(time_s: Array, errors_um: Array) -> Indices:
     return np.unique([*known[first], *extremes])
 
 
-def _parallels(rec: rr.RecordingStream, at: str, band: Band, figure: Figure) -> None:
-    lo, hi = figure.square.x
-    _lines(rec, f"{at}/equal", _pair(figure, 0.0), paths.TEXT)
+def _parallels(at: Entity, band: Band, figure: Figure) -> None:
+    _line(at / "equal", figure, 0.0, paths.TEXT)
     if not np.isfinite(band.width_um):
         return
-    _lines(rec, f"{at}/highest", _pair(figure, band.high_um), paths.READING)
-    _lines(rec, f"{at}/lowest", _pair(figure, band.low_um), paths.READING)
+    _line(at / "highest", figure, band.high_um, paths.READING)
+    _line(at / "lowest", figure, band.low_um, paths.READING)
+    lo, hi = figure.square.x
     title = [f"accuracy band {band.width_um:.2f} µm: {band.low_um:+.2f} ... {band.high_um:+.2f}"]
-    words(
-        rec, f"{at}/band", figure.square.place([hi - 0.34 * (hi - lo)], [lo + 0.13 * (hi - lo)]), title, [paths.READING]
-    )
+    place = figure.square.place([hi - 0.34 * (hi - lo)], [lo + 0.13 * (hi - lo)])
+    (at / "band").words(place, title, [paths.READING])
 
 
-def _pair(figure: Figure, shift: float) -> list[Array]:
+def _line(at: Entity, figure: Figure, shift: float, colour: paths.Colour) -> None:
     """The line y = x + shift in the square, and the same as a level line among the errors."""
     lo, hi = figure.square.x
     left, right = max(lo, lo - shift), min(hi, hi - shift)
     sloping = figure.square.place([left, right], [left + shift, right + shift])
-    return [sloping, figure.errors.place([lo, hi], shift)]
+    strips = [sloping, figure.errors.place([lo, hi], shift)]
+    at.log(rr.LineStrips2D(strips, radii=rr.Radius.ui_points(0.8), colors=colour, draw_order=4.0))
 
 
-def _lines(rec: rr.RecordingStream, at: str, strips: list[Array], colour: paths.Colour) -> None:
-    rec.log(at, rr.LineStrips2D(strips, radii=rr.Radius.ui_points(0.8), colors=colour, draw_order=4.0), static=True)
-
-
-def _key(rec: rr.RecordingStream, at: str, runs: Sequence[Run], axes: Axes) -> None:
+def _key(at: Entity, runs: Sequence[Run], axes: Axes) -> None:
     """Names of the runs in their colours, in the empty corner above the diagonal."""
     n = min(len(runs), len(paths.RUNS))
     left, top = axes.place(axes.x[0], axes.y[1])
     places = np.stack([np.full(n, left + 0.1 * SIDE), top + LINE * (0.3 + np.arange(n))], axis=-1)
-    words(rec, at, places, [run.name for run in runs[:n]], list(paths.RUNS[:n]))
+    at.words(places, [run.name for run in runs[:n]], list(paths.RUNS[:n]))
 
 
 def bands_table(runs: Sequence[Run]) -> str:

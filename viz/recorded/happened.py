@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from viz.drawing.columns import Flags
-from viz.drawing.events import Event
+from viz.drawing.scale import Flags
+from viz.drawing.series import Event
 from viz.recorded.run import Run
 
 

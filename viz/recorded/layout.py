@@ -6,67 +6,45 @@ from collections.abc import Sequence
 
 import rerun.blueprint as rrb
 
-from estimator.rig import Rig
-from viz.drawing import paths, profile, screw
+from viz.drawing import paths, profile, screw, views
 from viz.drawing.scale import Range
-from viz.drawing.views import (
-    Whole,
-    below_legend,
-    channel_page,
-    events_view,
-    flat,
-    profile_view,
-    residual_page,
-    screw_view,
-    tabbed,
-)
 from viz.recorded import accuracy
 from viz.recorded.run import JUDGED, Run, Scale
 
 
-def blueprint(runs: Sequence[Run], scales: Sequence[Scale], tab: int | str = 0) -> rrb.Blueprint:
+def blueprint(runs: Sequence[Run], scales: Sequence[Scale]) -> rrb.Blueprint:
     """The layout of a saved file."""
-    pages = [pages_of(paths.root(run.name), run.rig, scale) for run, scale in zip(runs, scales, strict=True)]
+    pages = [pages_of(run, scale) for run, scale in zip(runs, scales, strict=True)]
     judged = [run for run in runs if run.is_judged]
-    common = [_summary(), *([_accuracy(accuracy.figure_of(judged).bounds)] if judged else [])]
-    if len(runs) == 1:
-        tabs = [*pages[0], *reversed(common)]
-    else:
-        tabs = [*common, *(rrb.Tabs(*some, name=run.name) for run, some in zip(runs, pages, strict=True))]
-    return tabbed(tabs, tab)
+    common = [rrb.Horizontal(views.summary_view(), name="Summary")]
+    common += [_accuracy(accuracy.figure_of(judged).bounds)] if judged else []
+    own = views.by_run([run.name for run in runs], pages)
+    return views.tabbed([*own, *reversed(common)] if len(runs) == 1 else [*common, *own])
 
 
-def pages_of(root: str, rig: Rig, scale: Scale) -> list[rrb.Container]:
+def pages_of(run: Run, scale: Scale) -> list[rrb.Container]:
     """The tabs of one run."""
-    span = Whole(scale.time_s)
-    return [
-        _overview(root, rig, scale),
-        residual_page(root, rig, span),
-        channel_page(root, rig, span, scale.temperature_C),
-    ]
-
-
-def _summary() -> rrb.Container:
-    return rrb.Horizontal(rrb.TextDocumentView(origin=paths.SUMMARY, name="Summary"), name="Summary")
+    root, rig, span = paths.root(run.name), run.rig, views.whole(run.track.time_s)
+    residuals = views.residual_page(root, rig, span)
+    return [_overview(run, scale), residuals, views.channel_page(root, rig, span, scale.temperature_C)]
 
 
 def _accuracy(bounds: tuple[Range, Range]) -> rrb.Container:
-    figures = [
-        flat(f"{paths.ACCURACY}/{estimate}", f"Accuracy of the {estimate}: reference over estimate [µm]", bounds)
-        for estimate in JUDGED
-    ]
-    table = rrb.TextDocumentView(origin=paths.BANDS, name="Accuracy bands [µm]")
+    titles = {name: f"Accuracy of the {name}: reference over estimate [µm]" for name in JUDGED}
+    figures = [views.flat(f"{paths.ACCURACY}/{name}", title, bounds) for name, title in titles.items()]
+    table = rrb.TextDocumentView(origin=f"{paths.ACCURACY}/{accuracy.BANDS}", name="Accuracy bands [µm]")
     return rrb.Horizontal(*figures, table, column_shares=[2, 2, 1.5], name="Accuracy")
 
 
-def _overview(root: str, rig: Rig, scale: Scale) -> rrb.Container:
-    span = Whole(scale.time_s)
-    curves = [below_legend(f"{root}/{paths.ELONGATION}", "Elongation [µm]", span, scale.elongation_um)]
+def _overview(run: Run, scale: Scale) -> rrb.Container:
+    root, rig, span = paths.root(run.name), run.rig, views.whole(run.track.time_s)
+    plots = {paths.ELONGATION: ("Elongation [µm]", scale.elongation_um)}
     if scale.error_um:
-        curves.append(below_legend(f"{root}/{paths.ERROR}", "Error: reference − estimate [µm]", span, scale.error_um))
-    right = rrb.Vertical(*curves, events_view(root), row_shares=[*(4, 3)[: len(curves)], 2])
+        plots[paths.ERROR] = "Error: reference − estimate [µm]", scale.error_um
+    curves = [views.below_legend(f"{root}/{at}", name, span, extent) for at, (name, extent) in plots.items()]
+    right = rrb.Vertical(*curves, views.events_view(root), row_shares=[*(4, 3)[: len(curves)], 2])
     if rig.screw is None:
         return rrb.Horizontal(right, name="Overview")
-    place = profile_view(root, rig, profile.axes_of(rig, scale).bounds)
-    body = screw_view(root, rig, f"growth × {screw.exaggeration(rig, scale):g}")
+    place = views.profile_view(root, rig, profile.axes_of(rig, scale).bounds)
+    body = views.screw_view(root, rig, f"growth × {screw.exaggeration(rig, scale):g}")
     return rrb.Horizontal(rrb.Vertical(place, body, row_shares=[5, 4]), right, name="Overview")

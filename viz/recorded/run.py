@@ -11,9 +11,7 @@ from estimator.inputs.phase import stops, turns
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import Track
-from viz.drawing import columns
-from viz.drawing.columns import Flags, Indices
-from viz.drawing.scale import BodyScale, Range, extent_of, lasting, minutes, rounded, symmetric, widened
+from viz.drawing.scale import BodyScale, Flags, Range, extent_of, minutes, rounded, symmetric, widened
 
 JUDGED = ("filter", "polyline")  # the estimates that see the thermometers
 
@@ -58,21 +56,6 @@ class Run:
         return bool(np.isfinite(self.reference_um).any())
 
     @property
-    def thermometers(self) -> Indices:
-        """Columns of the thermometers among the channels, in order."""
-        return columns.thermometers(self.rig)
-
-    @property
-    def on_screw(self) -> Indices:
-        """Columns of the thermometers that have a place on the screw."""
-        return columns.on_screw(self.rig)
-
-    @property
-    def places_mm(self) -> Array:
-        """Places of those thermometers, mm."""
-        return columns.places_mm(self.rig)
-
-    @property
     def turning(self) -> Flags:
         """(K,) whether the screw turned in the tick."""
         return np.asarray(turns(self.recording.omega))
@@ -88,7 +71,6 @@ def first_stop_s(run: Run) -> float:
 class Scale(BodyScale):
     """Ranges of one run's views: what the data needs, rounded outwards."""
 
-    time_s: Range
     error_um: Range | None  # None: nothing to judge the estimates by
     innovation_K: Range
     open_loop_K: Range
@@ -96,11 +78,10 @@ class Scale(BodyScale):
 
 def scale_of(run: Run) -> Scale:
     """Ranges that hold a whole run."""
-    track, heat = run.track, run.thermometers
+    track, heat = run.track, run.rig.is_thermometer
     lengths = (track.elongation_um, track.open_loop_um, run.polyline_um, run.readings_um, run.reference_um)
     measured = track.measured[:, heat]
     return Scale(
-        time_s=lasting(track.time_s),
         temperature_C=rounded(widened(extent_of(measured, track.profile_C), 1.0)),
         elongation_um=rounded(widened(extent_of(*lengths), 1.0)),
         error_um=rounded(extent_of(*(run.errors_um[name] for name in JUDGED))) if run.is_judged else None,

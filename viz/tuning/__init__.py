@@ -1,1 +1,1 @@
-"""Views of a tuning: tuning, tuned, layout, figures."""
+"""Views of a tuning: tuning, tuned, layout."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from estimator.record import Array
 
 
 @dataclass(frozen=True)
-class Side:
-    """One recording under one model: innovations over their sd (T, m), NaN where there is none; their (m, lags)."""
+class Innovations:
+    """Of one recording under one model: over their sd (T, m), NaN where there is none; autocorrelation (m, lags)."""
 
     scaled: Array
     autocorrelation: Array
@@ -21,10 +22,10 @@ class Tuning:
 
     name     shown as the title of its tab
     time_s   (T,) s;   lags_s   (lags,) s, of the autocorrelation, rising evenly from 0
+    sides    "before" and "after"
     """
 
     name: str
     time_s: Array
     lags_s: Array
-    before: Side
-    after: Side
+    sides: Mapping[str, Innovations]

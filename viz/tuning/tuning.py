@@ -7,63 +7,59 @@ The innovations stand over their own sd, so that one scale suits every channel: 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import rerun as rr
 
 from estimator.record import Array
-from viz.drawing import paths, series
+from viz.drawing import bars, paths
+from viz.drawing.bars import NisBars
+from viz.drawing.entity import Entity
 from viz.drawing.file import distinct, saved
-from viz.drawing.scale import minutes
-from viz.tuning import figures
+from viz.drawing.frames import Frame, colour_bar
+from viz.drawing.scale import MINUTE_S, Range, minutes, symmetric, ticks_of
 from viz.tuning.layout import blueprint
-from viz.tuning.tuned import Side, Tuning
+from viz.tuning.tuned import Innovations, Tuning
 
-SIDES = {"before": paths.BEFORE, "after": paths.AFTER}
-
-
-@dataclass(frozen=True)
-class Nis:
-    """A figure that belongs at 1, of each channel over all recordings, (m,); NaN where there is none."""
-
-    title: str
-    before: Array
-    after: Array
+PALE = 0.2  # the map's colours reach at least so far: smaller autocorrelations are often chance
 
 
-def save(path: Path, channels: Sequence[str], runs: Sequence[Tuning], nis: Sequence[Nis], summary: str) -> None:
-    """Write all runs into `path` (.rrd), with `summary` (markdown); m channels, by name."""
+def save(path: Path, channels: Sequence[str], runs: Sequence[Tuning], nis: Sequence[NisBars], summary: str) -> None:
+    """Write all runs into `path` (.rrd), with `summary` (markdown); m channels, by name; figures of all recordings."""
     runs = distinct(runs)
-    extent = figures.shades_of(*(side.autocorrelation for run in runs for side in (run.before, run.after)))
-    layout = blueprint(channels, runs, [each.title for each in nis])
+    extent = shades_of(*(side.autocorrelation for run in runs for side in run.sides.values()))
     name, last_s = "tuning: " + ", ".join(run.name for run in runs), max(run.time_s[-1] for run in runs)
-    with saved(path, layout, name, summary, float(np.floor(last_s))) as rec:
+    with saved(path, blueprint(channels, runs, nis), name, summary, float(np.floor(last_s))) as file:
         for i, each in enumerate(nis):
-            figures.send_bars(rec, f"{paths.BARS}/{i}", channels, each.before, each.after)
+            bars.send(file / paths.BARS / str(i), each)
         for run in runs:
-            _send(rec, channels, run, extent)
+            at = file / paths.root(run.name)
+            colour_bar(at / paths.AUTOCORRELATION / "key", extent, "")
+            for side, one in run.sides.items():
+                _map(at / paths.AUTOCORRELATION / side, channels, run.lags_s, one, extent)
+                for i, channel in enumerate(channels):
+                    own = at / paths.scaled(side, channel)
+                    _innovations(own, paths.COMPARED_AS[side], run.time_s, one.scaled[:, i])
 
 
-def _send(rec: rr.RecordingStream, channels: Sequence[str], run: Tuning, extent: tuple[float, float]) -> None:
-    root = paths.root(run.name)
-    figures.send_key(rec, f"{root}/{paths.AUTOCORRELATION}/key", extent)
-    for name, colour in SIDES.items():
-        side: Side = getattr(run, name)
-        at = f"{root}/{paths.AUTOCORRELATION}/{name}"
-        figures.send_map(rec, at, channels, run.lags_s, side.autocorrelation, extent)
-        begins, means = minutes(run.time_s, side.scaled)
-        for i, channel in enumerate(channels):
-            at = paths.scaled(root, name, channel)
-            style(rec, at, colour)
-            series.send_known(rec, f"{at}/each", run.time_s, side.scaled[:, i])
-            series.send(rec, f"{at}/mean", begins + 30.0, means[:, i])
-            series.send(rec, f"{at}/bounds", run.time_s[[0, -1]], np.tile([2.0, -2.0], (2, 1)))
+def shades_of(*autocorrelations: Array) -> Range:
+    """Range of the map's colours: what holds 99 % of all but lag 0."""
+    end = symmetric(np.concatenate([each[:, 1:].ravel() for each in autocorrelations]))[1]
+    return -max(end, PALE), max(end, PALE)
 
 
-def style(rec: rr.RecordingStream, at: str, colour: paths.Colour) -> None:
-    """Log the looks of one channel's innovations, once."""
-    series.dots(rec, f"{at}/each", "innovation / sd", colour, 0.8)
-    series.lines(rec, f"{at}/mean", ["mean of a minute"], [paths.REFERENCE], 1.5)
-    series.lines(rec, f"{at}/bounds", ["±2 sd", ""], [paths.READING] * 2, 1.0, "Off")
+def _map(at: Entity, channels: Sequence[str], lags_s: Array, side: Innovations, extent: Range) -> None:
+    lags = ticks_of((0.0, float(lags_s[-1])), 7)
+    columns, texts = lags / (lags_s[1] - lags_s[0]) + 0.5, [f"{lag:g}" for lag in lags]
+    Frame.of_map(len(lags_s), channels).draw_map(at, side.autocorrelation, extent, columns, texts, "lag [s]")
+
+
+def _innovations(at: Entity, colour: paths.Colour, time_s: Array, scaled: Array) -> None:
+    """One channel's innovations, how they look and what they are."""
+    (at / "each").dots("innovation / sd", colour, 0.8)
+    (at / "each").known(time_s, scaled)
+    (at / "mean").lines(["mean of a minute"], [paths.REFERENCE], 1.5)
+    begins, means = minutes(time_s, scaled)
+    (at / "mean").curves(begins + MINUTE_S / 2, means)
+    (at / "bounds").lines(["±2 sd", ""], [paths.READING] * 2, 1.0, "Off")
+    (at / "bounds").curves(time_s[[0, -1]], np.tile([2.0, -2.0], (2, 1)))

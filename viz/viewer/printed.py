@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viz.comparison.bars import Bars
+from viz.comparison.compared import Compared
 from viz.comparison.layout import titles
 from viz.comparison.maps import TITLES, UNITS, Map, map_of, scales_of
 from viz.drawing import paths
+from viz.drawing.bars import Bars
 from viz.drawing.scale import DIVERGING
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from viz.comparison.compared import Compared
 
 DOTS = 120  # per inch
 INCHES = 6.4  # width of one map

@@ -15,14 +15,14 @@ from estimator.errors import InputError
 from estimator.record import Array
 from estimator.rig import Rig
 from tests.viz_read import fixed, rows, view_names
-from viz.comparison import bars
-from viz.comparison.bars import Bars, Series
 from viz.comparison.compared import Compared, HeatMap, Side
 from viz.comparison.comparison import save
+from viz.comparison.layout import bars_at
 from viz.comparison.maps import HEAT, OPEN_LOOP, frame_of, map_of, scales_of
 from viz.drawing import paths
+from viz.drawing.bars import Bars, Series
 from viz.drawing.file import opens_at
-from viz.drawing.frame import ROW, WIDTH
+from viz.drawing.frames import ROW, WIDTH
 from viz.drawing.scale import DIVERGING, coloured
 from viz.viewer.printed import print_bars, print_maps
 
@@ -117,12 +117,12 @@ def test_maps_before_and_after_are_on_one_scale(saved: Path, small: Rig) -> None
 
 
 def test_bars_begin_at_zero_and_carry_their_values(saved: Path) -> None:
-    drawn = pixels(saved, f"/{bars.at('Errors', 0)}/picture")
+    drawn = pixels(saved, f"/{bars_at('Errors', 0)}/picture")
     long = (drawn[ROW // 4] == paths.CROSS_VALIDATED).all(axis=-1)
     assert long[0]
     assert long.sum() == pytest.approx(WIDTH * 0.6 / ERRORS.end, abs=2)
     assert not (drawn[ROW + ROW // 2 + 5 :] == paths.HELD_OUT).all(axis=-1).any()
-    assert fixed(saved, f"/{bars.at('Errors', 0)}/values", "Points2D:labels") == ["0.600 / 0.500", "0.100"]
+    assert fixed(saved, f"/{bars_at('Errors', 0)}/values", "Points2D:labels") == ["0.600 / 0.500", "0.100"]
 
 
 def test_every_view_says_its_unit_and_its_model(saved: Path) -> None:

@@ -11,12 +11,12 @@ from rerun.chunk import RrdReader
 
 from estimator.errors import SetupError
 from tests.viz_fake import fake_run
-from viz.drawing.axes import Axes
-from viz.drawing.events import clock
+from viz.drawing.frames import Axes
+from viz.drawing.profile import picture_ticks
 from viz.drawing.residuals import consistency, whiteness
 from viz.drawing.scale import DIVERGING, coloured, minutes, rounded, symmetric, ticks_of, widened
-from viz.drawing.series import spaced
-from viz.recorded.recorded import picture_ticks, save
+from viz.drawing.series import clock, spaced
+from viz.recorded.recorded import save
 from viz.viewer import pages, pictures, viewer
 
 

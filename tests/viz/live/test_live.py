@@ -28,6 +28,7 @@ from tests.processes import PATIENCE_S, until
 from tests.viz_fake import fake_run
 from tests.viz_read import fixed, rows, view_names
 from viz.drawing import profile
+from viz.drawing.entity import Entity
 from viz.live import live, outlet
 from viz.live.live import LiveViews
 from viz.live.repeat import Repeated
@@ -195,7 +196,7 @@ def test_pictures_come_every_ten_seconds_and_with_the_newest_tick(
 ) -> None:
     rec = rr.RecordingStream("ballscrew")
     rec.save(tmp_path / "some.rrd")
-    some = Rows(rec, "FS-20", fed.run.rig, newest, 3600.0)
+    some = Rows(Entity(rec, "FS-20"), fed.run.rig, newest, 3600.0)
     for k in range(0, 200, batch):
         some.send(fed.ticks[k : k + batch], [], None)
     rec.disconnect()

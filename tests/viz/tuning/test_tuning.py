@@ -15,31 +15,36 @@ from estimator.errors import InputError
 from estimator.record import Array
 from tests.viz_read import fixed, rows, view_names
 from viz.drawing import paths
+from viz.drawing.bars import NisBars, Series
 from viz.drawing.file import opens_at
-from viz.drawing.frame import ROW, WIDTH
+from viz.drawing.frames import ROW, WIDTH, Frame
 from viz.drawing.scale import DIVERGING
-from viz.tuning.figures import frame_of_map, shades_of, ticks_of_bars
-from viz.tuning.tuned import Side, Tuning
-from viz.tuning.tuning import Nis, save
+from viz.tuning.tuned import Innovations, Tuning
+from viz.tuning.tuning import save, shades_of
 
 CHANNELS = ("T01", "T 2", "T03", "T04", "displacement")
 SECONDS = 400
 
 
-def side(seed: int, size: float) -> Side:
+def side(seed: int, size: float) -> Innovations:
     """White innovations `size` times as large as they should be; the last channel is read every third second."""
     scaled = size * np.random.default_rng(seed).standard_normal((SECONDS, 5))
     scaled[np.arange(SECONDS) % 3 > 0, 4] = np.nan
     autocorrelation = np.full((5, 61), 0.01)
     autocorrelation[:, 0], autocorrelation[1, 5], autocorrelation[4, 7] = 1.0, -0.5 * size, np.nan
-    return Side(scaled, autocorrelation)
+    return Innovations(scaled, autocorrelation)
 
 
 def tuning(name: str = "FS-20") -> Tuning:
-    return Tuning(name, np.arange(SECONDS) + 2.0, np.arange(61.0), side(0, 2.0), side(1, 1.0))
+    return Tuning(name, np.arange(SECONDS) + 2.0, np.arange(61.0), {"before": side(0, 2.0), "after": side(1, 1.0)})
 
 
-NIS = Nis("NIS a tick ahead [1]", np.array([4.0, 0.25, 1.0, 2.0, np.nan]), np.array([1.0, 0.9, 1.1, 1.0, np.nan]))
+def ratios(before: list[float], after: list[float]) -> NisBars:
+    both = Series("before", np.array(before), paths.BEFORE), Series("after", np.array(after), paths.AFTER)
+    return NisBars("NIS a tick ahead [1]", CHANNELS[: len(before)], both)
+
+
+NIS = ratios([4.0, 0.25, 1.0, 2.0, np.nan], [1.0, 0.9, 1.1, 1.0, np.nan])
 
 
 @pytest.fixture(scope="module")
@@ -59,9 +64,9 @@ def pixels(path: Path, entity: str) -> Array:
     return bytes_of.reshape(form["height"], form["width"], 3)
 
 
-@pytest.mark.parametrize(("name", "number"), [("before", 0), ("after", 1)])
-def test_innovations_are_the_callers(saved: Path, name: str, number: int) -> None:
-    scaled = [tuning().before, tuning().after][number].scaled
+@pytest.mark.parametrize("name", ["before", "after"])
+def test_innovations_are_the_callers(saved: Path, name: str) -> None:
+    scaled = tuning().sides[name].scaled
     time_s, values = rows(saved, f"/FS-20/scaled/{name}/T_2/each", "Scalars:scalars")
     np.testing.assert_allclose(time_s, tuning().time_s)
     np.testing.assert_allclose(np.ravel(values), scaled[:, 1])
@@ -75,7 +80,7 @@ def test_each_channel_has_its_lines_and_minute_means(saved: Path) -> None:
     assert (ends.tolist(), bounds) == ([2.0, 401.0], [[2.0, -2.0]] * 2)
     middles, means = rows(saved, "/FS-20/scaled/after/T01/mean", "Scalars:scalars")
     assert middles[0] == 32.0
-    assert means[0][0] == pytest.approx(tuning().after.scaled[:60, 0].mean())
+    assert means[0][0] == pytest.approx(tuning().sides["after"].scaled[:60, 0].mean())
 
 
 def test_before_and_after_have_their_own_colours(saved: Path) -> None:
@@ -85,7 +90,7 @@ def test_before_and_after_have_their_own_colours(saved: Path) -> None:
 
 
 def test_the_map_has_a_row_for_each_channel_and_a_column_for_each_lag(saved: Path) -> None:
-    wide = frame_of_map(CHANNELS, np.arange(61.0)).width // 61
+    wide = Frame.of_map(61, CHANNELS).width // 61
     drawn = pixels(saved, "/FS-20/autocorrelation/before/picture")
     assert drawn.shape == (5 * ROW, 61 * wide, 3)
     cells = drawn[ROW // 2 :: ROW, wide // 2 :: wide]
@@ -106,7 +111,7 @@ def test_colours_reach_to_what_is_no_chance() -> None:
 
 def test_bars_go_from_one_to_nis(saved: Path) -> None:
     drawn = pixels(saved, "/bars/0/picture")
-    assert ticks_of_bars(NIS.before, NIS.after).tolist() == [0.2, 0.5, 1, 2, 5]
+    assert NIS.ticks.tolist() == [0.2, 0.5, 1, 2, 5]
     per_log = WIDTH / np.log(5 / 0.2)
     for row, value in enumerate([4.0, 0.25, 1.0, 2.0]):
         orange = np.flatnonzero((drawn[row * ROW + 10] == paths.BEFORE).all(axis=-1))
@@ -118,9 +123,9 @@ def test_bars_go_from_one_to_nis(saved: Path) -> None:
 
 
 def test_bars_of_nothing_and_of_too_much_still_have_a_scale() -> None:
-    nothing = np.full(3, np.nan)
-    assert ticks_of_bars(nothing, nothing).tolist() == [0.5, 1, 2]
-    assert ticks_of_bars(np.array([0.0]), np.array([1e9]))[[0, -1]] == pytest.approx([1e-3, 5e3])
+    nothing = [np.nan] * 3
+    assert ratios(nothing, nothing).ticks.tolist() == [0.5, 1, 2]
+    assert ratios([0.0], [1e9]).ticks[[0, -1]] == pytest.approx([1e-3, 5e3])
 
 
 def test_views_stand_side_by_side_and_say_what_they_show(saved: Path) -> None:
@@ -137,8 +142,8 @@ def test_summary_is_the_callers_and_the_end_is_the_moment(saved: Path) -> None:
 
 
 def test_a_silent_channel_and_a_single_tick_leave_no_empty_chunk(tmp_path: Path) -> None:
-    nothing = Side(np.full((1, 5), np.nan), np.full((5, 13), np.nan))
-    short = Tuning("short", np.array([5.0]), 5.0 * np.arange(13), nothing, nothing)
+    nothing = Innovations(np.full((1, 5), np.nan), np.full((5, 13), np.nan))
+    short = Tuning("short", np.array([5.0]), 5.0 * np.arange(13), {"before": nothing, "after": nothing})
     save(tmp_path / "short.rrd", CHANNELS, [short], [NIS], "")
     chunks = RrdReader(tmp_path / "short.rrd").stream().to_chunks()
     assert all(chunk.to_record_batch().num_rows for chunk in chunks)

@@ -1,0 +1,30 @@
+"""Profile and screw together: pictures of some ticks of a run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from estimator.record import Array
+from estimator.rig import Rig
+from estimator.step import Track
+from viz.drawing import profile, screw
+from viz.drawing.entity import Entity
+from viz.drawing.frames import Axes
+from viz.drawing.scale import BodyScale, Indices
+
+
+def send(at: Entity, rig: Rig, axes: Axes, scale: BodyScale, track: Track, shown: Indices) -> None:
+    """Log the ticks `shown` of a track. A broken thermometer stands at the frame's edge."""
+    time_s, mean = track.time_s[shown], track.profile_C[shown]
+    profile.send(at, axes, time_s, mean, track.profile_sd_K[shown])
+    inside = np.clip(track.measured[shown], *scale.temperature_C)
+    profile.send_measured(at, axes, time_s, profile.places_mm(rig), inside, track.fused[shown])
+    screw.send(at, rig, scale, time_s, mean, track.elongation_um[shown])
+
+
+def send_nut(at: Entity, rig: Rig, axes: Axes, time_s: Array, position_mm: Array) -> None:
+    """Log where the nut is, (n,), where that is known."""
+    known = np.isfinite(position_mm)
+    if rig.nut is not None and known.any():
+        profile.send_nut(at, axes, rig, time_s[known], position_mm[known])
+        screw.send_nut(at, rig, time_s[known], position_mm[known])
