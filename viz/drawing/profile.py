@@ -30,9 +30,9 @@ LINE = 0.035  # a line of text over the width of the frame
 
 def axes_of(rig: Rig, scale: BodyScale) -> Axes:
     """The frame: the whole screw, and all temperatures of the run."""
-    assert rig.screw is not None
-    width = rig.screw.to_mm - rig.screw.from_mm
-    return Axes((rig.screw.from_mm, rig.screw.to_mm), scale.temperature_C, width, ASPECT * width, LINE * width)
+    screw = rig.the_screw()
+    width = screw.to_mm - screw.from_mm
+    return Axes((screw.from_mm, screw.to_mm), scale.temperature_C, width, ASPECT * width, LINE * width)
 
 
 def picture_ticks(time_s: Array, profile_C: Array) -> Indices:
@@ -106,8 +106,7 @@ def send_truth(at: Entity, axes: Axes, time_s: Array, at_mm: Array, values: Arra
 
 def send_nut(at: Entity, axes: Axes, rig: Rig, time_s: Array, position_mm: Array) -> None:
     """Log where the nut is (n,), as a bar on the x axis."""
-    assert rig.nut is not None
-    middle = rig.nut.centre(position_mm)
-    ends = np.stack([middle - rig.nut.length_mm / 2, middle + rig.nut.length_mm / 2], axis=-1)
+    middle, half = rig.the_nut().centre(position_mm), rig.the_nut().length_mm / 2
+    ends = np.stack([middle - half, middle + half], axis=-1)
     bars = rr.LineStrips2D.columns(strips=axes.place(ends, axes.y[0]).astype(np.float32))
     (at / paths.PROFILE / "nut").rows(time_s, bars)

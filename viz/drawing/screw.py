@@ -23,25 +23,23 @@ SHOWN_SHARE = 0.08  # the largest growth is drawn as about this share of the scr
 
 def exaggeration(rig: Rig, scale: BodyScale) -> float:
     """How many times too large growth is drawn, a round number."""
-    assert rig.screw is not None
     largest = max(abs(end) for end in scale.elongation_um)
-    return step_of(SHOWN_SHARE * 1e3 * (rig.screw.to_mm - rig.screw.from_mm) / max(largest, 1.0), 1) / 2
+    return step_of(SHOWN_SHARE * 1e3 * _length_mm(rig) / max(largest, 1.0), 1) / 2
 
 
 def held_mm(rig: Rig) -> float:
     """Where the screw is held: the anchor bearing, else its far end."""
-    assert rig.screw is not None
-    return rig.supports["anchor"].at_mm if "anchor" in rig.supports else rig.screw.to_mm
+    return rig.supports["anchor"].at_mm if "anchor" in rig.supports else rig.the_screw().to_mm
 
 
 def style(at: Entity, rig: Rig, places: int) -> None:
     """Log what does not move, once: the tube, bearings, the mark of the cold end, the colours of the colour bar."""
-    assert rig.screw is not None
-    at, radius = at / paths.SCREW, rig.screw.outer_mm / 2
+    at, screw = at / paths.SCREW, rig.the_screw()
+    radius = screw.outer_mm / 2
     at.log(rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-    vertices, normals, triangles = _tube(np.linspace(rig.screw.from_mm, rig.screw.to_mm, places), radius)
+    vertices, normals, triangles = _tube(np.linspace(screw.from_mm, screw.to_mm, places), radius)
     (at / "tube").log(rr.Mesh3D(vertex_positions=vertices, vertex_normals=normals, triangle_indices=triangles))
-    end, arm = rig.screw.from_mm, 2.6 * radius
+    end, arm = screw.from_mm, 2.6 * radius
     cross = [[[end, -arm, 0], [end, arm, 0]], [[end, 0, -arm], [end, 0, arm]]]
     (at / "cold_end").log(rr.LineStrips3D(cross, radii=rr.Radius.ui_points(1), colors=paths.TEXT))
     for name, support in rig.supports.items():
@@ -50,7 +48,7 @@ def style(at: Entity, rig: Rig, places: int) -> None:
     if rig.nut is not None:
         (at / "nut").log(_box(rig.nut.length_mm, 1.6 * radius, paths.NUT))
     labels = {f"{name} bearing": (support.at_mm, 1.6 * arm) for name, support in rig.supports.items()}
-    labels["end when cold"] = rig.screw.from_mm, -1.3 * arm
+    labels["end when cold"] = end, -1.3 * arm
     _words(at / "names", [[x, 0.0, z] for x, z in labels.values()], list(labels))
     _bar(at / "bar", rig)
 
@@ -88,15 +86,13 @@ def bar_labels(at: Entity, rig: Rig, scale: BodyScale, since_s: float | None = N
 
 def _along_bar(rig: Rig, shares: Array) -> Array:
     """Places (n, 3) along the colour bar, from its left end (0) to its right one (1)."""
-    assert rig.screw is not None
     length = _length_mm(rig)
-    x = rig.screw.from_mm + length * (0.5 + BAR_WIDTH * (shares - 0.5))
+    x = rig.the_screw().from_mm + length * (0.5 + BAR_WIDTH * (shares - 0.5))
     return np.stack([x, np.zeros(len(x)), np.full(len(x), -0.163 * length)], axis=-1)
 
 
 def _length_mm(rig: Rig) -> float:
-    assert rig.screw is not None
-    return rig.screw.to_mm - rig.screw.from_mm
+    return rig.the_screw().to_mm - rig.the_screw().from_mm
 
 
 def _tube(x_mm: Array, radius: float) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]:
@@ -114,8 +110,7 @@ def _tube(x_mm: Array, radius: float) -> tuple[NDArray[np.float32], NDArray[np.f
 
 def send(at: Entity, rig: Rig, scale: BodyScale, time_s: Array, profile_C: Array, elongation_um: Array) -> None:
     """Log n moments: temperatures (n, x) as colours, elongation (n,) as a stretch away from the anchor."""
-    assert rig.screw is not None
-    n, (lo, hi) = len(time_s), rig.screw.span_mm
+    n, (lo, hi) = len(time_s), rig.the_screw().span_mm
     colours = np.repeat(coloured(profile_C, scale.temperature_C), RING, axis=1).reshape(-1, 4)
     stretch, shift = np.ones((n, 3)), np.zeros((n, 3))
     stretch[:, 0] += exaggeration(rig, scale) * elongation_um * 1e-3 / (hi - lo)
@@ -126,7 +121,6 @@ def send(at: Entity, rig: Rig, scale: BodyScale, time_s: Array, profile_C: Array
 
 def send_nut(at: Entity, rig: Rig, time_s: Array, position_mm: Array) -> None:
     """Log where the nut is (n,)."""
-    assert rig.nut is not None
     places = np.zeros((len(time_s), 3))
-    places[:, 0] = rig.nut.centre(position_mm)
+    places[:, 0] = rig.the_nut().centre(position_mm)
     (at / paths.SCREW / "nut").rows(time_s, rr.Transform3D.columns(translation=places))

@@ -22,14 +22,19 @@ SQUEEZED = (-6.0, 36.0), (-7.0, 75.0)  # bounds of a colour bar's view
 
 @dataclass(frozen=True)
 class Span:
-    """What time axes show: from `begin_s` to `end_s`, measured as `boundary` says."""
+    """What time axes show: from `begin_s` to `end_s`, measured as `boundary` says.
+
+    slides  no older data is asked for: what the viewer has to do does not grow with the run
+    """
 
     boundary: Callable[..., rrb.TimeRangeBoundary]
     begin_s: float = 0.0
     end_s: float = 0.0
+    slides: bool = False
 
     def axis(self, room: float) -> rrb.TimeAxis:
         """The axis; `room` is left at its end for a legend, as a share of the span."""
+        room = max(room, 0.02) if self.slides else room
         end_s = self.end_s + room * (self.end_s - self.begin_s)
         begin, end = (self.boundary(seconds=seconds) for seconds in (self.begin_s, end_s))
         return rrb.TimeAxis(view_range=rr.TimeRange(start=begin, end=end))
@@ -37,27 +42,16 @@ class Span:
     @property
     def queried(self) -> rrb.VisibleTimeRange | None:
         """Which data is asked for at all; None: what the axis shows."""
-        return None
-
-
-class Sliding(Span):
-    """The last `window_s` s."""
-
-    def __init__(self, window_s: float) -> None:
-        super().__init__(rrb.TimeRangeBoundary.cursor_relative, -window_s)
-
-    def axis(self, room: float) -> rrb.TimeAxis:
-        """From the window's begin to a little after now."""
-        return super().axis(max(room, 0.02))
-
-    @property
-    def queried(self) -> rrb.VisibleTimeRange:
-        """Nothing older than the window: what the viewer has to do does not grow with the run."""
         begin, end = (self.boundary(seconds=seconds) for seconds in (self.begin_s, self.end_s))
-        return rrb.VisibleTimeRange(paths.TIMELINE, start=begin, end=end)
+        return rrb.VisibleTimeRange(paths.TIMELINE, start=begin, end=end) if self.slides else None
 
 
 EVERYTHING = Span(lambda seconds: rrb.TimeRangeBoundary.infinite())  # however long it has become
+
+
+def sliding(window_s: float) -> Span:
+    """The last `window_s` s."""
+    return Span(rrb.TimeRangeBoundary.cursor_relative, -window_s, slides=True)
 
 
 def whole(time_s: Array) -> Span:
@@ -87,8 +81,7 @@ def below_legend(origin: str, name: str, span: Span, extent: Range) -> rrb.TimeS
 
 def flat(origin: str, name: str, bounds: tuple[Range, Range]) -> rrb.Spatial2DView:
     """A figure drawn by hand."""
-    x, y = bounds
-    visible = rrb.VisualBounds2D(x_range=list(x), y_range=list(y))
+    visible = rrb.VisualBounds2D(x_range=list(bounds[0]), y_range=list(bounds[1]))
     return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=visible, background=list(paths.BACKGROUND))
 
 
@@ -104,8 +97,8 @@ def profile_view(root: str, rig: Rig, bounds: tuple[Range, Range]) -> rrb.Spatia
 
 def screw_view(root: str, rig: Rig, growth: str, distance: float = 0.62) -> rrb.Spatial3DView:
     """The screw in space, seen from a `distance` in lengths of it; `growth` says how that is drawn."""
-    assert rig.screw is not None
-    middle, length = (rig.screw.from_mm + rig.screw.to_mm) / 2, rig.screw.to_mm - rig.screw.from_mm
+    lo, hi = rig.the_screw().from_mm, rig.the_screw().to_mm
+    middle, length = (lo + hi) / 2, hi - lo
     eye = rrb.EyeControls3D(
         position=[middle, -distance * length, 0.16 * length], look_target=[middle, 0, -0.06 * length], eye_up=[0, 0, 1]
     )
@@ -138,7 +131,7 @@ def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
 def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:
     """Where measurement and model part."""
     count = len(rig.thermometers)
-    rows = f"mean of 1 min [K]; row = thermometer {rig.thermometers[0]} ... {rig.thermometers[-1]} from below"
+    rows = f"mean of 1 min [K]; row = thermometer {ends(rig.thermometers)} from below"
     maps = [
         rrb.Horizontal(
             plot(f"{root}/{at}", f"{title}, {rows}", span, (0.0, count + 1.0), legend=False),
@@ -163,21 +156,16 @@ def channel_page(root: str, rig: Rig, span: Span, temperature_C: Range | None = 
 
 def temperature_plots(root: str, rig: Rig, span: Span, temperature_C: Range | None = None) -> list[rrb.TimeSeriesView]:
     """What the thermometers read, in as few plots as leave every legend whole."""
-    return [
-        plot(
-            f"{root}/{at}",
-            f"Thermometers {ends(rig.thermometers[columns], always=True)} [°C]",
-            span,
-            temperature_C,
-            room=0.2,
-        )
-        for at, columns in paths.thermometer_groups(rig).items()
-    ]
+    plots = []
+    for at, columns in paths.thermometer_groups(rig).items():
+        name = f"Thermometers {ends(rig.thermometers[columns])} [°C]"
+        plots.append(plot(f"{root}/{at}", name, span, temperature_C, room=0.2))
+    return plots
 
 
-def ends(names: Sequence[str], always: bool = False) -> str:
+def ends(names: Sequence[str]) -> str:
     """The first and the last of some names, or the only one."""
-    return f"{names[0]} ... {names[-1]}" if always or len(names) > 1 else names[0]
+    return f"{names[0]} ... {names[-1]}" if len(names) > 1 else names[0]
 
 
 def paged(count: int, most: int) -> list[range]:
@@ -192,11 +180,9 @@ def summary_view() -> rrb.TextDocumentView:
 
 def by_run(names: Sequence[str], pages: Sequence[Sequence[rrb.Container]]) -> list[rrb.Container]:
     """The tabs of the only run, or a tab for each run with its own inside."""
-    return (
-        list(pages[0])
-        if len(pages) == 1
-        else [rrb.Tabs(*own, name=name) for name, own in zip(names, pages, strict=True)]
-    )
+    if len(pages) == 1:
+        return list(pages[0])
+    return [rrb.Tabs(*own, name=name) for name, own in zip(names, pages, strict=True)]
 
 
 def tabbed(tabs: Sequence[rrb.Container]) -> rrb.Blueprint:

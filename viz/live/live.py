@@ -19,7 +19,7 @@ from viz.drawing import paths
 from viz.drawing.entity import Entity
 from viz.drawing.file import begin, stream
 from viz.drawing.series import Event
-from viz.drawing.views import EVERYTHING, Sliding, Span
+from viz.drawing.views import EVERYTHING, Span, sliding
 from viz.live.body import frame_of
 from viz.live.layout import blueprint
 from viz.live.outlet import Outlet
@@ -107,7 +107,7 @@ class LiveViews:
         except (RuntimeError, ValueError) as error:
             raise SetupError(f"{bind}:{port}: no live views ({error}; memory limit {memory})") from error
         self.url = sink.uri
-        rows = self._begun(rec, Sliding(self._window_s), newest=True)
+        rows = self._begun(rec, sliding(self._window_s), newest=True)
         self._outlets.append(Outlet(self.url, rec, rows, SERVED_S))
 
     def _keep(self, path: Path) -> None:

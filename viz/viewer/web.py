@@ -14,8 +14,9 @@ import threading
 import time
 import urllib.error
 import urllib.request
+from functools import partial
 from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote, urlsplit
@@ -24,16 +25,16 @@ from estimator.errors import SetupError
 from viz.viewer.address import LOOPBACK, free_port, port_at
 from viz.viewer.viewer import START_S, start
 
-FILES = {  # what there is, and what it is
-    "/": "text/html; charset=utf-8",
-    "/re_viewer.js": "text/javascript",
-    "/re_viewer_bg.wasm": "application/wasm",
-    "/favicon.ico": "image/x-icon",
+FILES = ("/", "/re_viewer.js", "/re_viewer_bg.wasm", "/favicon.ico")
+KINDS = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript",
+    ".wasm": "application/wasm",
+    ".ico": "image/x-icon",
 }
 STREAM = re.compile(r"rerun\+http://([\w.-]+:\d+)/proxy")
 OUTSIDE = re.compile(rb"<link\b[^>]*https?://[^>]*>")
 INLINE = re.compile(rb"<script>(.*?)</script>", re.DOTALL)
-CHUNK = 1 << 20
 
 
 class WebPage:
@@ -87,8 +88,8 @@ class _Server(ThreadingHTTPServer):
     """Serves the files in a folder and nothing else, to whoever asks for this very address."""
 
     def __init__(self, bind: str, port: int, folder: Path, rules: str) -> None:
-        super().__init__((bind, port), _Handler)
-        self.host, self.folder = f"{bind}:{port}", folder
+        super().__init__((bind, port), partial(_Handler, directory=str(folder)))
+        self.host = f"{bind}:{port}"
         self.headers = {
             "Content-Security-Policy": rules,
             "X-Content-Type-Options": "nosniff",
@@ -98,28 +99,18 @@ class _Server(ThreadingHTTPServer):
         }
 
 
-class _Handler(BaseHTTPRequestHandler):
+class _Handler(SimpleHTTPRequestHandler):
     server: _Server
     timeout = 30.0
+    extensions_map = KINDS
 
-    def do_GET(self) -> None:
-        """Answer with a file."""
-        path = urlsplit(self.path).path
+    def send_head(self) -> Any:
+        """Begin to answer: with a file, or with what is wrong with the question."""
         if self.headers["Host"] != self.server.host:  # another site's name that was made to lead here
-            self.send_error(HTTPStatus.MISDIRECTED_REQUEST)
-        elif path not in FILES:
-            self.send_error(HTTPStatus.NOT_FOUND)
-        else:
-            self._send(_file(self.server.folder, path), FILES[path])
-
-    def _send(self, file: Path, kind: str) -> None:
-        self.send_response(HTTPStatus.OK)
-        self.send_header("Content-Type", kind)
-        self.send_header("Content-Length", str(file.stat().st_size))
-        self.end_headers()
-        with file.open("rb") as source:
-            while piece := source.read(CHUNK):
-                self.wfile.write(piece)
+            return self.send_error(HTTPStatus.MISDIRECTED_REQUEST)
+        if urlsplit(self.path).path not in FILES:
+            return self.send_error(HTTPStatus.NOT_FOUND)
+        return super().send_head()
 
     def end_headers(self) -> None:
         """Every answer, an error too, is under the policy."""

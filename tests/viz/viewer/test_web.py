@@ -5,6 +5,7 @@ from __future__ import annotations
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from email.message import Message
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
@@ -21,17 +22,17 @@ def page() -> Iterator[WebPage]:
     page.close()
 
 
-def ask(page: WebPage, path: str, host: str = "") -> tuple[int, dict[str, str], bytes]:
+def ask(page: WebPage, path: str, host: str = "") -> tuple[int, Message, bytes]:
     """Status, headers and body of an answer."""
     at = urlsplit(page.address)
     request = urllib.request.Request(f"http://{at.netloc}{path}", headers={"Host": host or at.netloc})
     direct = urllib.request.build_opener(urllib.request.ProxyHandler({}))
     try:
         with direct.open(request, timeout=PATIENCE_S) as answer:
-            return answer.status, dict(answer.headers), answer.read()
+            return answer.status, answer.headers, answer.read()
     except urllib.error.HTTPError as error:
         with error:
-            return error.code, dict(error.headers), error.read()
+            return error.code, error.headers, error.read()
 
 
 @pytest.mark.parametrize(
