@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from drivers.budget import Budget
@@ -28,47 +30,47 @@ class Ticker:
         self.frames = 0
         self._open: list[tuple[int, bytes, float]] = []
 
-    def feed(self, time_s: float, can_id: int, extended: bool, data: bytes) -> list[Sample]:
-        """Take one data frame, stamped on the bus's clock in s; returns the samples of the ticks that it closed."""
+    def feed(self, time_s: float, can_id: int, extended: bool, data: bytes) -> Iterator[Sample]:
+        """Take one data frame, stamped on the bus's clock in s; the samples of the ticks that it closed.
+
+        After a silence of an hour these are thousands: each is made when it is asked for.
+        """
         if (can_id, extended) in self.decoder.own:
             self.tally.skip("sent by us")
-            return []
+            return iter(())
         size = len(data)
         if not (0 <= time_s < LATEST_S and 0 <= can_id <= (0x1FFFFFFF if extended else 0x7FF) and size <= 8):
             plausible(_frames([PACKED.pack(time_s, can_id & 0xFFFFFFFF, extended, min(size, 9), b"", 0)]), self.tally)
-            return []
+            return iter(())
         packed = PACKED.pack(time_s, can_id, extended, size, bytes(data), 0)
         scan = self.decoder.closing(can_id, extended, data)
         frame = self.frames, packed, scan is not None
         self.frames += 1
         return self._placed(self.clock.step(frame, time_s, scan is not None, -1 if scan is None else scan))
 
-    def advance(self, time_s: float) -> list[Sample]:
+    def advance(self, time_s: float) -> Iterator[Sample]:
         """No frame came until `time_s` on the bus's clock: close the ticks whose timer ran out."""
-        out = self._placed(self.clock.advance(time_s))
-        return out + self._timed(self.ticks.due(self.clock.now))
+        self.clock.advance(time_s)
+        return self._timed(self.ticks.due(self.clock.now))
 
-    def flush(self) -> list[Sample]:
+    def flush(self) -> Iterator[Sample]:
         """The frames end here: the open tick too, if it lasted."""
-        out = self._placed(self.clock.flush())
-        out += self._timed(self.ticks.rest(self.clock.now))
+        yield from self._placed(self.clock.flush())
+        yield from self._timed(self.ticks.rest(self.clock.now))
         self.tally.skip("after the last whole tick", len(self._open))
         self._open = []
-        return out
 
-    def _placed(self, placed: list[tuple[tuple[int, bytes, bool], float]]) -> list[Sample]:
-        out: list[Sample] = []
+    def _placed(self, placed: list[tuple[tuple[int, bytes, bool], float]]) -> Iterator[Sample]:
         for (number, packed, closes), now in placed:
-            out += self._timed(self.ticks.due(now))
+            yield from self._timed(self.ticks.due(now))
             self._open.append((number, packed, now))
             if closes and self.ticks.close(now):
-                out += self._close(now)
+                yield from self._close(now)
             elif closes:
                 self.tally.skip("closing message too soon (used)")
-        return out
 
-    def _timed(self, ticks: list[tuple[float, float]]) -> list[Sample]:
-        return [sample for _, date in ticks for sample in self._close(date)]
+    def _timed(self, ticks: list[tuple[float, float]]) -> Iterator[Sample]:
+        return (sample for _, date in ticks for sample in self._close(date))
 
     def _close(self, date: float) -> list[Sample]:
         """The open frames make one tick."""

@@ -70,59 +70,70 @@ class Monitor:
         self._drive = {(s.message.id, s.message.extended) for s in from_drive}
         self._ahead: tuple[Ticker, Filter] | None = None
         self._undecided: list[Received] = []
-        self._stamp = 0.0
+        self._silent_s = self._before_s = 0.0
 
-    def feed(self, frame: Received) -> list[Moment]:
+    def feed(self, frame: Received) -> Iterator[Moment]:
         """Take one frame."""
         if frame.kind != "data":
             self.tally.skip(f"{frame.kind} frame")
-            return []
-        if (frame.id, frame.extended) not in self.ticker.decoder.own:
-            self._ahead, self._stamp = None, frame.time_s
-        samples = self.ticker.feed(frame.time_s, frame.id, frame.extended, frame.data)
-        clock, key = self.ticker.clock, (frame.id, frame.extended)
+            return
+        clock, key, before = self.ticker.clock, (frame.id, frame.extended), self.ticker.frames
+        samples = self.ticker.feed(frame.time_s, *key, frame.data)
+        if self.ticker.frames > before:  # else it is ours, or its stamp is absurd
+            self._ahead = None
+            self._silent_s = self._before_s = self._silent_s if clock.waiting else 0.0
         self.missing.heard(*key, clock.now)
         if key in self._drive:
             self.watch.drive(clock.now)
-        moments = [self._moment(sample) for sample in samples]
+        yield from map(self._moment, samples)
         self._undecided = [*self._undecided, frame] if clock.waiting or clock.ended else []
         if clock.ended:
-            moments += self._again()
-        return moments
+            yield from self._again()
 
-    def _again(self) -> list[Moment]:
+    def _again(self) -> Iterator[Moment]:
         """The recording has ended with a long silence: begin another with the frames after it."""
         after = self._undecided
-        last = [self._moment(sample) for sample in self.ticker.flush()]
+        yield from self.finish()
         self.tally.skipped.pop("after the end of the recording", None)
         self.tally.note("the estimate begins anew")
         self.begin()
-        return [*last, *(moment for frame in after for moment in self.feed(frame))]
+        for frame in after:
+            yield from self.feed(frame)
 
-    def finish(self) -> list[Moment]:
+    def finish(self) -> Iterator[Moment]:
         """No more frames come."""
-        return [self._moment(sample) for sample in self.ticker.flush()]
+        return map(self._moment, self.ticker.flush())
 
-    def idle(self, silent_s: float) -> list[Moment]:
-        """No frame has come for so long, on the rig's clock: the model goes on alone."""
+    def idle(self, silent_s: float) -> Iterator[Moment]:
+        """No frame has come for so long, on the rig's clock: the model goes on alone.
+
+        It goes on from the last stamp that counts: one in doubt may be years ahead.
+        """
+        silent_s = self._silence(silent_s)
         if not self.ticker.frames or not LATE_TICKS * self.rig.tick_s < silent_s - self.late_s < Budget().gap_s:
-            return []
+            return
         if self._ahead is None:
             shared = {id(each): each for each in (self.rig, self.model, self.ticker.decoder.dbc)}
             self._ahead = copy.deepcopy((self.ticker, self.filter), shared)
             self._ahead[0].tally = self._ahead[0].clock.tally = Tally()
         ticker, alone = self._ahead
-        moments = []
-        for sample in ticker.advance(self._stamp + silent_s):
+        for sample in ticker.advance(self.ticker.clock.stamp + silent_s):
             step = alone.step(sample)
             silent = Alarm("bus", "", self.ticker.clock.now, "nothing of the rig on the bus")
             alarms = {silent.key: silent, **self.tests.active}
-            moments.append(Moment(sample, step, self.trust(silent_s), *self._changed(alarms), True))
-        return moments
+            yield Moment(sample, step, self._trust(silent_s), *self._changed(alarms), True)
 
     def trust(self, silent_s: float) -> Trust:
         """Whether the estimate is to be relied on when no frame has come for so long, on the rig's clock."""
+        return self._trust(self._silence(silent_s))
+
+    def _trust(self, silent_s: float) -> Trust:
         return self.watch.trust(self.ticker.clock.now + max(0.0, silent_s - self.late_s))
+
+    def _silence(self, silent_s: float) -> float:
+        """How long no frame has come that counts, where none at all has come for so long, s on the rig's clock."""
+        self._silent_s = self._before_s + silent_s
+        return self._silent_s
 
     def _moment(self, sample: Sample) -> Moment:
         step = self.filter.step(sample)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ballscrew.monitor.monitor import Moment, Monitor
@@ -25,6 +27,7 @@ WAIT_S = 0.05  # half of what the bus may wait for an invalid frame
 RATE_S = 5.0  # frames per second are counted over
 BEHIND_S = 0.5  # that a frame may wait for the estimate
 LOOK_S = 0.1  # between two looks at how things are: with each frame they would cost more than the estimate
+DRAIN_S = 0.5  # for what has come but is not estimated yet when the end is asked for
 SHOWN_S = 1.0  # between two states of the monitor in the views
 
 
@@ -53,15 +56,17 @@ class Session:
     _fresh: bool = False
     _was_valid: bool | None = None
     _troubles: dict[str, str] = field(default_factory=dict)
+    _goes_on: Callable[[], bool] = lambda: True
+    _end: float = math.inf
 
     def run(self, goes_on: Callable[[], bool], show: Callable[[Status], None]) -> None:
         """Until `goes_on` says no; `show` hears the status ten times a second."""
+        self._goes_on = goes_on
         self.receiver.start()
         if self.publisher is not None:
             self.publisher.start()
         while goes_on():
-            for item in self.receiver.take(WAIT_S):
-                self._take(item)
+            self._take(self.receiver.take(WAIT_S))
             if self.receiver.failure is not None:
                 raise self.receiver.failure
             self._idle()
@@ -73,38 +78,50 @@ class Session:
 
     def finish(self) -> None:
         """The end: stop receiving, take what has come, and close the open tick as `review` does at the end of a log."""
+        late = self._late()
         self.receiver.stop()
+        self._end = 0.0 if late else time.monotonic() + DRAIN_S
         while items := self.receiver.take(0.0):
-            for item in items:
-                self._take(item)
-        for moment in self.monitor.finish():
-            self._moment(moment)
+            self._take(items)
+        self._all(self.monitor.finish)
+        if self._late():
+            self._say("ended behind the bus: what came last is not in the estimate", "WARN")
         self._publish()
         self._tell()
 
-    def _take(self, item: Received | Notice) -> None:
-        if isinstance(item, Notice):
-            self._say(item.text, item.level)
-            return
-        if self.publisher is not None:
-            self.publisher.heard(item)
-        for moment in self._estimated(lambda: self.monitor.feed(item)):
+    def _late(self) -> bool:
+        """Whether the end was asked for, and not just now: a single frame after a silence closes thousands of ticks."""
+        if self._end == math.inf and not self._goes_on():
+            self._end = time.monotonic() + DRAIN_S
+        return time.monotonic() > self._end
+
+    def _take(self, items: list[Received | Notice]) -> None:
+        for item in items:
+            if isinstance(item, Notice):
+                self._say(item.text, item.level)
+                continue
+            if self.publisher is not None:
+                self.publisher.heard(item)
+            self._all(partial(self.monitor.feed, item))
+
+    def _all(self, moments: Callable[[], Iterator[Moment]]) -> None:
+        """All of these moments, as long as there is time."""
+        estimated = self._estimated(moments)
+        while not self._late() and (moment := next(estimated, None)):
             self._moment(moment)
 
-    def _estimated(self, moments: Callable[[], list[Moment]]) -> list[Moment]:
+    def _estimated(self, moments: Callable[[], Iterator[Moment]]) -> Iterator[Moment]:
         """Moments; none if the estimate fails: a defect of ours must not end weeks of recording."""
         try:
-            return moments()
+            yield from moments()
         except Exception as error:
             self.monitor.begin()
             self._trouble("estimate", f"the estimate failed and begins anew: {type(error).__name__}: {error}")
-            return []
 
     def _idle(self) -> None:
         """No frame: the model goes on alone, and who relies on the estimate hears that it is not to be trusted."""
         silent_s = self.clock.silence()
-        for moment in self._estimated(lambda: self.monitor.idle(silent_s)):
-            self._moment(moment)
+        self._all(partial(self.monitor.idle, silent_s))
         if self.latest is not None and self.latest.trust.valid:
             self._judge(self.monitor.trust(silent_s))
 

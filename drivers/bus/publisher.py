@@ -28,6 +28,7 @@ COUNTS = 15
 SPACING_S = 0.008  # wall time between two pairs of frames of the same validity
 STALE_S = 0.1  # a pair that could not be sent by then is not sent any more
 RETRY_S = 5.0
+JOIN_S = 0.5  # a bus that hangs does not hold up the end either
 ECHO_S = 10.0  # a frame of our own may come back for so long
 ENDED = Trust(("the monitor has ended",), True, True, False)
 
@@ -78,7 +79,7 @@ class Publisher:
             self.send(self._step, ENDED, float("nan"))
         self._over.set()
         if self._thread.is_alive():
-            self._thread.join(2.0)
+            self._thread.join(JOIN_S)
         self._hang_up()
 
     def frames(self, step: Step, trust: Trust, position_mm: float) -> list[can.Message]:

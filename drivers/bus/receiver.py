@@ -25,7 +25,7 @@ BACK_OFF_S = (0.2, 5.0)
 SILENT_S = (5.0, 60.0)
 AT_ONCE = 100
 MOST_WAITING = 500_000  # frames that may wait for the estimate: a minute of a full bus
-JOIN_S = 3.0
+JOIN_S = 1.0
 BUS_OFF = 0x40  # class bit of an error frame
 TOLD_S = 10.0  # between two sentences about error frames
 
@@ -66,8 +66,9 @@ class Receiver:
 
     def stop(self) -> None:
         """End the thread and close the bus."""
+        asked = self._halt.is_set()
         self._halt.set()
-        if self._thread.is_alive():
+        if self._thread.is_alive() and not asked:
             self._thread.join(JOIN_S)  # an interface may hang while it opens
         if not self._thread.is_alive():
             self._pass_on(self.clock.flush())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection
 
+from drivers.frames import LATEST_S
 from drivers.received import Received
 
 OVERDUE_S = 0.5  # wall time without a closing message, after which frames are placed without one
@@ -18,7 +19,8 @@ Own = Collection[tuple[int, bool]]
 class RigTime:
     """A bus at the rig's own pace: frames keep their stamps.
 
-    own      id and kind of messages that are not the rig's: they tell nothing of its time, nor do error frames
+    own      id and kind of messages that are not the rig's: they tell nothing of its time, nor do error frames and
+             frames with an absurd stamp
     trouble  why the time is in doubt, in one sentence
     """
 
@@ -47,7 +49,8 @@ class RigTime:
         return self.speed_up * (time.monotonic() - self._latest) if self._latest is not None else 0.0
 
     def _is_the_rigs(self, frame: Received) -> bool:
-        return frame.kind == "data" and (frame.id, frame.extended) not in self._own
+        sound = frame.kind == "data" and 0 <= frame.time_s < LATEST_S
+        return sound and (frame.id, frame.extended) not in self._own
 
 
 class FastTime(RigTime):

@@ -75,14 +75,17 @@ class RigClock:
         """Decide on what still waits: no more frames come."""
         return self._decide() if self._waiting else []
 
-    def advance(self, stamp: float) -> list[tuple[Any, float]]:
-        """No frame came until `stamp`: the rig's clock goes on."""
-        late = self._waiting and stamp - self._waiting[0][1] > _GAP * self.tick_s
-        placed = self._decide() if late else []
-        if not self._waiting and stamp > self._stamp:
+    @property
+    def stamp(self) -> float:
+        """The latest stamp that counts: those in doubt are still waiting."""
+        return self._stamp
+
+    def advance(self, stamp: float) -> None:
+        """No frame came until `stamp`: the rig's clock goes on, and stamps in doubt will never be explained."""
+        self._waiting = []
+        if stamp > self._stamp:
             self._stamp = stamp
             self.now = max(self.now, stamp - self._offset)
-        return placed
 
     def run(self, stamps: Array, closes: NDArray[np.bool_], scan: NDArray[np.int64]) -> Array:
         """The same for a whole log, (n,): NaN for a dropped frame. Regular stretches are taken at once."""

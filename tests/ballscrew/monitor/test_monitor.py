@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ballscrew.monitor.monitor import Moment, Monitor
+from drivers.bus.rig_time import RigTime
 from drivers.decode.checks import frame_checksum
 from drivers.received import Received
 from drivers.recordings import read_recording
@@ -205,6 +206,32 @@ def test_on_a_silent_bus_the_model_goes_on_alone_and_is_taken_back(paper, frames
     assert [a.text for m in alone for a in m.begun] == ["nothing of the rig on the bus"]
     assert moments[-1].step.elongation_um == runs[0][-1].step.elongation_um
     assert "nothing of the rig on the bus" in {a.text for m in moments for a in m.over}
+
+
+@pytest.mark.parametrize("ahead_s", [60.0, 3000.0, 1e5, 3.15e9, 5.7e9])
+def test_after_a_stamp_that_is_ahead_a_silence_is_as_long_as_it_is(paper, frames, ahead_s):
+    """The frame whose stamp is in doubt is no news of the rig, and the model goes on from the one before."""
+    sound = [f for f in frames if since(frames, f) < 30]
+    last = next(f for f in reversed(sound) if f.id == DRIVE)
+    monitor = Monitor(paper[1], paper[0])
+    assert [m for f in sound for m in monitor.feed(f)]
+    silent = [*monitor.idle(1.0), *monitor.feed(last._replace(time_s=last.time_s + ahead_s))]
+    heard_s = 0.0 if ahead_s > 2e9 else 1.0  # an absurd stamp is no life of the rig
+    silent += [m for k in range(1, 60) for m in monitor.idle(1.0 - heard_s + 0.05 * k)]
+    assert [int(m.step.time_s) for m in silent] == [30, 31, 32, 33]
+    assert not monitor.trust(3.0).valid
+
+
+def test_frames_with_absurd_stamps_do_not_keep_an_estimate_valid(paper, frames):
+    monitor, clock = Monitor(paper[1], paper[0]), RigTime()
+    late = [f._replace(time_s=5.7e9) for f in frames if 30 <= since(frames, f) < 32]
+    for frame in [*(f for f in frames if since(frames, f) < 30), *late]:
+        clock.place(frame)
+        assert not any(m.provisional for m in monitor.feed(frame))
+    assert monitor.trust(0.0).valid
+    assert monitor.trust(2.0).why == ("no news of the drive",)
+    assert clock.silence() > 0
+    assert monitor.tally.counts()["time stamp absurd"] == len(late)
 
 
 def test_after_a_night_the_estimate_begins_anew(run, frames, plain):

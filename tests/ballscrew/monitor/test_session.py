@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from rich.console import Console
 
+from ballscrew.monitor import session as loop
 from ballscrew.monitor.json_lines import JsonLines
 from ballscrew.monitor.monitor import Monitor
 from ballscrew.monitor.session import Session
@@ -16,7 +18,7 @@ from ballscrew.monitor.status import Status
 from drivers.bus.receiver import Notice
 from estimator.errors import SetupError
 from estimator.step import Mode
-from tests.live_fake import DRIVE, Frames, dropped, rig_frames
+from tests.live_fake import DRIVE, STATUS, Frames, dropped, rig_frames
 
 
 class Clock:
@@ -152,6 +154,31 @@ def test_a_backlog_is_published_once(session, frames, monkeypatch):
     live, _, ticks = session(frames)
     assert len(ticks) >= 45
     assert len(live.publisher.sent_valid) <= 3
+
+
+def test_the_end_does_not_wait_for_thousands_of_ticks(paper, frames, monkeypatch):
+    """After 50 minutes of silence one frame closes 3000 ticks; who asks for the end then gets it."""
+    monkeypatch.setattr(loop, "DRAIN_S", 0.0)
+    scan = [f for f in frames if f.id == STATUS][20]
+    after = [f._replace(time_s=f.time_s + 3000.0) for f in frames if f.time_s > scan.time_s]
+    said, ticks = [], []
+    monitor = Monitor(paper[1], replace(paper[0], log=replace(paper[0].log, scan_number=None)))
+    items = [f for f in frames if f.time_s <= scan.time_s] + after
+    live = Session(monitor, Receiver(items), Clock(), "a bus", lambda text, level: said.append(text), ticks.append)
+    live.run(lambda: len(ticks) < 50, lambda status: None)
+    live.finish()
+    assert len(ticks) == 50
+    assert said[-1] == "ended behind the bus: what came last is not in the estimate"
+
+
+def test_the_end_does_not_wait_for_a_backlog_without_ticks(session, frames, monkeypatch):
+    monkeypatch.setattr(loop, "DRAIN_S", 0.0)
+    live, said, _ = session(frames[:500])
+    live.receiver.items = [f._replace(id=0x7FF) for f in frames]
+    live.finish()
+    assert not live.receiver.items
+    assert live.monitor.tally.counts().get("unknown id 0x7FF", 0) == 0
+    assert said[-1].startswith("ended behind the bus")
 
 
 def test_a_defect_of_ours_is_told_once_and_the_loop_goes_on(session, frames, monkeypatch):

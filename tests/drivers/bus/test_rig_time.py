@@ -133,12 +133,13 @@ def test_a_wrong_speed_up_is_told(frames, tick_s):
     assert not right.trouble
 
 
-def test_error_frames_and_our_own_are_no_life(frames):
+def test_error_frames_absurd_stamps_and_our_own_are_no_life(frames):
     clock = RigTime({(0x610, False)})
     clock.place(frames[0])
     silent = clock.silence()
     clock.place(frames[0]._replace(kind="error"))
     clock.place(frames[0]._replace(id=0x610))
+    clock.place(frames[0]._replace(time_s=5.7e9))
     assert clock.silence() > silent
 
 

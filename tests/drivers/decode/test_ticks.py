@@ -246,11 +246,11 @@ def test_a_live_bus_that_falls_silent(tmp_path: Path) -> None:
     ticker = Ticker(RIG)
     samples = [s for row in BASE[:87] for s in ticker.feed(row.time, row.id, row.extended, row.data)]
     assert len(samples) == 5
-    assert ticker.advance(log_fake.START + 6.4) == []
+    assert not list(ticker.advance(log_fake.START + 6.4))
     (silent,) = ticker.advance(log_fake.START + 6.6)
     assert silent.time_s == pytest.approx(5.995)
     assert np.isnan(silent.channels).all()
-    assert len(ticker.advance(log_fake.START + 16.6)) == 10
+    assert len(list(ticker.advance(log_fake.START + 16.6))) == 10
     later = log_fake.telemeter(log_fake.START + 16.995, 16)
     (sample,) = [s for row in later for s in ticker.feed(row.time, row.id, row.extended, row.data)]
     assert sample.channels[0] == 20
