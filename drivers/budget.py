@@ -10,8 +10,8 @@ class Budget:
     """Limits of one reading. A file that reaches one is read up to there, and the recording says so.
 
     frames   at 100 per second, 10 million are a day
-    seconds  wall time of the reading
-    stall_s  wall time without a frame from a reader in its own process
+    seconds  processor time of the reading: how long it takes on a busy machine is no fault of the file
+    stall_s  processor time without a frame from a reader in its own process
     size     bytes read of a text log
     memory   bytes of address space of a reader in its own process
     ticks    rows of a recording, also those of a gap

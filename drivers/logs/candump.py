@@ -43,7 +43,7 @@ def read_candump(
 ) -> tuple[Frames, str]:
     """All whole data frames of a candump log, and what was found, in words."""
     reader = _Reader(tally)
-    stop = time.monotonic() + budget.seconds
+    stop = time.thread_time() + budget.seconds
     size = max(path.stat().st_size, 1)
     with path.open("rb") as file:
         rest = b""
@@ -51,7 +51,7 @@ def read_candump(
             rest = reader.feed(rest + block)
             if progress:
                 progress(min(file.tell() / size, 1.0))
-            if why := budget.spent(reader.count, file.tell(), time.monotonic() > stop):
+            if why := budget.spent(reader.count, file.tell(), time.thread_time() > stop):
                 tally.note(f"stopped at line {reader.lines}: {why}")
                 rest = b""
                 break

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import marshal
+import math
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 
-import can
-
+from drivers.budget import Budget
 from drivers.frames import LATEST_S, Tally
 from drivers.logs.candump_line import frame_of
 from drivers.logs.logs import is_lab_csv
-from drivers.logs.python_can import Messages, WholeLines
-from drivers.received import Received, received_of
+from drivers.logs.outside import EVERY, Outside
+from drivers.logs.python_can import WholeLines
+from drivers.received import Received
 from estimator.errors import InputError
 
 Position = Callable[[int], None]
+UNLIMITED = Budget(frames=sys.maxsize, seconds=math.inf)  # in length: years may be passed on, a loop may not
 
 
 def every_frame(path: Path, tally: Tally, position: Position = lambda byte: None) -> Iterator[Received]:
@@ -46,19 +50,7 @@ def _candump(path: Path, tally: Tally, position: Position) -> Iterator[Received]
 
 
 def _python_can(path: Path, tally: Tally, position: Position) -> Iterator[Received]:
-    messages = Messages(path, tally)
-    first = int(path.suffix.lower() == ".trc")
-    for message in messages:
-        if messages.count % 1000 == 0:
-            position(messages.tell())
-        if message.is_remote_frame or len(message.data) == message.dlc:
-            yield received_of(message, message.timestamp, _channel(message, first))
-        else:
-            tally.skip("shortened frame")
-
-
-def _channel(message: can.Message, first: int) -> str:
-    """A channel's name; formats that number their channels count from `first`."""
-    if isinstance(message.channel, str) and not message.channel.isdigit():
-        return message.channel
-    return f"can{max(int(message.channel or 0) - first, 0)}"
+    size = path.stat().st_size
+    for block in Outside(path, tally, UNLIMITED, EVERY):
+        position(int(min(block.share, 1.0) * size))
+        yield from (Received(*row) for row in marshal.loads(block.body))

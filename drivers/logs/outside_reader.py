@@ -1,66 +1,82 @@
-"""The process in which python-can reads: `python -m drivers.logs.outside_reader PATH MEMORY`; frames to stdout."""
+"""The process in which python-can reads: `python -m drivers.logs.outside_reader PATH HOW MEMORY`; frames to stdout."""
 
 from __future__ import annotations
 
 import json
+import marshal
 import sys
 import threading
+import time
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import can
 
 from drivers.frames import PACKED, Tally
-from drivers.logs.outside import HEAD
+from drivers.logs.outside import EVERY, HEAD
 from drivers.logs.python_can import Messages
+from drivers.received import received_of
 
 
 class Sender:
     """Packs frames into blocks, counts what is none of ours, and tells both."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, how: str) -> None:
         self.tally = Tally()
         self.messages = Messages(path, self.tally)
         self.size = max(path.stat().st_size, 1)
-        self.rows = bytearray()
+        self.how = how
+        self.rows: list[Any] = []  # packed frames, or tuples
         self.lock = threading.Lock()
         self.done = threading.Event()
 
     def run(self) -> None:
         """Read to the end, or to where the reader gives up."""
-        self._send(b"F", b"")  # it has started: from now on it is the file that holds it up
+        self._flush()  # it has started: from now on it is the file that holds it up
         threading.Thread(target=self._flush_now_and_then, daemon=True).start()
+        take = self._every if self.how == EVERY else self._classic
         for message in self.messages:
-            self._take(message)
+            take(message)
         self.done.set()
         self._flush()
         account = {"skipped": self.tally.skipped, "notes": self.tally.notes, "found": self.messages.found}
-        self._send(b"A", json.dumps(account).encode())
+        with self.lock:
+            self._send(b"A", 0, json.dumps(account).encode())
 
-    def _take(self, message: can.Message) -> None:
+    def _classic(self, message: can.Message) -> None:
         if reason := _unusable(message):
             self.tally.skip(reason)
             return
         data, place = bytes(message.data), self.messages.place & 0xFFFFFFFF
         about = message.timestamp, message.arbitration_id, message.is_extended_id
+        self._keep(PACKED.pack(*about, len(data), data, place))
+
+    def _every(self, message: can.Message) -> None:
+        if message.is_remote_frame or len(message.data) == message.dlc:
+            self._keep(tuple(received_of(message, message.timestamp, self.messages.channel(message))))
+        else:
+            self.tally.skip("shortened frame")
+
+    def _keep(self, row: Any) -> None:
         with self.lock:
-            self.rows += PACKED.pack(*about, len(data), data, place)
+            self.rows.append(row)
 
     def _flush_now_and_then(self) -> None:
-        # from a thread, so that the frames before a loop in the reader are not lost
+        # from a thread, so that the frames before a loop in the reader are not lost, and its time is known
         while not self.done.wait(0.1):
             self._flush()
 
     def _flush(self) -> None:
-        """Send the frames so far."""
+        """Send the frames so far; if there are none, that it is still at it."""
         with self.lock:
-            if self.rows:
-                self._send(b"F", bytes(self.rows))
-                self.rows.clear()
+            self._send(b"F", len(self.rows), marshal.dumps(self.rows) if self.how == EVERY else b"".join(self.rows))
+            self.rows.clear()
 
-    def _send(self, kind: bytes, body: bytes) -> None:
+    def _send(self, kind: bytes, frames: int, body: bytes) -> None:
         """One block to the parent."""
-        sys.stdout.buffer.write(HEAD.pack(kind, len(body), self.messages.tell() / self.size) + body)
+        share = self.messages.tell() / self.size
+        sys.stdout.buffer.write(HEAD.pack(kind, frames, len(body), share, time.process_time()) + body)
         sys.stdout.buffer.flush()
 
 
@@ -84,10 +100,10 @@ def _limit(memory: int) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
 
 
-def main(path: str, memory: str) -> None:
+def main(path: str, how: str, memory: str) -> None:
     """Read one log."""
     _limit(int(memory))
-    Sender(Path(path)).run()
+    Sender(Path(path), how).run()
 
 
 if __name__ == "__main__":

@@ -41,6 +41,12 @@ class Messages:
         """What was read, in words."""
         return f"{self._lines.count} lines read" if self._lines else f"{self._size} bytes"
 
+    def channel(self, message: can.Message) -> str:
+        """The name of a message's channel; formats that number their channels count from 0, .trc from 1."""
+        if isinstance(message.channel, str) and not message.channel.isdigit():
+            return message.channel
+        return f"can{max(int(message.channel or 0) - (self._suffix == '.trc'), 0)}"
+
     def tell(self) -> int:
         """Bytes read so far."""
         with suppress(AttributeError, ValueError):  # not open yet, or closed again

@@ -11,6 +11,7 @@ from unittest import mock
 import can
 import pytest
 
+from drivers.budget import Budget
 from drivers.frames import Tally
 from drivers.logs.candump_line import line_of
 from drivers.logs.every_frame import every_frame
@@ -19,6 +20,7 @@ from drivers.recordings import read_recording
 from tests import log_fake
 from tests.conftest import ballscrew as run
 from tests.drivers.decode.test_ticks import RIG
+from tests.drivers.logs.test_logs import endless
 
 START = 1_700_000_000.005  # python-can's ASC writer would make half a second of these 5 ms
 SUFFIXES = [".log", ".blf", ".asc", ".trc"]
@@ -170,6 +172,21 @@ def test_stamps_and_dates_that_are_none(tmp_path: Path) -> None:
     status, _, err = run("export", tmp_path / "in.asc", "-o", tmp_path / "out.log")
     assert "its date cannot be read: times count from 1970" in err
     assert (tmp_path / "out.log").read_text() == "(1.250000) can0 123#07\n"
+
+
+def test_a_file_that_gives_frames_for_ever_does_not_fill_the_disk(tmp_path: Path) -> None:
+    path = endless(tmp_path / "endless.blf")
+    status, out, err = run("export", path, "-o", tmp_path / "out.log", "--json")
+    assert status == 0
+    assert "240 bytes cannot hold more, the reader goes round in circles" in err
+    assert json.loads(out)["bytes"] < 50_000_000
+
+
+def test_a_reader_that_loops_without_a_frame_is_ended(tmp_path: Path) -> None:
+    path = endless(tmp_path / "loop.blf", version=9)
+    with mock.patch("drivers.logs.every_frame.UNLIMITED", Budget(stall_s=0.5)):
+        status, line = refused(path, "-o", tmp_path / "out.blf")
+    assert (status, line.endswith("stopped after 0 frames: the reader gave no frame for 1 s)")) == (1, True)
 
 
 def refused(*words: object) -> tuple[int, str]:

@@ -7,10 +7,9 @@ import random
 import re
 import struct
 import sys
-import threading
 import zlib
 from pathlib import Path
-from queue import SimpleQueue
+from queue import Queue
 from unittest import mock
 
 import can
@@ -249,11 +248,38 @@ def test_a_reader_that_loops_is_ended_and_its_frames_kept(tmp_path: Path) -> Non
     assert record.notes == (f"stopped after {len(ROWS)} frames: the reader gave no frame for 1 s",)
 
 
-def test_a_reader_that_is_slow_to_start_is_waited_for() -> None:
-    blocks: outside.Blocks = SimpleQueue()
-    threading.Timer(0.3, blocks.put, [(b"A", 1.0, b'{"found": "all"}')]).start()
-    _, account, why = outside._receive(blocks, Budget(), 0.01, None)
-    assert (account, why) == ({"found": "all"}, "")
+def answer(tmp_path: Path, *used_s: float, frames: int = 0) -> str:
+    """What is noted of a reader that has used so much processor time at each of its reports."""
+    blocks: Queue[outside.Block] = Queue()
+    for seconds in used_s:
+        blocks.put(outside.Block(b"F", frames, 0.0, seconds, b""))
+    blocks.put(outside.Block(b"A", 0, 1.0, 0.0, b'{"found": "all", "skipped": {}, "notes": []}'))
+    reading = outside.Outside(make(tmp_path / "a.blf"), tally := Tally(), Budget(stall_s=1.0, seconds=20.0), "classic")
+    list(reading.within_budget(blocks))
+    return reading.found if reading.found == "all" else tally.notes[-1]
+
+
+def test_a_reader_is_judged_by_its_own_processor_time(tmp_path: Path) -> None:
+    """However long a busy machine lets it wait, and however long it takes to start."""
+    assert answer(tmp_path, 30.0, 30.5, 30.9) == "all"
+    assert answer(tmp_path, 0.5, 1.0, 1.6) == "stopped after 0 frames: the reader gave no frame for 1 s"
+    assert answer(tmp_path, 0.5, 1.2, 1.9, frames=1) == "all"
+    assert answer(tmp_path, 0.5, *np.arange(1.0, 22.0), frames=1) == "stopped after 22 frames: reading took 20 s"
+
+
+def endless(path: Path, version: int = 1) -> Path:
+    """A BLF of 240 bytes that gives the same frame for ever, for its length is 0; of version 9 it gives none."""
+    message = struct.pack("<4sHHLLLHHQHBBL8s", b"LOBJ", 32, version, 0, 1, 2, 0, 0, 0, 1, 0, 8, 0x123, bytes(8))
+    path.write_bytes(make(path.with_name("whole.blf")).read_bytes()[:144] + container(message + bytes(16)))
+    return path
+
+
+def test_a_small_file_that_gives_frames_for_ever_is_ended(tmp_path: Path) -> None:
+    path = endless(tmp_path / "endless.blf")
+    assert path.stat().st_size == 240
+    frames = read_log(path, tally := Tally(), Budget())
+    assert 24_000 < len(frames) < 1_000_000
+    assert tally.notes[-1].endswith(" frames: 240 bytes cannot hold more, the reader goes round in circles")
 
 
 def test_a_file_that_inflates_is_ended(tmp_path: Path) -> None:
