@@ -13,10 +13,12 @@ from pathlib import Path
 
 import click
 
+from ballscrew.own_effect.patience import patience
 from ballscrew.terminal import Terminal
 from drivers.logs.joined import Progress
 from drivers.logs.truth import Truth, read_truth
 from drivers.recordings import find_recordings, read_joined, read_recording
+from estimator.battery.admitted import admit
 from estimator.errors import InputError, SetupError
 from estimator.model import Model
 from estimator.record import Array, Recording
@@ -130,11 +132,13 @@ def open_rig(logs: Sequence[Path], rig_path: Path | None, terminal: Terminal) ->
 
 
 def open_model(rig: Rig, model_path: Path | None, terminal: Terminal) -> Model:
-    """The model of --model, else of the rig folder; says so when it was fitted to another geometry or material."""
+    """The model of --model, else of the rig folder, if it fits; says so when it was fitted to another geometry."""
     path = model_path or rig.folder / "model.toml"
     if model_path is None and not path.is_file():
         raise SetupError(f"{rig.folder}: no model.toml beside rig.toml; write one or name it with --model FILE")
-    model = load_model(path)
+    with patience(path):
+        model = load_model(path)
+        admit(model, rig)
     fitted_rig = model.about.get("rig")
     if fitted_rig not in (None, rig.fingerprint()):
         terminal.warn(f"{path} was fitted to another geometry or material than {rig.folder / 'rig.toml'}; fit it again")

@@ -3,6 +3,7 @@
     BallscrewError
     ├── InputError    a recording or log could not be used           exit 1
     └── SetupError    wrong rig, model, effect file or usage         exit 2
+        └── EffectError    an effect of the model that says something impossible
 
 Anything else that reaches the command line is a bug and keeps its traceback.
 """
@@ -29,6 +30,14 @@ class SetupError(BallscrewError):
     """A rig, model or effect file, or a command line, that says something impossible."""
 
     exit_code = 2
+
+
+class EffectError(SetupError):
+    """An effect of a model that says something impossible, perhaps only at some ticks; `effect` is its name."""
+
+    def __init__(self, effect: str, message: str) -> None:
+        super().__init__(message)
+        self.effect = effect
 
 
 def nearest(word: str, known: Iterable[str]) -> str:

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
+from traceback import extract_tb
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+
 from estimator.effect import Effect, Param
-from estimator.errors import SetupError, nearest
+from estimator.errors import EffectError, SetupError, nearest
 from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import Term
+
+MOST_TERMS = 2000  # of one effect
 
 
 @dataclass(frozen=True)
@@ -82,19 +88,31 @@ class Model:
         for name in self.effects:
             yield from self.terms_of(name, u, rig)
 
-    def terms_of(self, name: str, u: Inputs, rig: Rig) -> Iterator[Term]:
-        """The terms of one effect; one that asks for what the rig has not is a SetupError that names the effect."""
+    def terms_of(self, name: str, u: Inputs, rig: Rig) -> list[Term]:
+        """The terms of one effect; one that asks for what the rig has not, or yields no terms, is an EffectError."""
         p = self.namespace(name)
         for other in self.effects[name].scales:
             setattr(p, other, self.namespace(other) if other in self.effects else None)
         try:
-            yield from self.effects[name].terms(p, u, rig)
+            with np.errstate(all="ignore"):
+                terms = list(islice(self.effects[name].terms(p, u, rig), MOST_TERMS + 1))
         except SetupError as error:
-            raise SetupError(f"{self.name}: {name}: {error}") from error
-        except Exception as error:
+            raise self.error(name, str(error)) from error
+        except (Exception, SystemExit) as error:
             if name not in self.use:
                 raise
-            raise SetupError(f"{self.name}: {name} ({self.use[name]}): {type(error).__name__}: {error}") from error
+            raise self.error(name, f"{_line(error, self.use[name])}{type(error).__name__}: {error}") from error
+        if len(terms) > MOST_TERMS:
+            raise self.error(name, f"yields more than {MOST_TERMS} terms; does it end?")
+        for number, term in enumerate(terms, start=1):
+            if not isinstance(term, Term):
+                raise self.error(name, f"term {number} is {term!r:.60}; yield Heat(...), Link(...) or another term")
+        return terms
+
+    def error(self, name: str, what: str) -> EffectError:
+        """What is wrong with an effect, in one line that names the model, the effect and a user's own file."""
+        own = f" ({self.use[name]})" if name in self.use else ""
+        return EffectError(name, f"{self.name}: {name}{own}: {' '.join(what.split())}")
 
     def namespace(self, name: str) -> SimpleNamespace:
         """Values of one effect's parameters, as attributes."""
@@ -116,6 +134,13 @@ def model_of(effects: Sequence[type[Effect]], name: str = "model") -> Model:
     for effect in effects:
         model = model + effect
     return model
+
+
+def _line(error: BaseException, use: str) -> str:
+    """Where in a user's own file it went wrong."""
+    file = Path(use.partition(":")[0]).name
+    lines = [frame.lineno for frame in extract_tb(error.__traceback__) if Path(frame.filename).name == file]
+    return f"line {lines[-1]}: " if lines else ""
 
 
 def _defaults(effect: type[Effect]) -> dict[str, Value]:

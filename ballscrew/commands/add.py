@@ -8,11 +8,11 @@ import click
 
 from ballscrew.options import PATH, model_output, rig_option, terminal_options
 from ballscrew.own_effect.named import named_effect
+from ballscrew.own_effect.patience import patience
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_rig
-from estimator.battery.exercise import instants
+from estimator.battery.admitted import admit
 from estimator.errors import SetupError
-from estimator.network.check import checked_terms
 from estimator.rig_folder.model_toml import load_model, save_model
 
 
@@ -32,7 +32,9 @@ def command(terminal: Terminal, effect: str, model_path: Path, out: Path, rig_pa
     if name in model.effects:
         raise SetupError(f"{model_path} has the effect '{name}' already; change its values in the file, or fit them")
     added = one.used_by(model + one.effect)
-    checked_terms(added, instants(rig := open_rig([model_path], rig_path, terminal)), rig)
+    rig = open_rig([model_path], rig_path, terminal)
+    with patience(one.use):
+        admit(added, rig)
     if missing := [other for other in one.effect.scales if other not in model.effects]:
         terminal.warn(f"{name} acts on {', '.join(missing)} too, which {model_path} has not: without it, it does less")
     save_model(added, out)

@@ -7,8 +7,11 @@ from pathlib import Path
 import click
 
 from ballscrew.options import PATH, terminal_options
+from ballscrew.own_effect.patience import patience
 from ballscrew.own_effect.printed import print_effect
 from ballscrew.terminal import Terminal
+from ballscrew.workspace import open_rig
+from estimator.battery.admitted import admit
 from estimator.effect import Param
 from estimator.model import Value
 from estimator.rig_folder.model_toml import load_model
@@ -19,7 +22,10 @@ from estimator.rig_folder.model_toml import load_model
 @terminal_options
 def command(terminal: Terminal, model: Path) -> None:
     """Print MODEL: one paragraph for each effect, with its equation and a table of its parameters."""
-    found = load_model(model)
+    with patience(model):
+        found = load_model(model)
+        if found.use:
+            admit(found, open_rig([model], None, terminal))
     terminal.say(f"{model}: {len(found.effects)} effects, {len(found.free())} free parameters")
     if found.about.get("fitted_on"):
         terminal.say("fitted on " + ", ".join(found.about["fitted_on"]))

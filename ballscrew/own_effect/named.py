@@ -6,6 +6,7 @@ import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ballscrew.own_effect.patience import patience
 from estimator.effect import Effect
 from estimator.effects import CATALOGUE
 from estimator.errors import SetupError, nearest
@@ -44,9 +45,10 @@ def named_effects(word: str) -> list[Named]:
     path = Path(file)
     if not path.is_file():
         raise SetupError(f"{path}: no such effect file")
-    if colon:
-        return [Named(own_effect(word, Path()), path)]
-    found = [Named(effect, path) for effect in own_effects(path).values() if effect.__module__ == path.stem]
+    with patience(path):
+        if colon:
+            return [Named(own_effect(word, Path()), path)]
+        found = [Named(effect, path) for effect in own_effects(path).values() if effect.__module__ == path.stem]
     if not found:
         raise SetupError(f"{path}: no effect in it; write a class that is an Effect, or ballscrew new-effect NAME")
     return found

@@ -1,1 +1,1 @@
-"""What every effect must pass: battery, bench, exercise."""
+"""What every effect must pass: battery, bench, exercise; and admitted, what is asked each time that it is used."""

@@ -37,6 +37,14 @@ class Inputs:
     motion: Motion
     unevenness: Array | float = 1.0
 
+    def __post_init__(self) -> None:
+        """No effect may write into what others read."""
+        for key in ("omega", "coverage"):
+            object.__setattr__(self, key, _read_only(getattr(self, key)))
+        for key in ("values", "rises"):
+            columns = {name: _read_only(column) for name, column in getattr(self, key).items()}
+            object.__setattr__(self, key, columns)
+
     def __len__(self) -> int:
         return len(self.omega)
 
@@ -108,6 +116,13 @@ def no_inputs(rig: Rig, omega: Array, coverage: Array) -> Inputs:
     """Speeds (ticks, 1) and coverage (ticks, cells), with every other input at zero."""
     none = {name: np.zeros_like(omega) for name in (*rig.inputs, START)}
     return Inputs(omega, coverage, none, none, Motion.none(len(omega)))
+
+
+def _read_only(array: Array) -> Array:
+    """The same numbers, not to be written."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 def _held(column: Array, before: float) -> Array:

@@ -1,1 +1,1 @@
-"""Terms into a thermal network, and the network into one tick: mesh, assemble, discretise, regime, forcing, check."""
+"""Terms into a thermal network, and that into one tick: mesh, sound, check, assemble, discretise, regime, forcing."""

@@ -14,9 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from estimator.errors import SetupError
 from estimator.inputs.inputs import Inputs
-from estimator.model import Model
 from estimator.network import mesh
 from estimator.record import Array
 from estimator.rig import Rig
@@ -100,8 +98,6 @@ def layout(terms: Sequence[Term], rig: Rig, reduced: bool = True) -> Layout:
     nodes: dict[str, slice] = {}
     start = 0
     for term in sorted((t for t in terms if isinstance(t, Store)), key=lambda t: t.node != SCREW):
-        if term.node in nodes:
-            raise SetupError(f"node '{term.node}' is stored twice; one effect declares a node's Store")
         size = rig.screw.cells if term.node == SCREW and rig.screw else 1
         nodes[term.node] = slice(start, start + size)
         start += size
@@ -122,13 +118,8 @@ def _shapes(places: Array, nodes: dict[str, slice], size: int, rig: Rig, reduced
     return full
 
 
-def network(model: Model, rig: Rig, place: Layout, u: Inputs) -> Network:
-    """Assemble mass, conductance, inflow and noise for the R regimes whose inputs are the rows of `u`."""
-    return network_of(list(model.terms(u, rig)), place, len(u))
-
-
 def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
-    """What these terms add to the network: it is the sum over all terms. Complex where a term is.
+    """What terms of R regimes add to the network: it is the sum over all terms. Complex where a term is.
 
     A link between two nodes whose temperatures are a'z and b'z is the matrix g (a - b)(a - b)'.
     """

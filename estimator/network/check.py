@@ -2,35 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from estimator.errors import SetupError, nearest
+from estimator.errors import nearest
 from estimator.inputs.inputs import Inputs
 from estimator.inputs.motion import Motion
 from estimator.model import Model
+from estimator.network.sound import Sound
 from estimator.rig import Rig
 from estimator.terms import ELONGATION, START, Chain, Heat, Lag, Link, Read, Shift, Store, Term
 
 
-def checked_terms(model: Model, u: Inputs, rig: Rig) -> list[Term]:
-    """All terms of a model at the inputs `u`, of any value; a model that does not fit the rig is a SetupError."""
-    by_effect = {name: list(model.terms_of(name, u, rig)) for name in model.effects}
+def checked_terms(model: Model, u: Inputs, rig: Rig, sound: Sound | None = None) -> list[Term]:
+    """All terms of a model at the inputs `u`, of any value; a model that does not fit the rig is an EffectError."""
+    sound = sound or Sound(model, rig)
+    by_effect = {name: sound.of(name, u, forced=False) for name in model.effects}
     stored = {term.node for terms in by_effect.values() for term in terms if isinstance(term, Store)}
     ones = {name: np.ones_like(column) for name, column in u.values.items()}
-    later = Motion(*np.ones((4, len(u), 1)))
+    other = replace(u, values=ones, rises=ones, motion=Motion(*np.ones((4, len(u), 1))))
     for name, terms in by_effect.items():
         for word, known, problem in _words(terms, stored, rig):
             if word not in known:
-                raise SetupError(f"{model.name}: {name}: {problem}; {nearest(word, known)}")
-        if not _alike(terms, list(model.terms_of(name, replace(u, values=ones, rises=ones, motion=later), rig))):
-            raise SetupError(
-                f"{model.name}: {name}: the g of a Link depends on an input; it may depend on parameters, u.omega and "
-                "u.coverage only"
+                raise model.error(name, f"{problem}; {nearest(word, known)}")
+        if not _alike(terms, sound.of(name, other, forced=False)):
+            raise model.error(
+                name, "the g of a Link depends on an input; it may depend on parameters, u.omega and u.coverage only"
             )
+    for name, problem in _together(by_effect, stored):
+        raise model.error(name, problem)
     return [term for terms in by_effect.values() for term in terms]
+
+
+def _together(by_effect: Mapping[str, Sequence[Term]], stored: set[str]) -> Iterator[tuple[str, str]]:
+    """What only all terms together tell: which effect, and what is wrong."""
+    owner: dict[str, str] = {}
+    scatter: dict[str, float] = {}
+    for name, terms in by_effect.items():
+        for term in terms:
+            if isinstance(term, Store):
+                if term.node in owner:
+                    yield name, f"node '{term.node}' is stored twice, by {owner[term.node]} too; one declares its Store"
+                owner[term.node] = name
+            elif isinstance(term, Link) and not {term.a, term.b} & stored:
+                yield name, f"a Link is between '{term.a}' and '{term.b}', neither of which any effect stores"
+            elif isinstance(term, Read):
+                scatter[term.channel] = scatter.get(term.channel, 0.0) + abs(term.sd)
+    for name, terms in by_effect.items():
+        for term in terms:
+            if isinstance(term, Read) and not scatter[term.channel]:
+                yield name, f"reads '{term.channel}' without scatter; say its sd in one Read of it"
 
 
 def _words(terms: Iterable[Term], stored: set[str], rig: Rig) -> Iterator[tuple[str, set[str], str]]:

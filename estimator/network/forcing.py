@@ -19,6 +19,7 @@ from estimator.network import assemble
 from estimator.network.check import checked_terms
 from estimator.network.discretise import Modes, Transition
 from estimator.network.regime import Regimes
+from estimator.network.sound import Sound
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 
@@ -81,7 +82,8 @@ class Forcing:
         self._regimes = Regimes(rig.tick_s, forgets=keep is not None)
         self._keep = keep
         self._solved: dict[int, Solved] = {}
-        self.terms = checked_terms(model, nothing(rig), rig)
+        self._sound = Sound(model, rig)
+        self.terms = checked_terms(model, nothing(rig), rig, self._sound)
         self.place = assemble.layout(self.terms, rig, reduced)
         self.readings = assemble.readings(self.terms, rig, self.place)
 
@@ -107,15 +109,18 @@ class Forcing:
         return Drive(u, np.array([self._regimes.index(float(omega), coverage) for omega, coverage in pairs]))
 
     def ticks(self, drive: Drive) -> Ticks:
-        """What the model makes of these inputs."""
+        """What the model makes of these inputs; an EffectError where an effect makes no number of them."""
         u, regime = drive.inputs, drive.regime
         self._solve(np.unique(regime).tolist())
-        terms = list(self.model.terms(u, self.rig))
+        terms = self._sound.terms(u)
         heat = assemble.heat(terms, self.place, len(u), drive.spread)
         outside = assemble.outside(terms, u, self.place)
         for r in np.unique(regime):
             heat[regime == r] += outside[regime == r] @ self._solved[r].inflow.T
-        return Ticks(regime, heat, assemble.offsets(terms, self.rig, len(u)), outside)
+        offset = assemble.offsets(terms, self.rig, len(u))
+        if not (np.isfinite(heat).all() and np.isfinite(offset).all()):
+            raise self._sound.blame(u)
+        return Ticks(regime, heat, offset, outside)
 
     def response(self, ticks: Ticks) -> tuple[Array, Array]:
         """F (R, n, n) of the regimes, and J w, (K, n): what each tick's heat does to the states."""
@@ -142,7 +147,8 @@ class Forcing:
         missing = [regime for regime in wanted if regime not in self._solved]
         if not missing:
             return
-        network = assemble.network(self.model, self.rig, self.place, self.regime_inputs(missing))
+        terms = self._sound.terms(self.regime_inputs(missing), forced=False)
+        network = assemble.network_of(terms, self.place, len(missing))
         for i, regime in enumerate(missing):
             modes = Modes(network, i, self.rig.tick_s)
             self._solved[regime] = Solved(modes, modes.transition(), network.inflow[i])

@@ -33,10 +33,9 @@ def load_model(path: Path | str) -> Model:
     for name, entry in table.items():
         if not isinstance(entry, Mapping):
             raise SetupError(f"{path}: '{name}' should be a table, one for each effect")
-        own = entry.get("use")
-        if own is not None:
-            use[name] = own
-        effect = own_effect(str(own), path.parent) if own else _catalogued(name, path)
+        if "use" in entry:
+            use[name] = fields.checked(entry["use"], str, f"{path}: {name}.use")
+        effect = own_effect(use[name], path.parent) if name in use else _catalogued(name, path)
         if effect.name != name:
             raise SetupError(f"{path}: {name}: the effect's name is '{effect.name}'; call the table so")
         model = model + effect
@@ -118,7 +117,8 @@ def own_effect(use: str, folder: Path) -> type[Effect]:
         raise SetupError(f'{path}: no such effect file; write use = "effects.py:ClassName"')
     found = own_effects(path)
     if cls not in found:
-        raise SetupError(f"{path} has no effect '{cls}'; {nearest(cls, found)}")
+        known = nearest(cls, found) if found else "it has none: write a class that is an Effect"
+        raise SetupError(f"{path} has no effect '{cls}'; {known}")
     return found[cls]
 
 
@@ -130,6 +130,8 @@ def own_effects(path: Path) -> dict[str, type[Effect]]:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
+    except SetupError as error:
+        raise SetupError(f"{path}: {error}") from error
     except (Exception, SystemExit) as error:
-        raise SetupError(f"{path}: {type(error).__name__}: {error}") from error
+        raise SetupError(f"{path}: {type(error).__name__}: {' '.join(str(error).split())}") from error
     return {k: v for k, v in vars(module).items() if isinstance(v, type) and issubclass(v, Effect) and v is not Effect}

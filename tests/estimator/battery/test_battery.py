@@ -109,13 +109,13 @@ class Compared(Jet):
 class Rooted(Jet):
     """A jet whose root is no number.
 
-    q = -P sqrt(-1)
+    q = -P + sqrt(P / 5 - 1)
     """
 
     power = Param(5.0, "W", lo=-50.0, hi=50.0, source="a guess")
 
     def terms(self, p, u, rig):
-        yield Heat(SCREW, -p.power * np.sqrt(np.array([[-1.0]])), over=spot(rig, 350.0, 30.0))
+        yield Heat(SCREW, -p.power + np.sqrt(np.reshape(p.power / 5.0 - 1.0, (1, 1))), over=spot(rig, 350.0, 30.0))
 
 
 class Spare(Jet):
@@ -195,14 +195,14 @@ BROKEN = [
     (Visible, "invisible at null", "with its parameters at null the readings are "),
     (Unseen, "seen off null", "power = 5 leaves nothing in any reading"),
     (Switched, "structure", "with power = 0 it yields other terms than by default"),
-    (Silent, "structure", "it yields no term"),
+    (Silent, "fits the rig", "yields no term; yield one with 0 rather than none"),
     (Absolute, "derivative", "power: the complex step of q of term 1 is not its slope"),
     (Stored, "derivative", "ComplexWarning: Casting complex values to real"),
     (Compared, "derivative", "TypeError: '<' not supported between instances of 'complex' and 'float'"),
     (Rooted, "derivative", "q of term 1 is no number at power = 4.9995"),
     (Spare, "derivative", "width changes nothing"),
     (Counting, "order", "readings change by "),
-    (Backwards, "heat is kept", "a link conducts backwards: its g is below 0"),
+    (Backwards, "fits the rig", "term 1, Link of screw - ambient: g is -"),
     (Elsewhere, "fits the rig", "a Heat is in 'nutt', which no effect of the model stores; did you mean 'nut'?"),
     (Misspelt, "fits the rig", "AttributeError: 'types.SimpleNamespace' object has no attribute 'pwer'"),
     (WithoutEquation, "documented", "the docstring has no equation"),
@@ -210,7 +210,7 @@ BROKEN = [
     (WithoutUnits, "documented", "power has no unit; power has no source; power has no finite bounds: lo = -inf"),
 ]
 ALSO = {  # what else is wrong with it then
-    Silent: {"seen off null", "derivative"},
+    Switched: {"invisible at null", "seen off null"},
     Counting: {"derivative"},
     WithoutUnits: {"invisible at null"},
 }
@@ -232,6 +232,13 @@ def test_a_broken_effect_fails_its_check(effect, check, detail, full, rig):
 
 def test_what_does_not_fit_the_rig_is_not_checked_further(full, rig):
     assert [finding.check for finding in battery(Elsewhere, full, rig)] == ["documented", "fits the rig"]
+
+
+def test_a_link_of_the_catalogue_that_conducts_backwards_is_found(full, rig, monkeypatch):
+    """Of others it is found with the first terms that they yield."""
+    monkeypatch.setitem(CATALOGUE, "backwards", Backwards)
+    (found,) = (finding for finding in battery(Backwards, full, rig) if finding.check == "heat is kept")
+    assert found.detail == "a link conducts backwards: its g is below 0"
 
 
 def test_a_leaking_link_is_found(full, rig, monkeypatch):

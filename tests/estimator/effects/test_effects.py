@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -219,9 +220,46 @@ def test_an_effect_built_on_another_keeps_its_parameters(rig, u):
     np.testing.assert_allclose(np.sum(heat.q * heat.over, axis=1), 70.0)
 
 
-def test_default_outside_its_bounds_is_refused():
-    with pytest.raises(SetupError, match=r"^parameter default 5.0 W is outside 0.0 ... 3.0$"):
-        Param(5.0, "W", lo=0.0, hi=3.0)
+@pytest.mark.parametrize(
+    ("param", "message"),
+    [
+        (Param(5.0, "W", lo=0.0, hi=3.0), "value = 5 W is outside 0 ... 3"),
+        (Param(5.0, "W", lo=0.0, hi=9.0, null=-1.0), "null = -1 W is outside 0 ... 9"),
+        (Param(5.0, "W", lo=9.0, hi=0.0), "lo = 9 is not below hi = 0"),
+        (Param(5.0, "W", lo=5.0, hi=5.0), "lo = 5 is not below hi = 5"),
+        (Param(5.0, "W", lo=np.nan, hi=9.0), "lo = nan is not below hi = 9"),
+        (Param(np.inf, "W"), "value is inf, must be a number up to 1e+12"),
+        (Param(np.nan, "W"), "value is nan, must be a number up to 1e+12"),
+        (Param(5.0, "W", null=np.nan), "null is nan, must be a number up to 1e+12"),
+        (Param("5", "W"), "value is '5', must be a number"),
+        (Param(5.0, "W", lo="0"), "lo is '0', must be a number"),
+        (Param(True, "W"), "value is True, must be a number"),
+        (Param(np.ones(2), "W"), "value is array([1., 1.]), must be a number"),
+        (Param(5.0, "W", sd=0.0), "sd is 0, must be above 0"),
+        (Param(5.0, "W", sd=-1.0), "sd is -1, must be above 0"),
+        (Param(5.0, 3), "unit and source must be texts"),
+        (Param(5.0, "W", over="moon"), 'over must be "", "place" or "channel", and fixed True or False'),
+    ],
+)
+def test_a_parameter_that_cannot_be_is_named(param, message):
+    with pytest.raises(SetupError, match=f"^effect Odd: power: {re.escape(message)}$"):
+        type("Odd", (Effect,), {"__doc__": "Odd: q = P.", "power": param})
+
+
+@pytest.mark.parametrize(
+    ("attributes", "message"),
+    [
+        ({"terms": 5}, "it needs a method terms(self, p, u, rig), and has no __init__: values come with p"),
+        ({"__init__": lambda self, x: None}, "it needs a method terms(self, p, u, rig), and has no __init__"),
+        ({"scales": "nut_friction"}, "scales is 'nut_friction', must be the names of other effects"),
+        ({"scales": None}, "scales is None, must be the names of other effects"),
+        ({"trace": None}, "trace is None, must be a text"),
+        ({"use": Param(5.0, "W")}, "use: a model file means the effect's file by it"),
+    ],
+)
+def test_a_class_that_is_no_effect_is_named(attributes, message):
+    with pytest.raises(SetupError, match=f"^effect Odd: {re.escape(message)}"):
+        type("Odd", (Effect,), {"__doc__": "Odd: q = P.", **attributes})
 
 
 def test_an_effect_without_an_equation_is_refused():

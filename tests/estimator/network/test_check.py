@@ -38,7 +38,7 @@ def cup_and(*terms) -> type[Effect]:
             "did you mean 'ambient'?",
         ),
         (Heat("cap", 1.0), "a Heat is in 'cap', which no effect of the model stores; did you mean 'cup'?"),
-        (Chain("cap", 1.0), "a Chain is in 'cap', which no effect of the model stores; did you mean 'cup'?"),
+        (Chain("cap", 1.0), "term 2, Chain of cap: a Chain is along the screw; between bodies there are Links"),
         (Read("T01"), "reads 'T01', which small/rig.toml has not in [channels]; did you mean 'T1'?"),
         (Lag("T01", 1.0), "reads 'T01', which small/rig.toml has not in [channels]; did you mean 'T1'?"),
         (
@@ -63,7 +63,7 @@ def test_what_an_effect_gets_wrong_is_named(small, term, message):
 
 
 def test_a_node_is_stored_once(small):
-    with pytest.raises(SetupError, match=r"^node 'cup' is stored twice; one effect declares a node's Store$"):
+    with pytest.raises(SetupError, match=r"^model: odd: node 'cup' is stored twice, by odd too; one decl"):
         Forcing(model_of([cup_and(Store("cup", 6.0, 1.0))]), small, START)
 
 

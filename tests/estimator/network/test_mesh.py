@@ -55,7 +55,7 @@ def fine(model, rig, drive):
         if r not in solvers:
             omega, coverage = forcing._regimes.omega[r], forcing._regimes.coverage[r]
             u = no_inputs(rig, np.array([[omega]]), coverage[None])
-            network = assemble.network(model, rig, place, u)
+            network = assemble.network_of(list(model.terms(u, rig)), place, len(u))
             mass, g = diags_array(np.diag(network.mass)).tocsc(), csc_matrix(network.conductance[0])
             solvers[r] = splu(mass + dt / 2 * g), mass - dt / 2 * g, network.inflow[0]
         ahead, behind, inflow = solvers[r]

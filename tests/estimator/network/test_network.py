@@ -50,7 +50,7 @@ def two_regimes(rig) -> Inputs:
 def assembled(rig, *effects, reduced: bool = True):
     model, u = model_of(effects), two_regimes(rig)
     place = assemble.layout(list(model.terms(u, rig)), rig, reduced)
-    return place, assemble.network(model, rig, place, u)
+    return place, assemble.network_of(list(model.terms(u, rig)), place, len(u))
 
 
 @pytest.fixture(scope="module", params=[True, False], ids=["reduced", "cells"])

@@ -18,7 +18,7 @@ from estimator.errors import SetupError
 from estimator.filter import Filter
 from estimator.inputs.inputs import nothing
 from estimator.inputs.start import Start
-from estimator.network.assemble import network
+from estimator.network.assemble import network_of
 from estimator.network.discretise import transition
 from estimator.network.forcing import Forcing
 from estimator.rig_folder.model_toml import load_model
@@ -295,10 +295,10 @@ def test_two_heaters_without_a_screw_are_fitted_and_reviewed(two_heaters):
 @pytest.mark.parametrize(
     ("file", "old", "new", "says"),
     [
-        ("rig.toml", "heater = {", "heating = {", "heater: needs the input 'heater', .* did you mean 'heating'"),
+        ("rig.toml", "heater = {", "heating = {", "heater .effects.py:Heater.: needs the input 'heater', .* did you mean 'heating'"),
         ("rig.toml", "ambient = {", "air = {", "still_air: a Link ends at 'ambient'"),
-        ("effects.py", "rig.screw.overlap", "rig.nut.overlap", "heater .effects.py:Heater.: AttributeError"),
-        ("effects.py", "p.g *", 'p.g * u["heater"] *', "chilled_end: the g of a Link depends on an input"),
+        ("effects.py", "rig.screw.overlap", "rig.nut.overlap", "heater .effects.py:Heater.: line 16: AttributeError"),
+        ("effects.py", "p.g *", 'p.g * u["heater"] *', "chilled_end .effects.py:ChilledEnd.: the g of a Link depends on an input"),
         ("model.toml", "[thermometers]", "[nut_friction]\n[thermometers]", "nut_friction: needs .nut., .* add it"),
         ("model.toml", "[thermometers]", "[displacement]\n[thermometers]", "displacement: reads 'displacement'"),
     ],
@@ -363,7 +363,7 @@ def test_a_long_tick_is_many_short_ones(dt):
     """Aluminium evens out within seconds: the noise of a long tick must not be lost in what has died out."""
     forcing = rod_forcing()
     still = nothing(forcing.rig)
-    system = network(forcing.model, forcing.rig, forcing.place, still)
+    system = network_of(list(forcing.model.terms(still, forcing.rig)), forcing.place, len(still))
     short, long = transition(system, 0, 0.5), transition(system, 0, dt)
     F, J, Q = np.eye(len(short.F)), np.zeros_like(short.J), np.zeros_like(short.Q)
     for _ in range(int(dt / 0.5)):

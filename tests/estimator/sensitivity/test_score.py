@@ -63,7 +63,8 @@ class Plain:
         regime, forcing = trial.drive.regime, trial.pose(real(model)).forcing
         place, self.n = forcing.place, forcing.place.size
         terms = list(model.terms(u, rig))
-        system = assemble.network(model, rig, place, forcing.regime_inputs())
+        regimes = forcing.regime_inputs()
+        system = assemble.network_of(list(model.terms(regimes, rig)), place, len(regimes))
         invert = np.linalg.inv(system.mass)
         per_regime = zip(system.conductance, system.noise, strict=True)
         moves = [discretised(-invert @ G, invert @ W @ invert.T, dt) for G, W in per_regime]
