@@ -11,10 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.accuracy import FOLDER
+from benchmarks import paper_rig
 from benchmarks.measure import Row, say, table
-from drivers.recordings import read_recording
-from estimator.rig_folder.rig_folder import load_rig
 
 RUN = "FS-20"
 WARM = 5
@@ -36,10 +34,9 @@ print(time.perf_counter() - began, time.process_time() - spent)
 
 def markdown() -> str:
     """Seconds in processes of their own."""
-    rig = load_rig(FOLDER)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "recording"
-        file.write_bytes(pickle.dumps(read_recording(FOLDER / f"{RUN}.blf", rig)))
+        file.write_bytes(pickle.dumps(paper_rig.recording(RUN)))
         say("  cold")
         cold, cold_cpu = _seconds(file, folder)
         say("  warm")
@@ -49,14 +46,13 @@ def markdown() -> str:
         Row("nothing in the cache: compiled first", f"{cold:.1f} s ({cold_cpu:.1f} s CPU)", cold, 20.0),
     ]
     title = f"Engine: from the first import to the first log-likelihood, {RUN}"
-    return table(
-        title, rows, ["On the clock, in a new process; rig, model and the gate included, the log read before."]
-    )
+    says = ["On the clock, in a new process; rig, model and the gate included, the log read before."]
+    return table(title, rows, says)
 
 
 def _seconds(file: Path, cache: str) -> tuple[float, float]:
     """On the clock and of the processor, of one new process with its compiled code in this folder."""
     env = {**os.environ, "NUMBA_CACHE_DIR": cache}
-    command = [sys.executable, "-c", CHILD, str(FOLDER), str(file)]
+    command = [sys.executable, "-c", CHILD, str(paper_rig.FOLDER), str(file)]
     wall, cpu = subprocess.run(command, env=env, capture_output=True, check=True, text=True).stdout.split()
     return float(wall), float(cpu)

@@ -8,7 +8,7 @@ from itertools import cycle
 import numpy as np
 
 from benchmarks import begin, fitting, growth, shipped
-from benchmarks.measure import Job, Row, Times, alone, interleaved, ratio, say, table
+from benchmarks.measure import Job, Row, Times, interleaved, ratio, say, table
 from benchmarks.ours import own_jobs, own_rows
 from benchmarks.peers import Dynamax, Statsmodels, check_peers, filterpy_loglike
 from benchmarks.problem import Problem, make
@@ -18,11 +18,6 @@ from estimator.record import Array
 ROUNDS = 9
 SHARE = 1440  # steps that filterpy gets
 FACTORS = np.linspace(0.95, 1.05, 7)
-
-
-def markdown() -> str:
-    """All tables of this study."""
-    return alone("benchmarks.engine")
 
 
 def synthetic() -> str:
@@ -126,13 +121,11 @@ def _beside_peers(times: dict[str, Times], steps: int) -> list[Row]:
     ]
 
 
-def main() -> None:
-    """Measure everything and print the tables."""
+def markdown() -> str:
+    """All tables of this study."""
     check_peers()
+    tables = []
     for study in (synthetic, shipped.markdown, growth.markdown, fitting.markdown, begin.markdown):
         say(f"{study.__module__}")
-        print(study(), flush=True)
-
-
-if __name__ == "__main__":
-    main()
+        tables.append(study())
+    return "\n".join(tables)

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from scipy.optimize import OptimizeResult, minimize
 
 from ballscrew.workspace import threads
-from benchmarks.accuracy import FOLDER
-from benchmarks.measure import Row, say, table
-from benchmarks.shipped import Judged, stepped
-from drivers.recordings import read_recording
+from benchmarks import paper_rig
+from benchmarks.measure import Row, say, table, timed
+from benchmarks.shipped import loglike_by_hand
 from estimator.batch.trial import Trial
 from estimator.batch.trials import trials_of
 from estimator.fit.fit import Fit, fit
 from estimator.fit.posterior import Posterior
 from estimator.model import Model, Value
-from estimator.record import Recording
-from estimator.rig import Rig
-from estimator.rig_folder.model_toml import load_model
-from estimator.rig_folder.rig_folder import load_rig
 from estimator.work import Runs
 
 RUNS = ("FS-20", "FS-5", "CS-10", "ES-2.5")
@@ -54,36 +48,27 @@ class Naive:
 
 def markdown() -> str:
     """Seconds of both."""
-    rig, model = load_rig(FOLDER), only(load_model(FOLDER / "model.toml"), TEN)
-    recordings = [read_recording(FOLDER / f"{name}.blf", rig) for name in RUNS]
+    rig, model = paper_rig.rig(), only(paper_rig.model(), TEN)
+    runs = Runs(rig, [paper_rig.recording(name) for name in RUNS])
     say("  fit")
-    cpu, wall = time.process_time(), time.perf_counter()
-    found = fit(model, Runs(rig, recordings))
-    cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
+    found, cpu, wall = timed(lambda: fit(model, runs))
     say("  fit in threads")
     with threads() as workers:
-        began = time.perf_counter()
-        fit(model, Runs(rig, recordings, workers))
-        shared = time.perf_counter() - began
-    naive = _naive(model, found.model, rig, recordings)
-    ticks = sum(len(recording) for recording in recordings)
+        _, _, shared = timed(lambda: fit(model, replace(runs, workers=workers)))
+    naive = _naive(model, found.model, runs)
+    ticks = sum(map(len, runs.recordings))
     rows = [*_own(found, cpu, wall, shared), *_naively(naive, cpu, found)]
     return table(f"Engine: fit of {len(TEN)} parameters to {', '.join(RUNS)}, {ticks} ticks", rows, _says())
 
 
-def _naive(model: Model, fitted: Model, rig: Rig, recordings: Sequence[Recording]) -> Naive:
+def _naive(model: Model, fitted: Model, runs: Runs) -> Naive:
     """Readings are refused for good by the fitted model's gate, as in the fit's own search."""
     say("  log-likelihood by the filter on filterpy")
-    began, total = time.process_time(), 0.0
-    for recording in recordings:
-        judged = Judged(model, rig)
-        stepped(judged, recording)
-        total += judged.loglike
-    seconds = time.process_time() - began
-    ours = sum(Trial(model, rig, recording).loglike(model) for recording in recordings)
+    total, seconds, _ = timed(lambda: sum(loglike_by_hand(model, runs.rig, each) for each in runs.recordings))
+    ours = sum(Trial(model, runs.rig, recording).loglike(model) for recording in runs.recordings)
     say("  L-BFGS-B")
     with threads() as workers:
-        posterior = Posterior(model, trials_of(fitted, Runs(rig, recordings, workers)), TEN)
+        posterior = Posterior(model, trials_of(fitted, replace(runs, workers=workers)), TEN)
         lo, hi = posterior.bounds
         search = minimize(
             lambda c: -posterior.value(c), posterior.start, method="L-BFGS-B", bounds=list(zip(lo, hi)),

@@ -1,7 +1,4 @@
-"""How time and memory grow with the length of a recording and with the number of states.
-
-python -m benchmarks.growth FOLDER JOB     one job on the system kept there: seconds and bytes, as JSON
-"""
+"""How time and memory grow with the length of a recording and with the number of states."""
 
 from __future__ import annotations
 
@@ -16,13 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.accuracy import FOLDER
+from benchmarks import paper_rig
 from benchmarks.measure import Row, alone, interleaved, say, table
 from benchmarks.problem import make
 from benchmarks.shipped import RUN, trial_of
 from estimator.batch import batch
 from estimator.batch.system import System
-from estimator.rig_folder.model_toml import load_model
 
 HOURS = (1, 8, 24)
 STATES = (12, 22, 36, 48, 60)
@@ -31,6 +27,7 @@ ROUNDS = 5
 REPEATS = 2
 LINEAR = FLAT = 1.10
 JOBS = {"log-likelihood": batch.loglike, "smoother": batch.smoothed, "gradient": batch.score}
+KEPT = ("smoother", "gradient")  # jobs whose result grows with the ticks
 PER_TICK = ("y", "regime", "b", "grown", "R", "muted")
 
 
@@ -47,7 +44,7 @@ def markdown() -> str:
 
 def _hours() -> str:
     trial, _ = trial_of(RUN)
-    system = trial.pose(load_model(FOLDER / "model.toml")).system
+    system = trial.pose(paper_rig.model()).system
     ticks = {hours: round(hours * 3600 / trial.rig.tick_s) for hours in HOURS}
     rows = []
     with tempfile.TemporaryDirectory() as folder:
@@ -71,7 +68,7 @@ def _in_turn(job: str, folder: Path, ticks: dict[int, int]) -> dict[int, tuple[f
     for done in range(ROUNDS):
         say(f"  {job}, round {done + 1} of {ROUNDS}")
         for hours in ticks:
-            rounds[hours].append(json.loads(alone("benchmarks.growth", str(folder / str(hours)), job)))
+            rounds[hours].append(json.loads(alone("growth", str(folder / str(hours)), job, what="timed")))
     return {
         hours: (1e6 * min(m["seconds"] for m in some) / ticks[hours], max(m["bytes"] for m in some) / 1e6)
         for hours, some in rounds.items()
@@ -84,7 +81,7 @@ def _growth(job: str, by_hours: dict[int, tuple[float, float]]) -> list[Row]:
     slower = [by_hours[last][0] / by_hours[h][0] for h in (middle, first)]
     rows.append(Row(f"{job}, time a tick, {last} h / {middle} h", f"{slower[0]:.2f}", slower[0], LINEAR))
     rows.append(Row(f"{job}, time a tick, {last} h / {first} h", f"{slower[1]:.2f}"))
-    if job != "log-likelihood":  # which keeps nothing
+    if job in KEPT:
         more = by_hours[last][1] / by_hours[middle][1]
         rows.append(Row(f"{job}, memory, {last} h / {middle} h", f"{more:.2f}", more, FLAT))
     return rows
@@ -101,8 +98,8 @@ def _states() -> str:
     return table(f"Engine: growth with states, {STEPS} steps", rows, ["CPU time a step."])
 
 
-def main(folder: str, name: str) -> None:
-    """Time one job, and say how much memory it took beside its data and its result."""
+def timed(folder: str, name: str) -> str:
+    """Time one job on the system kept there, and say how much memory it took beside data and result, as JSON."""
     system, job = System(**{file.stem: np.load(file) for file in Path(folder).iterdir()}), JOBS[name]
     job(tiled(system, 60))  # compiled, loaded
     before, seconds = _peak_from_now(), []
@@ -110,12 +107,9 @@ def main(folder: str, name: str) -> None:
         began = time.process_time()
         result = job(system)
         seconds.append(time.process_time() - began)
-        size = sum(a.nbytes for a in vars(result).values() if isinstance(a, np.ndarray)) if name in _KEPT else 0
+        size = sum(a.nbytes for a in vars(result).values() if isinstance(a, np.ndarray)) if name in KEPT else 0
         del result
-    print(json.dumps({"seconds": min(seconds), "bytes": _peak() - before - size}))
-
-
-_KEPT = ("smoother", "gradient")
+    return json.dumps({"seconds": min(seconds), "bytes": _peak() - before - size})
 
 
 def _peak_from_now() -> int:
@@ -132,7 +126,3 @@ def _peak() -> int:
     if status.exists():
         return 1024 * int(re.search(r"VmHWM:\s+(\d+)", status.read_text())[1])
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

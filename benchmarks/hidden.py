@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 import tempfile
 from collections import Counter
 from collections.abc import Sequence
@@ -22,9 +21,10 @@ from time import perf_counter
 import numpy as np
 from scipy.stats import beta
 
+from benchmarks import paper_rig
 from benchmarks.cases import FIRST_SEED, PLANTED, RUNS, STRANGERS, TAKEN_OUT, Case, cases
 from benchmarks.handed_over import record
-from benchmarks.measure import alone, say
+from benchmarks.measure import say, section
 from drivers.recordings import read_recording
 from drivers.virtual_rig import simulate, write
 from drivers.virtual_rig.machine.heaters import local_place
@@ -42,11 +42,8 @@ from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.record import Recording
 from estimator.rig import Rig
-from estimator.rig_folder.model_toml import load_model
-from estimator.rig_folder.rig_folder import load_rig
 from estimator.work import Runs
 
-FOLDER = Path(__file__).parents[1] / "recordings"
 NEAR_MM = 60.0
 WORTH_UM = 1.0  # an effect that costs more must not be taken for one of the other kind
 
@@ -70,15 +67,10 @@ class Outcome:
     seconds: float = 0.0
 
 
-def markdown() -> str:
-    """All tables of this study."""
-    return alone("benchmarks.hidden")
-
-
 def study(case: Case) -> Outcome:
     """One case, from the simulation to the verdict."""
     began = perf_counter()
-    rig, model = load_rig(FOLDER), load_model(FOLDER / "base.toml")
+    rig, model = paper_rig.rig(), paper_rig.model("base")
     plant = {name: case.strength for name in case.planted if name not in TAKEN_OUT}
     for name in case.planted:
         model = model - name if name in TAKEN_OUT else model
@@ -165,8 +157,8 @@ def interval(good: int, n: int) -> str:
     return f"{good} of {n}: {good / n:.0%} ({lo:.0%} - {hi:.0%})"
 
 
-def main(kinds: Sequence[str]) -> None:
-    """Run all cases, or those of some kinds, and print the tables."""
+def markdown(*kinds: str) -> str:
+    """Run all cases, or those of some kinds; the tables."""
     wanted, outcomes = [case for case in cases() if not kinds or case.kind in kinds], []
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         for done, out in enumerate(pool.map(study, wanted), start=1):
@@ -174,12 +166,7 @@ def main(kinds: Sequence[str]) -> None:
             mark = "  " if right(out) else "XX"
             shown = {k: v for k, v in asdict(out).items() if k not in ("case", "kinds") and v not in ((), None, "")}
             say(f"{done}/{len(wanted)} {mark} {out.case} {json.dumps(shown)}")
-    print(tables(outcomes))
-
-
-def tables(outcomes: Sequence[Outcome]) -> str:
-    """What must come out, the confusion matrix, and what went wrong."""
-    return "\n\n".join([_musts(outcomes), _confusion(outcomes), _wrong(outcomes)])
+    return "\n".join([_musts(outcomes), _confusion(outcomes), _wrong(outcomes)])
 
 
 def _musts(outcomes: Sequence[Outcome]) -> str:
@@ -204,10 +191,8 @@ def _musts(outcomes: Sequence[Outcome]) -> str:
         rows += _error_rows(one)
     seconds = [o.seconds for o in outcomes]
     rows.append(["seconds a case on one core, simulations too, median", f"{np.median(seconds):.0f}", ""])
-    head = "## Which effect is missing: four recordings, the whole catalogue"
-    return f"{head}\n\nSeeds {FIRST_SEED} and up; share with 95 % interval.\n\n" + _table(
-        ("", "measured", "must be"), rows
-    )
+    title, says = "Which effect is missing: four recordings, the whole catalogue", "share with 95 % interval."
+    return section(title, [("", "measured", "must be"), *rows], [f"Seeds {FIRST_SEED} and up; {says}"])
 
 
 def _error_rows(one: Sequence[Outcome]) -> list[list[str]]:
@@ -236,7 +221,7 @@ def _confusion(outcomes: Sequence[Outcome]) -> str:
             for o in one if o.case.planted == (name,)
         )  # fmt: skip
         rows.append([name, ", ".join(f"{n} x {said}" for said, n in counts.most_common())])
-    return "### What was planted, and what was said\n\n" + _table(("planted", "said"), rows)
+    return section("What was planted, and what was said", [("planted", "said"), *rows], level=3)
 
 
 def _wrong(outcomes: Sequence[Outcome]) -> str:
@@ -245,13 +230,5 @@ def _wrong(outcomes: Sequence[Outcome]) -> str:
          " ".join(dict.fromkeys([*o.tie, *o.added, o.first])), f"{o.place_mm:.0f} mm {o.follows}" if o.follows else ""]
         for o in outcomes if not right(o)
     ]  # fmt: skip
-    return "### Cases that came out wrong\n\n" + _table(("row", "planted", "seed", "verdict", "named", "where"), rows)
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows)]
-    return "\n".join(lines)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+    head = ("row", "planted", "seed", "verdict", "named", "where")
+    return section("Cases that came out wrong", [head, *rows], level=3)

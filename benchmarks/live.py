@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import random
-import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import can
 import numpy as np
 
+from benchmarks import paper_rig
 from benchmarks.loopback import (
     FILLER,
-    RECORDINGS,
     Timed,
     connected,
     cpu_s,
@@ -27,7 +26,7 @@ from benchmarks.loopback import (
     timed,
     with_filler,
 )  # fmt: skip
-from benchmarks.measure import Row, alone, say, table
+from benchmarks.measure import Row, say, table
 from drivers.budget import Budget
 from drivers.frames import Tally
 from drivers.logs.candump import read_candump
@@ -36,18 +35,11 @@ from drivers.recordings import read_joined, read_recording
 from drivers.virtual_rig import frame_table, simulate, write
 from estimator.accuracy.review import review
 from estimator.batch.replay import replay
-from estimator.rig_folder.model_toml import load_model
-from estimator.rig_folder.rig_folder import load_rig
 
 STATUS, ESTIMATE = 0x214, 0x610
 RATE_S, FULL_S, FULL_RATE = 150.0, 300.0, 8000
 DAY_S, DAY_SPEED_UP, CYCLES = 86_400.0, 100.0, 24
 KILLS, RIG_SPEED_UP = 20, 60
-
-
-def markdown() -> str:
-    """All tables of this study."""
-    return alone("benchmarks.live")
 
 
 def at_its_own_rate() -> list[Row]:
@@ -116,9 +108,9 @@ def a_day() -> list[Row]:
             seconds = time.monotonic() - began
             time.sleep(5.0)
         last = [line for line in lines_of(folder) if not line["provisional"]]
-        rig = load_rig(RECORDINGS)
+        rig = paper_rig.rig()
         _, recording = read_joined(sorted((folder / "rec").glob("*.log")), rig)
-        track = replay(load_model(RECORDINGS / "model.toml"), rig, recording)
+        track = replay(paper_rig.model(), rig, recording)
     at = int(np.searchsorted(track.time_s, last[-1]["t"] - 1e-6))
     apart = abs(last[-1]["elongation_um"] - float(track.elongation_um[at]))
     slope = float(np.polyfit(np.arange(len(memory) - 1), memory[1:], 1)[0])
@@ -132,7 +124,7 @@ def a_day() -> list[Row]:
 
 def cooldown() -> list[Row]:
     """A drive and the hour after it, no displacement reading meanwhile: the errors live, and of review on the log."""
-    rig, model = load_rig(RECORDINGS), load_model(RECORDINGS / "model.toml")
+    rig, model = paper_rig.rig(), paper_rig.model()
     with tempfile.TemporaryDirectory() as name, hub() as port:
         folder = Path(name)
         run = simulate("FS-20", seed=5, cycles=1)
@@ -185,16 +177,12 @@ def _below(what: str, value: float, limit: float, unit: str) -> Row:
     return Row(what, f"{value:.3g} {unit}", float(value), limit)
 
 
-def main(names: Sequence[str]) -> None:
-    """Measure everything, or some of it, and print the table."""
+def markdown(*names: str) -> str:
+    """Measure everything, or some of it; the table."""
     parts = {"rate": at_its_own_rate, "full": full_bus, "cooldown": cooldown, "kill": killed, "day": a_day}
     rows = []
     for name in names or parts:
         say(name)
         rows += parts[name]()
     says = ["Hub, rig and monitor in three processes on the loopback, the monitor recording and writing JSON lines."]
-    print(table("Live: the monitor on a bus", rows, says))
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+    return table("Live: the monitor on a bus", rows, says)

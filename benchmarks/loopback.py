@@ -16,10 +16,10 @@ from pathlib import Path
 import can
 import numpy as np
 
+from benchmarks import paper_rig
 from drivers.virtual_rig import frame_table, simulate
 from estimator.record import Array
 
-RECORDINGS = Path(__file__).parents[1] / "recordings"
 FILLER = 0x7A0
 
 Timed = tuple[float, can.Message]
@@ -45,7 +45,7 @@ def monitor(port: int, folder: Path, *options: str) -> Iterator[subprocess.Popen
     said = folder / "said.txt"
     command = [
         sys.executable, "-m", "ballscrew", "live", "--interface", "socketcand", "--channel", "can0", "--bus-kwargs",
-        "host=127.0.0.1", f"port={port}", "--rig", str(RECORDINGS), "--record", str(folder / "rec"),
+        "host=127.0.0.1", f"port={port}", "--rig", str(paper_rig.FOLDER), "--record", str(folder / "rec"),
         "--json", str(folder / "live.jsonl"), *options,
     ]  # fmt: skip
     with said.open("w") as file:

@@ -9,9 +9,11 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
+from ballscrew.report import sections
 from estimator.record import Array
 
 ONE_THREAD = {
@@ -23,6 +25,7 @@ ONE_THREAD = {
 }
 
 Job = Callable[[], object]
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,13 @@ def over(a: Times, b: Times, by: str = "cpu") -> float:
     return float(np.median(getattr(a, by) / getattr(b, by)))
 
 
+def timed(job: Callable[[], Result]) -> tuple[Result, float, float]:
+    """What a job returns, and its seconds: of the processor, and on the clock."""
+    cpu, wall = time.process_time(), time.perf_counter()
+    result = job()
+    return result, time.process_time() - cpu, time.perf_counter() - wall
+
+
 def interleaved(jobs: Mapping[str, Job], rounds: int) -> dict[str, Times]:
     """Every job once a round, each round begun by another; after one round that does not count."""
     names = list(jobs)
@@ -56,9 +66,7 @@ def interleaved(jobs: Mapping[str, Job], rounds: int) -> dict[str, Times]:
         say(f"  round {done + 1} of {rounds}")
         first = done % len(names)
         for name in names[first:] + names[:first]:
-            cpu, wall = time.process_time(), time.perf_counter()
-            jobs[name]()
-            taken = time.process_time() - cpu, time.perf_counter() - wall
+            _, *taken = timed(jobs[name])
             if done >= 0:
                 seconds[name][done] = taken
     return {name: Times(*both.T) for name, both in seconds.items()}
@@ -79,11 +87,13 @@ class Row:
         """Whether it is as it must be."""
         return self.limit is None or (self.value >= self.limit if self.least else self.value <= self.limit)
 
-    def __str__(self) -> str:
+    @property
+    def cells(self) -> list[str]:
+        """What it is, how large, how large it must be, and whether it is so."""
         if self.limit is None:
-            return f"| {self.what} | {self.text} | | |"
+            return [self.what, self.text, "", ""]
         must = f"{'>=' if self.least else '<='} {self.limit:g}"
-        return f"| {self.what} | {self.text} | {must} | {'yes' if self.met else '**no**'} |"
+        return [self.what, self.text, must, "yes" if self.met else "**no**"]
 
 
 def ratio(what: str, a: Times, b: Times, limit: float | None = None, by: str = "cpu") -> Row:
@@ -97,8 +107,12 @@ def ratio(what: str, a: Times, b: Times, limit: float | None = None, by: str = "
 
 def table(title: str, rows: Sequence[Row], says: Sequence[str] = ()) -> str:
     """A section: what was done, then the rows."""
-    head = "| | measured | must be | is so |\n|---|---|---|---|"
-    return "\n".join([f"## {title}", "", *(f"{sentence}\n" for sentence in says), head, *map(str, rows), ""])
+    return section(title, [["", "measured", "must be", "is so"], *(row.cells for row in rows)], says)
+
+
+def section(title: str, rows: Sequence[Sequence[str]], says: Sequence[str] = (), level: int = 2) -> str:
+    """A heading, sentences, and a table, its head first."""
+    return "\n".join([f"{'#' * level} {title}", "", *(f"{said}\n" for said in says), *sections.table(rows), ""])
 
 
 def machine() -> str:
@@ -111,9 +125,10 @@ def machine() -> str:
     return f"{model} ({platform.machine()}, {os.cpu_count()} cores{load}), Python {platform.python_version()}"
 
 
-def alone(module: str, *words: str) -> str:
-    """What `python -m MODULE WORDS` prints, in a process of its own that computes in one thread."""
-    command = [sys.executable, "-m", module, *words]
+def alone(study: str, *words: str, what: str = "markdown") -> str:
+    """What a function of a study returns, in a process of its own that computes in one thread."""
+    code = f"import sys; from benchmarks.{study} import {what} as run; print(run(*sys.argv[1:]))"
+    command = [sys.executable, "-c", code, *words]
     done = subprocess.run(command, env={**os.environ, **ONE_THREAD}, stdout=subprocess.PIPE, text=True)
     if done.returncode:
         raise SystemExit(done.returncode)

@@ -15,17 +15,15 @@ from time import perf_counter
 
 import numpy as np
 
-from benchmarks.accuracy import FOLDER
+from benchmarks import paper_rig
 from benchmarks.fitting import only
-from benchmarks.measure import Row, alone, say, table
+from benchmarks.measure import Row, say, table
 from estimator.batch.system import System
 from estimator.batch.trial import Trial
 from estimator.fit.fit import fit
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.rig_folder.model_toml import load_model
-from estimator.rig_folder.rig_folder import load_rig
 from estimator.work import Runs
 
 SEEDS = 100
@@ -39,7 +37,7 @@ READ_EVERY = 3  # ticks between two displacement readings
 
 
 @dataclass(frozen=True)
-class Found:
+class Recovered:
     """Of one seed: (fitted - true) / sd of each parameter, error as a share of the true value, how the fit ended."""
 
     off: Array
@@ -49,23 +47,17 @@ class Found:
     converged: bool
 
 
-def markdown() -> str:
-    """All tables of this study."""
-    return alone("benchmarks.recovery")
-
-
 def drive(rig: Rig) -> Recording:
     """Rest, a drive to and fro over the stroke, rest, a slower drive, rest; no channel read but in the first sample."""
-    assert rig.screw is not None
-    assert rig.nut is not None
+    screw, nut = rig.the_screw(), rig.the_nut()
     time_s, omega = np.arange(SECONDS) + 1.0, np.zeros(SECONDS)
     for begin, end, speed in DRIVES:
         omega[begin:end] = speed
     fine = np.repeat(omega, 40) / 40
-    way = np.cumsum(fine) / (2 * np.pi) * rig.screw.lead_mm
+    way = np.cumsum(fine) / (2 * np.pi) * screw.lead_mm
     position = (STROKE_MM - np.abs(STROKE_MM - way % (2 * STROKE_MM))).reshape(-1, 40)
-    centre, half = rig.nut.centre(position), rig.nut.length_mm / 2
-    coverage = rig.screw.overlap(centre - half, centre + half).mean(axis=1)
+    centre, half = nut.centre(position), nut.length_mm / 2
+    coverage = screw.overlap(centre - half, centre + half).mean(axis=1)
     inputs = {name: np.full(SECONDS, AIR_C if signal.unit == "degC" else 0.0) for name, signal in rig.inputs.items()}
     inputs["position"] = position[:, -1]
     channels = np.zeros((SECONDS, len(rig.names)))
@@ -102,19 +94,19 @@ def _rows(system: System, t: int) -> Array:
     return rows
 
 
-def one(seed: int) -> Found:
+def one(seed: int) -> Recovered:
     """Draw parameters, live, fit."""
     dice = np.random.default_rng(seed)
-    rig, start = load_rig(FOLDER), only(load_model(FOLDER / "model.toml"), PATHS)
+    rig, start = paper_rig.rig(), only(paper_rig.model(), PATHS)
     true = {path: start[path] * dice.uniform(1 - APART, 1 + APART) for path in PATHS}
     found = fit(start, Runs(rig, [lived(start.with_values(true), rig, drive(rig), dice)]))
     by_path = {f.path: f for f in found.parameters}
     fitted, sd = (np.array([getattr(by_path[path], key) for path in PATHS]) for key in ("value", "sd"))
     wanted = np.array([true[path] for path in PATHS])
-    return Found((fitted - wanted) / sd, (fitted - wanted) / wanted, found.kept, found.raised, found.converged)
+    return Recovered((fitted - wanted) / sd, (fitted - wanted) / wanted, found.kept, found.raised, found.converged)
 
 
-def study() -> str:
+def markdown() -> str:
     """Fit every seed; the table."""
     began, found = perf_counter(), []
     with ProcessPoolExecutor(os.cpu_count()) as pool:
@@ -124,7 +116,7 @@ def study() -> str:
     return table(f"Recovery: {SEEDS} recordings that the model has lived", _table(found), _says(perf_counter() - began))
 
 
-def _table(found: Sequence[Found]) -> list[Row]:
+def _table(found: Sequence[Recovered]) -> list[Row]:
     off = np.abs([each.off for each in found])
     share = np.array([each.share for each in found])
     within = {k: float((off < k).mean()) for k in (1, 2, 3)}
@@ -152,7 +144,3 @@ def _says(seconds: float) -> list[str]:
         f"{SECONDS / 60:.0f} min each, driven {drives}; {len(PATHS)} parameters drawn evenly within {APART:.0%} of "
         f"their defaults, then fitted from there. {seconds:.0f} s in {os.cpu_count()} processes."
     ]
-
-
-if __name__ == "__main__":
-    print(study(), flush=True)

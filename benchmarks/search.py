@@ -11,23 +11,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from benchmarks.measure import Row, alone, say, table
-from estimator.rig_folder.model_toml import load_model, save_model
+from benchmarks import paper_rig
+from benchmarks.measure import Row, say, table
+from estimator.rig_folder.model_toml import save_model
 
-RECORDINGS = Path(__file__).parents[1] / "recordings"
 SIX = ("FS-20", "FS-10", "FS-5", "CS-10", "CS-5", "ES-5")
 ONE, TWO = ("rotating_convection",), ("rotating_convection", "free_housing")
-
-
-def markdown() -> str:
-    """All tables of this study."""
-    return alone("benchmarks.search")
 
 
 @contextmanager
 def without(names: tuple[str, ...]) -> Iterator[Path]:
     """A folder with the model that lacks these effects, model.toml."""
-    model = load_model(RECORDINGS / "base.toml")
+    model = paper_rig.model("base")
     for name in names:
         model = model - name
     with tempfile.TemporaryDirectory() as folder:
@@ -37,16 +32,16 @@ def without(names: tuple[str, ...]) -> Iterator[Path]:
 
 def told(folder: Path, command: str, *options: str) -> tuple[float, dict[str, object]]:
     """Seconds that a command takes on the six recordings, start included, and what it says."""
-    logs = [str(RECORDINGS / f"{name}.blf") for name in SIX]
-    words = ["--rig", str(RECORDINGS), "--model", str(folder / "model.toml"), "--json", str(folder / "said.json")]
+    logs = [str(paper_rig.path_of(name)) for name in SIX]
+    words = ["--rig", str(paper_rig.FOLDER), "--model", str(folder / "model.toml"), "--json", str(folder / "said.json")]
     began = time.perf_counter()
     line = [sys.executable, "-m", "ballscrew", command, *logs, *words, "--quiet", *options]
     subprocess.run(line, check=True, cwd=folder)
     return time.perf_counter() - began, json.loads((folder / "said.json").read_text())
 
 
-def main() -> None:
-    """Measure both and print the table."""
+def markdown() -> str:
+    """Measure both; the table."""
     say("suggest")
     with without(ONE) as folder:
         suggest_s, suggested = told(folder, "suggest")
@@ -62,8 +57,4 @@ def main() -> None:
     says = [
         f"base.toml without what is to be found, on {', '.join(SIX)}; start, compiled code, report and views included."
     ]
-    print(table("The search for a missing effect: six recordings, as commands", rows, says))
-
-
-if __name__ == "__main__":
-    main()
+    return table("The search for a missing effect: six recordings, as commands", rows, says)

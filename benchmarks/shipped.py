@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.accuracy import FOLDER
+from benchmarks import paper_rig
 from benchmarks.measure import Row, Times, interleaved, ratio, table
 from benchmarks.ours import own_jobs, own_rows
 from benchmarks.peers import gaussian
-from drivers.recordings import read_recording
 from estimator.batch import batch
 from estimator.batch.trial import Trial
 from estimator.filter import Filter
+from estimator.model import Model
 from estimator.record import Array, Recording
-from estimator.rig_folder.model_toml import load_model
-from estimator.rig_folder.rig_folder import load_rig
+from estimator.rig import Rig
 from estimator.sensitivity.score import score
 from estimator.state.gate import GATE
 
@@ -23,7 +22,7 @@ ROUNDS = 7
 FREE = (5, 10, 20)
 
 
-class Judged(Filter):
+class _LikelihoodFilter(Filter):
     """The online filter, with the log-likelihood of what it fuses after the first sample from its innovations."""
 
     loglike = 0.0
@@ -35,6 +34,13 @@ class Judged(Filter):
         return nis
 
 
+def loglike_by_hand(model: Model, rig: Rig, recording: Recording) -> float:
+    """Log-likelihood of a recording by the filter that runs tick by tick."""
+    filter_ = _LikelihoodFilter(model, rig)
+    stepped(filter_, recording)
+    return filter_.loglike
+
+
 def stepped(filter_: Filter, recording: Recording) -> None:
     """All ticks, one after the other, as live takes them."""
     for sample in recording:
@@ -43,15 +49,14 @@ def stepped(filter_: Filter, recording: Recording) -> None:
 
 def trial_of(name: str) -> tuple[Trial, Recording]:
     """A recording of the shipped rig, posed for the shipped model."""
-    rig, model = load_rig(FOLDER), load_model(FOLDER / "model.toml")
-    recording = read_recording(FOLDER / f"{name}.blf", rig)
-    return Trial(model, rig, recording), recording
+    recording = paper_rig.recording(name)
+    return Trial(paper_rig.model(), paper_rig.rig(), recording), recording
 
 
 def markdown() -> str:
     """Cost per tick and in log-likelihoods; what a gradient costs with the number of parameters."""
     trial, recording = trial_of(RUN)
-    model = load_model(FOLDER / "model.toml")
+    model = paper_rig.model()
     system, free = trial.pose(model).system, model.free()
     jobs = own_jobs(system) | {
         "posed": lambda: trial.loglike(model),
@@ -59,9 +64,8 @@ def markdown() -> str:
         "filter": lambda: stepped(Filter(model, trial.rig), recording),
         **{f"free {p}": lambda p=p: score(trial, model, free[:p]) for p in FREE},
     }
-    times, ticks, by_hand = interleaved(jobs, ROUNDS), len(system.y), Judged(model, trial.rig)
-    stepped(by_hand, recording)
-    apart = abs(by_hand.loglike - batch.loglike(system)) / abs(by_hand.loglike)
+    times, ticks, by_hand = interleaved(jobs, ROUNDS), len(system.y), loglike_by_hand(model, trial.rig, recording)
+    apart = abs(by_hand - batch.loglike(system)) / abs(by_hand)
     rows = [
         Row("log-likelihood, relative difference from the filterpy filter's", f"{apart:.1e}", apart, 1e-9),
         *own_rows(times, ticks),
