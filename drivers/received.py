@@ -1,4 +1,4 @@
-"""One frame as it came off a bus: what every receiver hands on, whatever the interface."""
+"""What every receiver hands on, whatever the interface: frames as they came off a bus, and sentences about the bus."""
 
 from __future__ import annotations
 
@@ -28,6 +28,13 @@ class Received(NamedTuple):
     channel: str = "can0"
     dlc: int = 0
     flags: int = 0
+
+
+class Notice(NamedTuple):
+    """A sentence about the bus itself; level is INFO or WARN."""
+
+    text: str
+    level: str = "WARN"
 
 
 def received_of(message: can.Message, time_s: float, channel: str) -> Received:

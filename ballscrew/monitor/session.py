@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 from ballscrew.monitor.monitor import Moment, Monitor
 from ballscrew.monitor.status import Status, defects, not_used
 from drivers.bus.publisher import Publisher
-from drivers.bus.receiver import Notice, Receiver
+from drivers.bus.receiver import Receiver
 from drivers.bus.rig_time import RigTime
-from drivers.received import Received
+from drivers.received import Notice, Received
 from drivers.recorder.recorder import Recorder
 from estimator.alarms.trust import Trust
 from estimator.step import Mode
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 WAIT_S = 0.05  # half of what the bus may wait for an invalid frame
 RATE_S = 5.0  # frames per second are counted over
-BEHIND_S = 0.5  # that a frame may wait for the estimate
+BEHIND_S = 0.5  # that a frame may be old
 LOOK_S = 0.1  # between two looks at how things are: with each frame they would cost more than the estimate
 DRAIN_S = 0.5  # for what has come but is not estimated yet when the end is asked for
 SHOWN_S = 1.0  # between two states of the monitor in the views
@@ -141,7 +141,7 @@ class Session:
     def _judge(self, trust: Trust) -> None:
         """Whether the latest estimate is to be relied on; tell of a change."""
         assert self.latest is not None
-        if self.receiver.waited_s > BEHIND_S:
+        if self.receiver.age_s > BEHIND_S:
             trust = replace(trust, why=(*trust.why, "the monitor is behind"))
         if trust.valid != self.latest.trust.valid or trust.why != self.latest.trust.why:
             self.latest, self._fresh = replace(self.latest, trust=trust), True
@@ -194,8 +194,8 @@ class Session:
         return Status(
             rig=self.monitor.rig, moment=self.latest, alarms=tuple(self.monitor.active.values()),
             bus=f"{self.bus} {self.receiver.state}{errors}", frames=self.receiver.frames,
-            frames_per_s=self._frames_per_s(),
-            dropped=self.receiver.dropped + lost + not_used(skipped), skipped=skipped,
+            frames_per_s=self._frames_per_s(), age_s=self.receiver.age_s,
+            dropped=self.receiver.missed + self.receiver.dropped + lost + not_used(skipped), skipped=skipped,
             recording=(self.recorder.trouble or str(self.recorder.path)) if self.recorder else "none (--record DIR)",
             publishing=(publisher.trouble or sent) if publisher else "", views=self.views_at,
         )  # fmt: skip

@@ -21,7 +21,10 @@ NO_DEFECT = ("unknown id", "not in the rig file", "held since before the log", "
 
 @dataclass(frozen=True)
 class Status:
-    """The state of the monitor at one moment; `moment` is None before the first tick."""
+    """The state of the monitor at one moment; `moment` is None before the first tick.
+
+    age_s  how old the latest frame was when it was taken
+    """
 
     rig: Rig
     moment: Moment | None
@@ -29,6 +32,7 @@ class Status:
     bus: str
     frames: int
     frames_per_s: float
+    age_s: float
     dropped: int
     skipped: Mapping[str, int]
     recording: str
@@ -70,7 +74,7 @@ class Status:
             "t": step.time_s, "elongation_um": step.elongation_um, "sigma_um": step.sigma_um,
             "error_at_table_um": step.error_at_table_um, "mode": self.moment.mode.name.lower(),
             "channels": fused_thermometers(self.moment, self.rig), "nis": step.nis, "frames": self.frames,
-            "dropped": self.dropped,
+            "age_s": self.age_s, "dropped": self.dropped,
             "alarms": [
                 {"kind": a.kind, "channel": a.channel, "since_s": a.since_s, "text": a.text} for a in self.alarms
             ],

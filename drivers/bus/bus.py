@@ -12,6 +12,7 @@ from typing import Any
 import can
 from can.util import cast_from_string
 
+from drivers.bus.kernel_buffer import with_room
 from estimator.errors import SetupError
 
 # What interfaces raise beside can.CanError: it depends on the driver, the adaptor and the state of its cable.
@@ -51,7 +52,9 @@ class BusAddress:
 
     def listen(self) -> Listener:
         """The bus without a way to transmit."""
-        return Listener(self.open())
+        bus = self.open()
+        buffer = with_room(bus)
+        return Listener(bus, lambda: buffer.lost if buffer else 0)
 
     def _reach(self) -> None:
         # python-can spins on a port where nobody listens, for ten seconds, and waits for ever for one who says nothing
@@ -65,11 +68,15 @@ class BusAddress:
 
 
 class Listener:
-    """A bus of which only listening is left: no code path of the monitor can transmit by it."""
+    """A bus of which only listening is left: no code path of the monitor can transmit by it.
 
-    def __init__(self, bus: can.BusABC) -> None:
+    lost  says how many frames the kernel had no room for
+    """
+
+    def __init__(self, bus: can.BusABC, lost: Callable[[], int] = lambda: 0) -> None:
         self.recv: Callable[[float], can.Message | None] = bus.recv
         self.shutdown: Callable[[], None] = bus.shutdown
+        self.lost = lost
 
 
 def hang_up(bus: Listener | can.BusABC | None) -> None:

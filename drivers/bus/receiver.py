@@ -2,66 +2,63 @@
 
 Whatever an interface raises means that the bus is lost: it is opened again, after 0.2 s, then twice as long up to 5 s.
 Some interfaces say nothing when their daemon is gone: after 5 s without a frame the bus is opened anew as well, and
-then after twice as long up to a minute, for it may only be silent.
+then after twice as long up to a minute, for it may only be silent. A bus that has never been open for ten seconds is a
+mistake of whoever named it.
 """
 
 from __future__ import annotations
 
+import math
 import queue
 import threading
 import time
 from collections.abc import Callable
-from typing import NamedTuple
 
-import can
-
+from drivers.bus.age import Age
 from drivers.bus.bus import Listener, hang_up
 from drivers.bus.rig_time import RigTime
-from drivers.received import Received, received_of
-from estimator.errors import BallscrewError
+from drivers.received import Notice, Received, received_of
+from estimator.errors import BallscrewError, InputError
 
 WAIT_S = 0.2
 BACK_OFF_S = (0.2, 5.0)
 SILENT_S = (5.0, 60.0)
+OPEN_S = 10.0  # for a hub or an interface that is only just being started
 AT_ONCE = 100
 MOST_WAITING = 500_000  # frames that may wait for the estimate: a minute of a full bus
 JOIN_S = 1.0
 BUS_OFF = 0x40  # class bit of an error frame
-TOLD_S = 10.0  # between two sentences about error frames
-
-
-class Notice(NamedTuple):
-    """A sentence about the bus itself; level is INFO or WARN."""
-
-    text: str
-    level: str = "WARN"
+TOLD_S = 10.0  # between two sentences about the same
 
 
 class Receiver:
     """Receives in the background; `record` is called there with every frame, before anything else.
 
     frames   taken so far, of all kinds;  errors  error frames among them
-    waited_s how long the last frame taken had waited
+    missed   that the kernel had no room for
     dropped  that were recorded but are not estimated from, because the estimate is too slow
+    age_s    how old the last frame taken was: it may have waited in the buffers of the bus, and in ours
     state    "opening", "open", "silent" or "lost"
     """
 
     def __init__(self, opens: Callable[[], Listener], clock: RigTime, record: Callable[[Received], None],
                  channel: str = "can0") -> None:  # fmt: skip
         self.clock, self.state = clock, "opening"
-        self.frames = self.errors = self.dropped = 0
+        self.frames = self.errors = self.missed = self.dropped = 0
         self.failure: BallscrewError | None = None
         self._opens, self._record, self._channel = opens, record, channel
-        self.waited_s = 0.0
+        self.age_s = self._came_old_s = 0.0
         self._queue: queue.SimpleQueue[tuple[float, Received | Notice]] = queue.SimpleQueue()
         self._halt = threading.Event()
         self._gone_at: float | None = None
         self._silence = SILENT_S[0]
-        self._error_told, self._opened_before = {False: -TOLD_S, True: -TOLD_S}, False
+        self._told = dict[str, float]()
+        self._began_s, self._opened_before, self._why = math.inf, False, "it does not answer"
         self._thread = threading.Thread(target=self._run, name="receiver", daemon=True)
 
     def start(self) -> None:
         """Begin to listen."""
+        self._began_s = time.monotonic()
         self._thread.start()
 
     def stop(self) -> None:
@@ -84,8 +81,13 @@ class Receiver:
                 items.append(item)
         except queue.Empty:
             pass
-        self.waited_s = time.monotonic() - came if items else 0.0
+        self.age_s = time.monotonic() - came if items else 0.0
+        self._give_up()
         return items
+
+    def _give_up(self) -> None:
+        if self.failure is None and not self._opened_before and time.monotonic() - self._began_s > OPEN_S:
+            self.failure = InputError(f"{self._channel}: could not be opened for {OPEN_S:g} s: {self._why}")
 
     def _run(self) -> None:
         delay = BACK_OFF_S[0]
@@ -108,25 +110,36 @@ class Receiver:
 
     def _listen(self, bus: Listener) -> None:
         """Take frames until the bus has been silent for too long."""
-        last = time.monotonic()
+        last, age, waited_for, missed = time.monotonic(), Age(), False, 0
         while not self._halt.is_set():
             message = bus.recv(WAIT_S)
+            now = time.monotonic()
             if message is None:
-                if time.monotonic() - last > self._silence:
-                    self._silent(time.monotonic() - last)
+                if now - last > self._silence:
+                    self._silent(now - last)
                     return
+                waited_for, self._came_old_s = True, 0.0
                 self._pass_on(self.clock.overdue())
                 continue
-            last = time.monotonic()
+            last = now
             self._back()
-            self._take(message)
+            stamp = message.timestamp or time.time()
+            self._came_old_s = age.of(stamp, now, waited_for)
+            waited_for = False
+            self._take(received_of(message, stamp, self._channel))
+            self._miss(bus.lost() - missed)
+            missed = bus.lost()
 
-    def _take(self, message: can.Message) -> None:
-        frame = received_of(message, message.timestamp or time.time(), self._channel)
+    def _take(self, frame: Received) -> None:
         self.frames += 1
         if frame.kind == "error":
             self._error(frame)
         self._pass_on(self.clock.place(frame))
+
+    def _miss(self, frames: int) -> None:
+        if frames:
+            self.missed += frames
+            self._tell_now_and_then("missed", f"{self.missed} frames lost so far: this machine reads too slowly")
 
     def _pass_on(self, frames: list[Received]) -> None:
         for frame in frames:
@@ -139,15 +152,18 @@ class Receiver:
                 self.dropped += 1
 
     def _put(self, item: Received | Notice) -> None:
-        self._queue.put((time.monotonic(), item))
+        self._queue.put((time.monotonic() - self._came_old_s, item))
 
     def _error(self, frame: Received) -> None:
         self.errors += 1
         off = bool(frame.id & BUS_OFF)
-        if time.monotonic() - self._error_told[off] > TOLD_S:
-            self._error_told[off] = time.monotonic()
-            what = "bus off: the controller has left the bus" if off else f"error frame, {self.errors} so far"
-            self._put(Notice(f"{what} (class 0x{frame.id:X}, {frame.data.hex().upper()})"))
+        what = "bus off: the controller has left the bus" if off else f"error frame, {self.errors} so far"
+        self._tell_now_and_then(f"error {off}", f"{what} (class 0x{frame.id:X}, {frame.data.hex().upper()})")
+
+    def _tell_now_and_then(self, about: str, text: str) -> None:
+        if time.monotonic() - self._told.get(about, -TOLD_S) >= TOLD_S:
+            self._told[about] = time.monotonic()
+            self._put(Notice(text))
 
     def _opened(self) -> None:
         if self.state == "opening":
@@ -157,8 +173,10 @@ class Receiver:
             self._put(Notice(f"listening on {self._channel}", "INFO"))
 
     def _lost(self, why: str) -> None:
+        self._why = " ".join(why.split())
         if self.state != "lost":
-            self._put(Notice(f"bus lost: {' '.join(why.split())}; trying to open it again"))
+            what = "bus lost" if self._opened_before else "bus not open yet"
+            self._put(Notice(f"{what}: {self._why}; trying to open it again"))
             self._gone()
         self.state = "lost"
 

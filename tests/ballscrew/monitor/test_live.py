@@ -152,7 +152,7 @@ def test_a_hub_that_comes_late_goes_and_comes_back(tmp_path, frames):
     with hub_running() as port:
         pass  # a port that is free now
     with live(port, tmp_path, "--speed-up", "20") as process:
-        said(tmp_path, "bus lost: ConnectionRefusedError")
+        said(tmp_path, "bus not open yet: ConnectionRefusedError")
         for part, back in ((dropped(frames, 30), "listening on can0"), (frames[-2000:], "frames again after")):
             with hub_running(port=port):
                 count = len(lines(tmp_path))

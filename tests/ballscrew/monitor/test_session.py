@@ -15,7 +15,7 @@ from ballscrew.monitor.json_lines import JsonLines
 from ballscrew.monitor.monitor import Monitor
 from ballscrew.monitor.session import Session
 from ballscrew.monitor.status import Status
-from drivers.bus.receiver import Notice
+from drivers.received import Notice
 from estimator.errors import SetupError
 from estimator.step import Mode
 from tests.live_fake import DRIVE, STATUS, Frames, dropped, rig_frames
@@ -31,7 +31,7 @@ class Clock:
 class Receiver:
     """Gives its items ten at a time."""
 
-    state, failure, dropped, errors, waited_s = "open", None, 0, 0, 0.0
+    state, failure, missed, dropped, errors, age_s = "open", None, 0, 0, 0, 0.0
 
     def __init__(self, items: list) -> None:
         self.items, self.frames = list(items), len(items)
@@ -139,10 +139,11 @@ def test_a_silent_drive_alone_is_heard_of_too(session, frames):
 
 def test_what_comes_late_is_not_valid(session, frames, monkeypatch):
     """A monitor that has fallen behind the bus must not pass off what was as what is."""
-    monkeypatch.setattr(Receiver, "waited_s", 2.0)
+    monkeypatch.setattr(Receiver, "age_s", 2.0)
     live, _, ticks = session(frames)
     assert not any(valid for _, valid in live.publisher.sent_valid)
     assert ticks[-1].json()["why_invalid"] == ["the monitor is behind"]
+    assert ticks[-1].json()["age_s"] == 2.0
 
 
 def test_a_backlog_is_published_once(session, frames, monkeypatch):

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import can
 import pytest
 
 from drivers.bus import receiver as receiving
 from drivers.bus.bus import BusAddress, Listener, bus_options
-from drivers.bus.receiver import Notice, Receiver
+from drivers.bus.receiver import Receiver
 from drivers.bus.rig_time import RigTime
-from drivers.received import Received
-from estimator.errors import SetupError
+from drivers.received import Notice, Received
+from estimator.errors import InputError, SetupError
 from tests.processes import until
 
 
@@ -137,6 +139,31 @@ def test_what_the_estimate_is_too_slow_for_is_counted(received, monkeypatch):
     assert receiver.dropped == 41  # the first place was taken by the notice
 
 
+def test_how_old_a_frame_is_counts_the_buffers_before_us(monkeypatch):
+    """The reader is held up for 20 s after the first frame: the second has waited for it, in no queue of ours."""
+    received_s = [0.0, 1.0, 22.0, 22.1]
+    monkeypatch.setattr(receiving, "AT_ONCE", 1)
+    monkeypatch.setattr(receiving, "time", SimpleNamespace(monotonic=lambda: received_s[3 - len(bus.items)]))
+    bus = Script(message(1), message(2), message(3))
+    receiver = Receiver(lambda: Listener(bus), RigTime(), lambda frame: None)
+    receiver.start()
+    until(lambda: receiver.frames == 3)
+    assert isinstance(receiver.take(0)[0], Notice)
+    ages = [receiver.age_s for _ in range(3) if receiver.take(0)]
+    assert ages == pytest.approx([21.1, 20.1, 19.1], abs=0.05)
+    receiver.stop()
+
+
+def test_what_the_kernel_had_no_room_for_is_counted_and_told(impatient):
+    bus, lost = Script(*(message(k) for k in range(5))), [0, 0, 7, 7, 9]
+    receiver = Receiver(lambda: Listener(bus, lambda: lost[4 - len(bus.items)]), RigTime(), lambda frame: None)
+    receiver.start()
+    until(lambda: receiver.missed == 9)
+    receiver.stop()
+    told = [each.text for each in receiver.take(0) if isinstance(each, Notice)]
+    assert told == ["listening on can0", "7 frames lost so far: this machine reads too slowly"]
+
+
 def test_an_interface_that_does_not_exist_ends_it():
     receiver = Receiver(BusAddress("nonsense", "can0").listen, RigTime(), print)
     receiver.start()
@@ -144,6 +171,44 @@ def test_an_interface_that_does_not_exist_ends_it():
     receiver.stop()
     assert isinstance(receiver.failure, SetupError)
     assert "nonsense" in str(receiver.failure)
+
+
+@pytest.mark.parametrize("why", ["OSError: [Errno 19] No such device", "it does not answer"])
+def test_an_interface_that_never_opens_is_an_error(impatient, monkeypatch, why):
+    monkeypatch.setattr(receiving, "OPEN_S", 0.1)
+    ended = threading.Event()
+
+    def opens() -> Listener:
+        if why.startswith("it"):
+            ended.wait()
+        raise OSError(19, "No such device")
+
+    receiver = Receiver(opens, RigTime(), print, "can7")
+    receiver.start()
+    until(lambda: receiver.take(0.01) is None or receiver.failure)
+    ended.set()
+    receiver.stop()
+    assert isinstance(receiver.failure, InputError)
+    assert str(receiver.failure) == f"can7: could not be opened for 0.1 s: {why}"
+
+
+def test_a_bus_that_has_been_open_is_waited_for(impatient, monkeypatch):
+    left: list = [OSError("not yet"), Listener(Script(message(1), OSError("gone")))]
+
+    def opens() -> Listener:
+        found = left.pop(0) if left else OSError("gone")
+        if isinstance(found, OSError):
+            raise found
+        return found
+
+    receiver = Receiver(opens, RigTime(), lambda frame: None)
+    receiver.start()
+    until(lambda: receiver.frames and receiver.state == "lost")
+    monkeypatch.setattr(receiving, "OPEN_S", 0.0)
+    told = [each.text.split(" ")[:2] for each in receiver.take(0.01) if isinstance(each, Notice)]
+    receiver.stop()
+    assert receiver.failure is None
+    assert told == [["bus", "not"], ["listening", "on"], ["frames", "again"], ["bus", "lost:"]]
 
 
 def test_a_listener_has_no_way_to_transmit():
