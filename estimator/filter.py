@@ -51,6 +51,17 @@ class Filter:
         ticks = self.run.forcing.ticks(self.run.forcing.read(rows))
         return self._advance(self.run, sample, rows, ticks)
 
+    def leave_out(self, effect: str) -> None:
+        """Go on from the same estimate by the model without an effect, from the tick on that the effect failed in.
+
+        Where states or readings need the effect that cannot be: a SetupError, and nothing has changed.
+        """
+        model = self.model - effect
+        if self.run is not None:
+            self.run = self.run.by(model)
+            self._transitions.clear()
+        self.model = model
+
     def _begin(self, rows: Recording) -> Step:
         run = self.run = begin(self.model, self.rig, rows, self.mute, KEPT)
         if run is None:

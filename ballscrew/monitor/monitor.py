@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ballscrew.monitor.left_out import LeftOut
 from drivers.budget import Budget
 from drivers.bus.missing import Missing
 from drivers.frames import Tally
@@ -58,6 +59,7 @@ class Monitor:
         muted = mute(0.0) if mute else np.zeros(len(rig.names), dtype=bool)
         self._used = int((rig.is_thermometer & ~muted).sum())
         self.tally, self.active = Tally(), dict[tuple[str, str, float], Alarm]()
+        self.left_out = LeftOut()
         self.begin()
 
     def begin(self) -> None:
@@ -118,9 +120,9 @@ class Monitor:
             self._ahead[0].tally = self._ahead[0].clock.tally = Tally()
         ticker, alone = self._ahead
         for sample in ticker.advance(self.ticker.clock.stamp + silent_s):
-            step = alone.step(sample)
+            step = self.left_out.step(alone, sample, self.filter)
             silent = Alarm("bus", "", self.ticker.clock.now, "nothing of the rig on the bus")
-            alarms = {silent.key: silent, **self.tests.active}
+            alarms = {silent.key: silent, **self.left_out.alarms, **self.tests.active}
             yield Moment(sample, step, self._trust(silent_s), *self._changed(alarms), True)
 
     def trust(self, silent_s: float) -> Trust:
@@ -128,7 +130,11 @@ class Monitor:
         return self._trust(self._silence(silent_s))
 
     def _trust(self, silent_s: float) -> Trust:
-        return self.watch.trust(self.ticker.clock.now + max(0.0, silent_s - self.late_s))
+        return self._sure(self.watch.trust(self.ticker.clock.now + max(0.0, silent_s - self.late_s)))
+
+    def _sure(self, trust: Trust) -> Trust:
+        """Nothing is to be relied on where there is no estimate."""
+        return replace(trust, why=(self.left_out.why,)) if self.left_out.why else trust
 
     def _silence(self, silent_s: float) -> float:
         """How long no frame has come that counts, where none at all has come for so long, s on the rig's clock."""
@@ -136,12 +142,13 @@ class Monitor:
         return self._silent_s
 
     def _moment(self, sample: Sample) -> Moment:
-        step = self.filter.step(sample)
+        step = self.left_out.step(self.filter, sample)
+        self.model = self.filter.model
         self.tests.step(step)
         self.watch.tick(sample, step, self.tests.diverged)
         absent = {alarm.key: alarm for alarm in self._absent(step.time_s)}
-        changed = self._changed(absent | self.tests.active)
-        return Moment(sample, step, self.watch.trust(step.time_s), *changed)
+        changed = self._changed(absent | self.left_out.alarms | self.tests.active)
+        return Moment(sample, step, self._sure(self.watch.trust(step.time_s)), *changed)
 
     def _absent(self, now_s: float) -> Iterator[Alarm]:
         missing = list(self.missing.since(now_s))

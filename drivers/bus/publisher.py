@@ -84,8 +84,9 @@ class Publisher:
 
     def frames(self, step: Step, trust: Trust, position_mm: float) -> list[can.Message]:
         """The two frames of a moment, counter and checksum included."""
-        mode = step.mode if trust.valid or step.mode == Mode.INIT else Mode.INVALID
-        sigma = step.sigma_um if np.isfinite(step.sigma_um) else np.inf
+        told = np.isfinite(step.elongation_um) and np.isfinite(step.sigma_um)
+        mode = step.mode if (trust.valid and told) or step.mode == Mode.INIT else Mode.INVALID
+        sigma = step.sigma_um if told else np.inf
         estimate = {
             "EstCrc": 0, "EstCounter": self._count, "EstMode": int(mode), "EstElongation": _int24(step.elongation_um),
             "EstSigma": int(min(round(1e3 * sigma), NO_SIGMA - 1)) if np.isfinite(sigma) else NO_SIGMA,

@@ -89,8 +89,8 @@ class Forcing:
 
     def with_model(self, model: Model) -> Forcing:
         """The same inputs and regimes under another model of the same structure."""
-        other = Forcing(model, self.rig, self.start)
-        other._regimes = self._regimes
+        other = Forcing(model, self.rig, self.start, keep=self._keep)
+        other._regimes, other._reader = self._regimes, self._reader
         return other
 
     @property

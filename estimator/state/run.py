@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,6 +60,14 @@ class Run:
         """Temperatures from which growth counts, (n,) degC: those at the start, or the rig's zero_C everywhere."""
         zero_C, z = self.forcing.rig.zero_C, self.x[self.state.temperatures]
         return z if zero_C is None else np.full_like(z, zero_C)
+
+    def by(self, model: Model) -> Run:
+        """The run by another model of the same states and readings; a SetupError where these are others."""
+        forcing = self.forcing.with_model(model)
+        pairs = zip(vars(forcing.readings).values(), vars(self.forcing.readings).values(), strict=True)
+        if forcing.place.nodes != self.forcing.place.nodes or not all(np.array_equal(a, b) for a, b in pairs):
+            raise SetupError("its states or readings are part of the estimate")
+        return replace(self, forcing=forcing)
 
     def open_loop(self) -> OpenLoop:
         """The model alone, from the first estimate on."""
