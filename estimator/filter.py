@@ -17,12 +17,13 @@ from typing import Any
 
 import numpy as np
 
+from estimator.faults.fault import Fault, Seen
 from estimator.model import Model
 from estimator.network.discretise import Transition
 from estimator.network.forcing import Ticks
 from estimator.record import Array, Recording, Sample, collect
 from estimator.rig import Rig
-from estimator.state.gate import Mute, innovation, unmuted
+from estimator.state.gate import Innovation, Mute, unmuted
 from estimator.state.report import Estimates, Reporter
 from estimator.state.run import Run, begin, variances
 from estimator.step import Step, Track
@@ -66,22 +67,41 @@ class Filter:
         run = self.run = begin(self.model, self.rig, rows, self.mute, KEPT)
         if run is None:
             return Track.waiting(self.rig.names, rows).step(0, ("waiting for a thermometer",) * len(self.rig.names))
-        self.x, self.P, self._rejected = run.x, run.P, run.first.rejected
+        self.x, self.P, self._judge = run.x, run.P, run.judge()
         self._open_loop, self._reporter = run.open_loop(), Reporter(run)
-        return self._reporter.first(rows).step(0, run.first.why)
+        self._transitions.clear()
+        self.__dict__.pop("_filterpy", None)
+        return self._reporter.first(rows).step(0, run.first.why(run.fault, run.muted))
 
     def _advance(self, run: Run, sample: Sample, rows: Recording, ticks: Ticks) -> Step:
-        alone, offset = self._open_loop, ticks.offset[0]
+        alone, offset, muted = self._open_loop, ticks.offset[0], self.mute(sample.time_s)
         self._predict(run, int(ticks.regime[0]), ticks.heat[0])
         R = run.forcing.readings.sd**2 + (run.forcing.readings.lag_noise * alone.lag) ** 2
         grown_um = run.grown_um(alone.z)
         H, d = run.state.rows(grown_um), offset + alone.lag + alone.late(sample.ages_s)
-        sd = np.sqrt(variances(H, self.P) + R)
-        compared = innovation(sample.channels, H @ self.x + d, sd, self.mute(sample.time_s), self._rejected)
-        self._rejected = compared.rejected
-        nis = self._update(sample.channels - d, compared.fuse, H, R)
-        estimates = Estimates.of_tick(self.x, self.P, compared, nis, alone.reading + offset, grown_um)
-        return self._reporter.track(rows, estimates).step(0, compared.why)
+        predicted, sd = H @ self.x + d, np.sqrt(variances(H, self.P) + R)
+        compared = Innovation(predicted, sample.channels - predicted, sd)
+        judged = self._judge.judge(seen(sample, compared, alone.reading + offset, muted))
+        if judged.anew:
+            return self._begin(rows)
+        fault = judged.fault[0]
+        fuse = compared.usable & ~muted & (fault == Fault.NONE)
+        nis = self._update(sample.channels - d, fuse, H, R)
+        if judged.jump is not None:
+            self.P = self._filterpy.P = run.state.jumped(self.P, judged.jump)
+        estimates = Estimates.of_tick(
+            x=self.x,
+            P=self.P,
+            predicted=predicted,
+            sd=sd,
+            fused=fuse,
+            nis=nis,
+            alone=alone.reading + offset,
+            grown_um=grown_um,
+            fault=fault,
+            since_s=judged.since_s[0],
+        )
+        return self._reporter.track(rows, estimates).step(0, compared.why(fault, muted))
 
     def _predict(self, run: Run, regime: int, heat: Array) -> None:
         self._open_loop.step(run.forcing.transition(regime), heat)
@@ -112,3 +132,9 @@ class Filter:
         kf = KalmanFilter(dim_x=len(self.x), dim_z=len(self.rig.names))
         kf.x, kf.P = self.x, self.P
         return kf
+
+
+def seen(sample: Sample, compared: Innovation, alone: Array, muted: Array) -> Seen:
+    """What the judge is shown of one tick."""
+    rows = (sample.channels, compared.value, compared.sd, alone, muted)
+    return Seen(np.array([sample.time_s]), *(row[None] for row in rows))

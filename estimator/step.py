@@ -33,6 +33,7 @@ class Step:
     bodies_C          (bodies,) temperatures of nut and housings
     error_at_table_um growth between the anchor bearing and the nut's centre; NaN where the position is not known
     measured, predicted, innovation, innovation_sd, fused, why   (m,) for each channel
+    fault, since_s    (m,) what is wrong with each channel, a Fault, and since when
     open_loop         (m,) what the channels would read by the model alone
     nis, nis_channels e' S^-1 e over the fused channels, and how many they are
     position_mm       of the table, that the error there is for; a tick or two old where the drive was late
@@ -54,6 +55,8 @@ class Step:
     innovation: Array
     innovation_sd: Array
     fused: Array
+    fault: Array
+    since_s: Array
     why: tuple[str, ...]
     open_loop: Array
     nis: float
@@ -88,6 +91,8 @@ class Track:
     innovation: Array
     innovation_sd: Array
     fused: Array
+    fault: Array
+    since_s: Array
     open_loop: Array
     nis: Array
     nis_channels: Array
@@ -98,9 +103,10 @@ class Track:
         """Ticks before any thermometer has been read: nothing to say but what was measured."""
         K, m = len(rows), len(names)
         said = {name: np.full(K, np.nan) for name in SERIES}
-        said |= {name: np.full((K, m), np.nan) for name in ("predicted", "innovation", "innovation_sd", "open_loop")}
+        said |= {name: np.full((K, m), np.nan) for name in LINES}
         said |= {name: np.empty((K, 0)) for name in ("profile_C", "profile_sd_K", "bodies_C")}
         said |= {"time_s": rows.time_s, "measured": rows.channels, "fused": np.zeros((K, m), dtype=bool)}
+        said |= {"fault": np.zeros((K, m), dtype=np.int8)}
         said |= {"mode": np.full(K, Mode.INIT), "nis_channels": np.zeros(K, dtype=int)}
         return cls(np.empty(0), (), names, **said)
 
@@ -127,6 +133,7 @@ class Track:
         return len(self.time_s)
 
 
+LINES = ("predicted", "innovation", "innovation_sd", "open_loop", "since_s")  # of channels, NaN before the start
 SERIES = tuple(field.name for field in fields(Track) if field.name not in ("x_mm", "bodies", "names"))
 
 

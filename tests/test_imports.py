@@ -22,6 +22,7 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "effects model",
         "network",
         "rig_folder",
+        "faults",
         "state",
         "filter batch battery alarms",
         "sensitivity accuracy",

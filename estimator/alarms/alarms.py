@@ -8,14 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.alarms.window import FALSE_S, WINDOWS, WindowTest, place_of
+from estimator.faults.fault import Fault
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Step
-
-REPEATS = 20
-STEPS = 2.0  # resolution steps from one reading to the next, on average: then 20 repeats have a chance of 1e-15
-CHANGES = 20  # that must have been seen
-SEEN = 200.0  # changes over which their size is forgotten
 
 SILENT_TICKS = 10
 
@@ -24,7 +20,7 @@ SILENT_TICKS = 10
 class Alarm:
     """What is wrong, with which channel ("": all of them), and since when, s since the first frame.
 
-    kind    "bias", "nis", "rejected", "stuck" or "silent"
+    kind    "bias", "nis", "rejected", "silent", or the word of a Fault
     over_s  of a test, how long the readings were looked at; 0: as they come
     """
 
@@ -50,7 +46,6 @@ class Alarms:
         self.rig = rig
         self.active: dict[tuple[str, str, float], Alarm] = {}
         self._tests = [WindowTest(rig, window, false_s) for window in WINDOWS]
-        self._stuck = Stuck(len(rig.names))
         self._heat = rig.is_thermometer
         self._silent = np.full(len(rig.names), -1)  # ticks since the last reading, -1: never read
 
@@ -62,7 +57,7 @@ class Alarms:
     def step(self, step: Step) -> tuple[list[Alarm], list[Alarm]]:
         """Take one tick; returns the alarms that begin with it, and those that end."""
         heat = self._heat & (np.array(step.why, dtype=object) != "muted")
-        found, judged = [*self._silences(step, heat), *self._standstills(step, heat)], {0.0}
+        found, judged = [*self._silences(step, heat), *self._faults(step, heat)], {0.0}
         for test in self._tests:
             if test.add(step):
                 judged.add(test.over_s)
@@ -88,35 +83,10 @@ class Alarms:
         for i in np.flatnonzero(gone):
             yield Alarm("silent", self.rig.names[i], float(since[i]), f"{place_of(self.rig, i)} is not read")
 
-    def _standstills(self, step: Step, heat: Array) -> Iterator[Alarm]:
-        """Thermometers that read the same again and again."""
-        for i, value, ticks in self._stuck.step(np.where(heat, step.measured, np.nan)):
-            text = f"{place_of(self.rig, i)} is stuck at {value:.2f} degC"
-            yield Alarm("stuck", self.rig.names[i], step.time_s - ticks * self.rig.tick_s, text)
-
-
-class Stuck:
-    """How finely m channels resolve their own noise, and how long each has read the same.
-
-    The resolution is the smallest change ever seen. A coarse sensor, whose readings change by one step or not at all,
-    may well stand still: of it nothing can be said.
-    """
-
-    def __init__(self, m: int) -> None:
-        self._last, self._finest = np.full(m, np.nan), np.full(m, np.inf)
-        self._same, self._changes = np.zeros(m, dtype=int), np.zeros(m, dtype=int)
-        self._size = np.zeros(m)
-
-    def step(self, measured: Array) -> Iterator[tuple[int, float, int]]:
-        """Take one tick, (m,), NaN where nothing was read: channels that are stuck, at what, for how many readings."""
-        change = np.abs(measured - self._last)
-        moved = change > 0
-        self._finest[moved] = np.minimum(self._finest, change)[moved]
-        self._changes += moved
-        gain = 1.0 / np.minimum(np.maximum(self._changes, 1), SEEN)
-        self._size[moved] += (gain * (change - self._size))[moved]
-        self._same = np.where(change == 0, self._same + 1, np.where(moved, 0, self._same))
-        self._last = np.where(np.isfinite(measured), measured, self._last)
-        fine = (self._changes >= CHANGES) & (self._size >= STEPS * self._finest)
-        for i in np.flatnonzero(fine & (self._same > REPEATS)):
-            yield int(i), float(self._last[i]), int(self._same[i])
+    def _faults(self, step: Step, heat: Array) -> Iterator[Alarm]:
+        """Thermometers that are broken."""
+        for i in np.flatnonzero(heat & (step.fault > Fault.JUDGED)):
+            fault = Fault(step.fault[i])
+            at = f" at {step.measured[i]:.2f} degC" if fault == Fault.STUCK and np.isfinite(step.measured[i]) else ""
+            text = f"{place_of(self.rig, i)} {fault.said}{at}"
+            yield Alarm(fault.word, self.rig.names[i], float(step.since_s[i]), text)

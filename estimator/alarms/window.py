@@ -2,7 +2,7 @@
 
     bias      |mean of innovation / sd|     > allowance + normal quantile / sqrt(n)
     nis       sum of NIS                    > allowance * chi2 quantile for so many channels
-    rejected  more than a twentieth of a channel's readings, and not just one or two, were beyond the gate
+    rejected  more than a twentieth of a channel's readings, and not just one or two, jumped away and back
 
 No model is perfect: bias and NIS may be off by an allowance before they count, larger than what a fitted model leaves.
 The quantiles are such that on a rig that is off by the whole allowance all of them together fail once in FALSE_S
@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2, norm
 
+from estimator.faults.fault import Fault
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Step
@@ -51,6 +52,7 @@ class WindowTest:
         m = len(self.rig.names)
         self.first_s, self._ticks, self._nis, self._channels = time_s, 0, 0.0, 0
         self._sum, self._count, self._wild = np.zeros(m), np.zeros(m), np.zeros(m)
+        self._broken = np.zeros(m, dtype=bool)
 
     def add(self, step: Step) -> bool:
         """Take one tick; whether the window is full."""
@@ -62,7 +64,8 @@ class WindowTest:
         fused = np.flatnonzero(step.fused)
         self._sum[fused] += step.innovation[fused] / step.innovation_sd[fused]
         self._count[fused] += 1
-        self._wild += [why == "implausible jump" for why in step.why]
+        self._wild += step.fault == Fault.JUDGED
+        self._broken = step.fault > Fault.JUDGED  # which has an alarm of its own
         return self._ticks == self.window.ticks
 
     def failed(self) -> Iterator[tuple[str, str, str]]:
@@ -76,7 +79,7 @@ class WindowTest:
             text = f"{place_of(self.rig, i)} reads {abs(mean):.1f} sd {side} what was predicted"
             yield "bias", self.rig.names[i], text
         read = self._count + self._wild
-        for i in np.flatnonzero((self._wild >= SOME) & (self._wild > REJECTED * read)):
+        for i in np.flatnonzero((self._wild >= SOME) & (self._wild > REJECTED * read) & ~self._broken):
             text = f"{place_of(self.rig, i)}: {self._wild[i]:.0f} of {read[i]:.0f} readings rejected"
             yield "rejected", self.rig.names[i], text
 

@@ -21,7 +21,6 @@ from estimator.batch import kernels
 from estimator.batch.kernels import Compared, Data, Slopes, Smooth, States
 from estimator.batch.system import Chunk, Score, Smoothed, System
 from estimator.record import Array
-from estimator.state.gate import Gate
 
 BUDGET = 250_000_000  # bytes for what is kept of each tick until the way back
 NEAR = 2_000_000  # bytes that stay close to the processor, for what is used up at once
@@ -43,22 +42,27 @@ def is_cold(*functions: Callable[..., Any]) -> bool:
     return not all(_is_compiled(kernel) for function in functions or needs for kernel in needs[function])
 
 
-def passes(system: System, gate: Gate | None = None, wild: Array | None = None) -> Iterator[Chunk]:
-    """Filter, chunk by chunk. The gate compares every reading, also those that are not to be fused.
+def passes(system: System) -> Iterator[Chunk]:
+    """Filter, chunk by chunk. Every reading is compared, also those that are not to be fused."""
+    start = system.x0, system.P0
+    for ticks in chunks_of(system):
+        chunk = filtered(system, ticks, system.data.use[ticks], start)
+        start = chunk.last if len(chunk.x) else start
+        yield chunk
 
-    wild  (m,) for how many ticks up to now each channel was beyond the gate
-    """
-    m, n = system.H.shape
-    gate = gate or Gate(sd=np.inf)
-    wild, (x, P) = np.array(np.zeros(m) if wild is None else wild, dtype=np.int64), system.start
-    for ticks in _chunks(system, n * n, NEAR):
-        K = ticks.stop - ticks.start
-        states = _states(K, x[-1], P[-1])
-        out = Compared(np.empty((K, m)), np.empty((K, m)), np.empty((K, m), dtype=bool), np.empty(K), np.empty(K))
-        data = _part(system.data, ticks)
-        kernels.compare(system.model, data, float(gate.sd), int(gate.stubborn), wild, states, out)
-        x, P = states.x[1:], states.P[1:]
-        yield Chunk(ticks, x, P, *out)
+
+def chunks_of(system: System) -> list[slice]:
+    """All ticks, in parts whose states stay close to the processor."""
+    return _chunks(system, len(system.x0) ** 2, NEAR)
+
+
+def filtered(system: System, ticks: slice, use: Array, start: tuple[Array, Array]) -> Chunk:
+    """Filter some ticks from x (n,), P (n, n) on, fusing the readings to `use` (K, m)."""
+    K, m = use.shape
+    states = _states(K, *start)
+    out = Compared(np.empty((K, m)), np.empty((K, m)), np.empty(K), np.empty(K))
+    kernels.compare(system.model, _part(system.data, ticks)._replace(use=use), states, out)
+    return Chunk(ticks, states.x[1:], states.P[1:], out.predicted, out.sd, use, out.nis, out.loglike)
 
 
 def loglike(system: System) -> float:

@@ -104,11 +104,10 @@ class Backwards(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """Of each tick: predicted reading and its sd, what was fused (K, m); nis and log-likelihood (K,)."""
+    """Of each tick: predicted reading and its sd (K, m); nis and log-likelihood (K,)."""
 
     predicted: Array
     sd: Array
-    fused: Array
     nis: Array
     loglike: Array
 
@@ -249,12 +248,12 @@ def _predict(model: Model, data: Data, t: int, now: Now) -> None:
 
 
 @part
-def _fuse(model: Model, H: Array, data: Data, use: Array, t: int, now: Now) -> tuple[int, float, float]:
+def _fuse(model: Model, H: Array, data: Data, t: int, now: Now) -> tuple[int, float, float]:
     """Update x and P by what is to be used at tick t: count, e'e, and the log-determinant of the innovations."""
     x, P, w, count, squares, logarithm = now.x, now.P, now.w, 0, 0.0, 0.0
     product = 1.0  # one logarithm for many channels, as long as their product has room
     for o in range(len(H)):
-        if not use[t, o]:
+        if not data.use[t, o]:
             continue
         _row_times(model, H, o, P, w)
         f = data.R[t, o] + _row_dot(model, H, o, w)
@@ -282,18 +281,15 @@ def forward(model: Model, data: Data, states: States) -> float:
     for t in range(ticks):
         _vary(model, H, data.grown[t])
         _predict(model, data, t, now)
-        count, squares, logarithm = _fuse(model, H, data, data.use, t, now)
+        count, squares, logarithm = _fuse(model, H, data, t, now)
         _keep(now, states, t + 1, ticks)
         result -= 0.5 * (squares + logarithm + count * LOG_2PI)
     return result
 
 
 @kernel
-def compare(model: Model, data: Data, limit: float, stubborn: int, wild: Array, states: States, out: Compared) -> None:
-    """Filter with every reading, used or not, compared first: one beyond `limit` sd is not fused.
-
-    wild  (m,) ticks for which each channel has been so; for more than `stubborn`, it is believed. Changed.
-    """
+def compare(model: Model, data: Data, states: States, out: Compared) -> None:
+    """Filter with every reading, used or not, compared first."""
     H, now, ticks = model.H.copy(), _begin(model, states), len(data.y)
     for t in range(ticks):
         _vary(model, H, data.grown[t])
@@ -302,10 +298,8 @@ def compare(model: Model, data: Data, limit: float, stubborn: int, wild: Array, 
             predicted = _row_dot(model, H, o, now.x)
             _row_times(model, H, o, now.P, now.w)
             sd = np.sqrt(max(_row_dot(model, H, o, now.w), 0.0) + data.R[t, o])
-            wild[o] = wild[o] + 1 if abs(data.y[t, o] - predicted) > limit * sd else 0
             out.predicted[t, o], out.sd[t, o] = predicted, sd
-            out.fused[t, o] = data.use[t, o] and (wild[o] == 0 or wild[o] > stubborn)
-        count, squares, logarithm = _fuse(model, H, data, out.fused, t, now)
+        count, squares, logarithm = _fuse(model, H, data, t, now)
         _keep(now, states, t + 1, ticks)
         out.nis[t] = squares if count else np.nan
         out.loglike[t] = -0.5 * (squares + logarithm + count * LOG_2PI)
@@ -520,7 +514,7 @@ def columns(model: Model, data: Data, states: States, B: Array, D: Array, block:
         _push(model.F[data.regime[t]], B[t], X)
         _predict(model, data, t, now)
         v = _innovations(model, H, data, t, D[t], X, now.x)
-        _fuse(model, H, data, data.use, t, now)
+        _fuse(model, H, data, t, now)
         _keep(now, states, t + 1, ticks)
         _regress(model, H, data, t, v, now.P, X, G[block[t]])
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.batch import batch
-from estimator.batch.system import Chunk
+from estimator.batch.judged import Judged
 from estimator.batch.trial import Posed, Trial
 from estimator.model import Model
 from estimator.record import Array, Recording
@@ -40,33 +40,50 @@ def replay(
 
 
 class Replay:
-    """A recording as the filter leaves it, the `track`, and what the smoother makes of it."""
+    """A recording as the filter leaves it, the `track`, and what the smoother makes of it.
+
+    Where a run began with what were no temperatures, it begins again; the smoother has the last of the runs.
+    """
 
     def __init__(
         self, model: Model, rig: Rig, recording: Recording, mute: Mute | None, each: Callable[[int], None]
     ) -> None:
-        mute = mute or unmuted(rig)
-        run = begin(model, rig, recording, mute)
-        at = len(recording) if run is None else run.tick
-        parts = [Track.waiting(rig.names, recording.rows(slice(at)))]
+        self._model, self._rig, self._recording, self._mute = model, rig, recording, mute or unmuted(rig)
         self._posed: Posed | None = None
-        if run is not None:
-            reporter = Reporter(run)
-            parts.append(reporter.first(recording.rows(slice(at, at + 1))))
-        if run is not None and at + 1 < len(recording):
-            trial = Trial(model, rig, recording, mute, gated=False)
-            self._posed = trial.pose(model)
-            for chunk in trial.filtered(self._posed):
-                parts += [reporter.track(trial.rest.rows(rows), it) for rows, it in _estimates(self._posed, chunk)]
-                each(at + 1 + chunk.ticks.stop)
+        self._jumped = np.zeros((0, len(rig.names)))
+        parts, at = [], 0
+        while at < len(recording):
+            run = begin(model, rig, recording, self._mute, since=at)
+            first = len(recording) if run is None else run.tick
+            parts.append(Track.waiting(rig.names, recording.rows(slice(at, first))))
+            at = first + 1
+            if run is not None:
+                reporter = Reporter(run)
+                parts.append(reporter.first(recording.rows(slice(first, at))))
+                for part in self._rest(reporter, first):
+                    parts.append(part)
+                    each(at := at + len(part))
         self.track = Track.joined(parts)
+
+    def _rest(self, reporter: Reporter, at: int) -> Iterator[Track]:
+        """The ticks after the first of a run, up to one with which it begins anew."""
+        if at + 1 == len(self._recording):
+            return
+        trial = Trial(self._model, self._rig, self._recording, self._mute, gated=False, since=at)
+        self._posed, self._jumped = trial.pose(self._model), np.zeros_like(trial.rest.channels)
+        for part in trial.filtered(self._posed):
+            judgement, ticks = part.judgement, part.chunk.ticks
+            for rows, estimates in _estimates(self._posed, part):
+                yield reporter.track(trial.rest.rows(rows), estimates)
+            if judgement.jump is not None:
+                self._jumped[ticks.stop :] += judgement.jump
 
     def smoothed(self) -> SmoothedElongation:
         """The elongation after the fact, from the readings that the filter fused; nothing for less than two ticks."""
         um, sigma = np.full((2, len(self.track)), np.nan)
         if self._posed is not None:
             T = len(self._posed.system.y)
-            system = replace(self._posed.system, muted=~self.track.fused[-T:])
+            system = replace(self._posed.system, y=self._posed.system.y - self._jumped, muted=~self.track.fused[-T:])
             elongation = len(system.H)  # the channel that is never read
             found = batch.smoothed(replace(self._posed, system=system).with_elongation(), channels=[elongation])
             grows = np.isfinite(self.track.elongation_um[-T:])
@@ -76,12 +93,13 @@ class Replay:
         return SmoothedElongation(um, sigma)
 
 
-def _estimates(posed: Posed, chunk: Chunk) -> Iterator[tuple[slice, Estimates]]:
-    """A chunk's ticks, some at a time."""
-    run, offset = posed.run, posed.offset[1:]
-    for k in range(0, len(chunk.x), ROWS):
-        some = slice(k, k + ROWS)
-        at = slice(chunk.ticks.start + k, min(chunk.ticks.start + k + ROWS, chunk.ticks.stop))
+def _estimates(posed: Posed, part: Judged) -> Iterator[tuple[slice, Estimates]]:
+    """Ticks as far as the run goes on, some at a time."""
+    run, offset, chunk, judgement = posed.run, posed.offset[1:], part.chunk, part.judgement
+    last = chunk.ticks.stop - judgement.anew
+    for k in range(0, last - chunk.ticks.start, ROWS):
+        at = slice(chunk.ticks.start + k, min(chunk.ticks.start + k + ROWS, last))
+        some = slice(k, k + at.stop - at.start)
         estimates = Estimates(
             x=chunk.x[some],
             P=chunk.P[some],
@@ -91,5 +109,7 @@ def _estimates(posed: Posed, chunk: Chunk) -> Iterator[tuple[slice, Estimates]]:
             nis=chunk.nis[some],
             alone=run.lagged[at] + offset[at],
             grown_um=run.grown[at],
+            fault=judgement.fault[some],
+            since_s=judgement.since_s[some],
         )
         yield at, estimates

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
@@ -99,6 +99,23 @@ class Chunk:
     fused: Array
     nis: Array
     loglike: Array
+
+    @property
+    def last(self) -> tuple[Array, Array]:
+        """x and P after the last tick."""
+        return self.x[-1], self.P[-1]
+
+    def first(self, ticks: int) -> Chunk:
+        """The first of the ticks."""
+        parts = {field.name: getattr(self, field.name)[:ticks] for field in fields(self) if field.name != "ticks"}
+        return Chunk(slice(self.ticks.start, self.ticks.start + ticks), **parts)
+
+    def with_last(self, tick: Chunk) -> Chunk:
+        """With another last tick."""
+        for field in fields(self):
+            if field.name != "ticks":
+                getattr(self, field.name)[-1:] = getattr(tick, field.name)
+        return self
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.batch import batch
+from estimator.batch.judged import Judged, Readings, judged
 from estimator.batch.nominal import Nominal, nominal
-from estimator.batch.system import Chunk, System
+from estimator.batch.system import System
 from estimator.errors import InputError
+from estimator.faults.fault import Fault
 from estimator.model import Model
 from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.state.gate import GATE, Mute, unmuted
+from estimator.state.gate import Mute, unmuted
 from estimator.state.run import begin
 from estimator.state.state import State
 
@@ -58,35 +60,63 @@ class Trial:
     """One recording from its first thermometer reading on: inputs, regimes, and what may be fused, whatever the model.
 
     Two things are asked once, of the model that the trial is made with, or likelihoods could not be compared: which
-    readings the filter's gate refuses (`gated`), and how large the lags are by which readings scatter more (`lag`).
+    channels are broken when (unless `gated` is off), and how large the lags are by which readings scatter more (`lag`).
 
     run           the run as it began;  begin: the first tick after that, with which `rest` begins
+    fault         (T, m) of the ticks of `rest`, a Fault each; since_s likewise. A zero that jumped is taken off `rest`
     floating      channels whose zero has no meaning: open loop it is the mean of the misfit
     unread_zeros  channels whose unknown zero the first sample did not tell
     """
 
     def __init__(
-        self, model: Model, rig: Rig, recording: Recording, mute: Mute | None = None, gated: bool = True
+        self,
+        model: Model,
+        rig: Rig,
+        recording: Recording,
+        mute: Mute | None = None,
+        gated: bool = True,
+        since: int = 0,
     ) -> None:
-        mute = mute or unmuted(rig)
-        run = begin(model, rig, recording, mute)
+        self.rig, self.recording = rig, recording
+        self._begin(model, mute or unmuted(rig), since)
+        if gated:
+            self._judge(model, mute or unmuted(rig))
+
+    def _begin(self, model: Model, mute: Mute, since: int) -> None:
+        """Begin with the first sample that will do, from tick `since` on."""
+        rig, recording = self.rig, self.recording
+        run = begin(model, rig, recording, mute, since=since)
         if run is None:
             raise InputError(f"{recording.name}: no thermometer was ever read; nothing to compare with a model")
         if run.tick + 1 == len(recording):
             raise InputError(f"{recording.name}: nothing was recorded after the first thermometer reading")
-        self.rig, self.recording, self.run, self.begin = rig, recording, run, run.tick + 1
+        self.run, self.begin = run, run.tick + 1
         self.rest = recording.rows(slice(self.begin, None))
         self._forcing = Forcing(model, rig, run.start)
         self.drive = self._forcing.read(recording.rows(slice(run.tick, None)))
         self.muted = np.array([mute(t) for t in self.rest.time_s])
         readings = self._forcing.readings
         self.floating = np.flatnonzero(readings.zero_sd > FLOATING * readings.sd)
-        self.unread_zeros = [i for i in np.flatnonzero(readings.zero_sd) if not self.run.first.fuse[i]]
+        self.unread_zeros = [i for i in np.flatnonzero(readings.zero_sd) if not run.fuse[i]]
         self.lag = np.zeros_like(self.rest.channels)
         self.lag = self.pose(model).run.lag
-        if gated:
-            fused = np.concatenate([chunk.fused for chunk in self.filtered(self.pose(model))])
-            self.muted |= ~fused & np.isfinite(self.rest.channels)
+        self.fault = np.zeros(self.rest.channels.shape, dtype=np.int8)
+        self.since_s = np.full(self.fault.shape, np.nan)
+
+    def _judge(self, model: Model, mute: Mute) -> None:
+        """Leave out what is broken, and take off readings what their zeros jumped by."""
+        jumped = np.zeros_like(self.rest.channels)
+        for part in self.filtered(self.pose(model)):
+            judgement, at = part.judgement, part.chunk.ticks
+            if judgement.anew:
+                self._begin(model, mute, since=self.begin + at.stop - 1)
+                self._judge(model, mute)
+                return
+            self.fault[at], self.since_s[at] = judgement.fault, judgement.since_s
+            if judgement.jump is not None:
+                jumped[at.stop :] += judgement.jump
+        self.muted |= (self.fault != Fault.NONE) | ~np.isfinite(self._forcing.readings.sd)
+        self.rest = replace(self.rest, channels=self.rest.channels - jumped)
 
     def pose(self, model: Model) -> Posed:
         """The model as a linear system."""
@@ -116,9 +146,11 @@ class Trial:
         )
         return Posed(forcing, state, ticks.heat[1:], ticks.outside[1:], ticks.offset, run, system)
 
-    def filtered(self, posed: Posed) -> Iterator[Chunk]:
-        """The ticks after the first as the filter leaves them, by the gate that the online filter has."""
-        return batch.passes(posed.system, GATE, self.run.first.rejected)
+    def filtered(self, posed: Posed) -> Iterator[Judged]:
+        """The ticks after the first as the filter leaves them, by the judge that the online filter has."""
+        alone = posed.run.lagged + posed.offset[1:]
+        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted)
+        return judged(posed.system, readings, self.run.judge(), posed.state)
 
     def loglike(self, model: Model) -> float:
         """Log-likelihood of the readings after the first sample, given that one."""

@@ -23,7 +23,7 @@ def load(path: Path) -> dict[str, Any]:
     """Parse a TOML file in UTF-8, with or without a byte order mark; else a SetupError naming the place."""
     try:
         if not path.is_file():
-            raise SetupError(f"{path}: no such file")
+            raise SetupError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
         if (size := path.stat().st_size) > LARGEST:
             raise SetupError(f"{path}: {size} bytes; a rig or a model has at most {LARGEST}")
         return tomllib.loads(path.read_bytes().decode("utf-8-sig"))

@@ -1,4 +1,4 @@
-"""The gate: which readings are fused, and why others are not. Reject the impossible, report the surprising."""
+"""Readings against their predictions, and why some are not fused."""
 
 from __future__ import annotations
 
@@ -7,18 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.faults.fault import Fault
 from estimator.record import Array
 from estimator.rig import Rig
 
 Mute = Callable[[float], Array]  # by time, s: which channels are not to be fused, (m,) bool
 
-
-@dataclass(frozen=True)
-class Gate:
-    """A reading beyond `sd` standard deviations is not fused; after `stubborn` such ticks in a row it is believed."""
-
-    sd: float = 10.0
-    stubborn: int = 5
+FIRST_SD = 10.0  # the gate of the first readings, which nothing else can be told of
 
 
 @dataclass(frozen=True)
@@ -26,19 +21,24 @@ class Innovation:
     """Readings against predictions at one tick, each (m,).
 
     predicted, value, sd  the prediction; reading minus prediction; the sd that this should have, inf: no model
-    fuse, why             whether the reading is used, and why not
-    rejected              for how many ticks in a row the channel has been beyond the gate
     """
 
     predicted: Array
     value: Array
     sd: Array
-    fuse: Array
-    why: tuple[str, ...]
-    rejected: Array
 
+    @property
+    def usable(self) -> Array:
+        """Which channels were read and have a model."""
+        return np.isfinite(self.value) & np.isfinite(self.sd)
 
-GATE = Gate(sd=10.0, stubborn=5)  # what stays beyond it, the model has to explain
+    def why(self, fault: Array, muted: Array) -> tuple[str, ...]:
+        """Why channels are not fused, by their faults and those that are muted; empty where they are."""
+        why = np.array([Fault(code).why for code in fault], dtype=object)
+        why[muted] = "muted"
+        why[~np.isfinite(self.sd)] = "no model"
+        why[~np.isfinite(self.value)] = "not measured"
+        return tuple(why)
 
 
 def unmuted(rig: Rig) -> Mute:
@@ -47,14 +47,6 @@ def unmuted(rig: Rig) -> Mute:
     return lambda _: none
 
 
-def innovation(reading: Array, predicted: Array, sd: Array, muted: Array, rejected: Array) -> Innovation:
-    """Compare readings with predictions (m,); `rejected` (m,) as of the tick before. Muted ones are compared too."""
-    value = reading - predicted
-    wild = np.abs(value) > GATE.sd * sd
-    rejected = np.where(wild, rejected + 1, 0)
-    why = np.full(len(sd), "", dtype=object)
-    why[wild & (rejected <= GATE.stubborn)] = "implausible jump"
-    why[muted] = "muted"
-    why[~np.isfinite(sd)] = "no model"
-    why[~np.isfinite(reading)] = "not measured"
-    return Innovation(predicted, value, sd, why == "", tuple(why), rejected)
+def first_faults(first: Innovation) -> Array:
+    """Of the first readings, which are too far off to begin with: a Fault each, (m,)."""
+    return np.where(np.abs(first.value) > FIRST_SD * first.sd, Fault.JUDGED, Fault.NONE)

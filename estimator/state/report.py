@@ -9,7 +9,6 @@ import numpy as np
 from estimator.inputs.inputs import Held
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.state.gate import Innovation
 from estimator.state.run import Run, variances
 from estimator.step import Mode, Track
 
@@ -23,6 +22,7 @@ class Estimates:
     fused      (K, m) bool;   nis (K,)
     alone      (K, m) readings by the model alone, from the first estimate of temperatures on
     grown_um   (K,)   growth of the span since the start by the model alone
+    fault, since_s  (K, m) of the channels, a Fault each and since when
     """
 
     x: Array
@@ -33,12 +33,13 @@ class Estimates:
     nis: Array
     alone: Array
     grown_um: Array
+    fault: Array
+    since_s: Array
 
     @classmethod
-    def of_tick(cls, x: Array, P: Array, compared: Innovation, nis: float, alone: Array, grown_um: float) -> Estimates:
-        """One tick, as the online filter has it."""
-        one = x, P, compared.predicted, compared.sd, compared.fuse, nis, alone, grown_um
-        return cls(*(np.asarray(each)[None] for each in one))
+    def of_tick(cls, **tick: Array | float) -> Estimates:
+        """One tick, its fields without the leading axis, as the online filter has it."""
+        return cls(**{name: np.asarray(value)[None] for name, value in tick.items()})
 
 
 class Reporter:
@@ -53,7 +54,20 @@ class Reporter:
         """The tick with which the run began."""
         run, first = self._run, self._run.first
         alone = run.forcing.readings.rows @ run.x[run.state.temperatures] + run.offset
-        return self.track(rows, Estimates.of_tick(run.x, run.P, first, np.nan, alone, 0.0))
+        judged = np.where(run.fault, run.sample.time_s, np.nan)
+        estimate = Estimates.of_tick(
+            x=run.x,
+            P=run.P,
+            predicted=first.predicted,
+            sd=first.sd,
+            fused=run.fuse,
+            nis=np.nan,
+            alone=alone,
+            grown_um=0.0,
+            fault=run.fault,
+            since_s=judged,
+        )
+        return self.track(rows, estimate)
 
     def track(self, rows: Recording, estimates: Estimates) -> Track:
         """The next ticks: what was measured, and what is estimated of it."""
@@ -83,6 +97,8 @@ class Reporter:
             innovation=rows.channels - estimates.predicted,
             innovation_sd=estimates.sd,
             fused=fused,
+            fault=estimates.fault,
+            since_s=estimates.since_s,
             open_loop=estimates.alone + self._zeros,
             nis=estimates.nis,
             nis_channels=fused.sum(axis=1),

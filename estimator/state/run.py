@@ -8,13 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.errors import SetupError
+from estimator.faults.fault import Fault
+from estimator.faults.judge import Judge
 from estimator.inputs.start import Start, read_start
 from estimator.model import Model
 from estimator.network.assemble import Layout, Readings
 from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording, Sample
 from estimator.rig import Rig
-from estimator.state.gate import Innovation, Mute, innovation
+from estimator.state.gate import Innovation, Mute, first_faults
 from estimator.state.open_loop import OpenLoop
 from estimator.state.prior import prior
 from estimator.state.state import State
@@ -32,6 +34,7 @@ class Run:
     forcing  turns inputs into regimes, heat and offsets; it has read the first sample
     offset   (m,) what the channels read beside the temperatures, at the first sample
     first    the first readings against what was known before them
+    fault, muted, fuse  (m,) of them: what is too far off, what is muted, and what is used
     x, P     estimate after them, (size,), (size, size)
     """
 
@@ -43,8 +46,15 @@ class Run:
     view: View
     offset: Array
     first: Innovation
+    fault: Array
+    muted: Array
+    fuse: Array
     x: Array
     P: Array
+
+    def judge(self) -> Judge:
+        """The judge of the readings after the first."""
+        return Judge(self.forcing.rig, self.forcing.readings.sd, self.sample.time_s, self.fuse)
 
     def grown_um(self, z: Array) -> float:
         """Growth of the span since the start, um, when the temperatures are z (n,)."""
@@ -77,15 +87,18 @@ class Run:
         """Estimate after the same first readings by another model's terms; complex where its readings are."""
         state = State(readings, self.forcing.rig)
         before = prior(self.start, terms, place, self.sample.inputs)
-        return state.first(before, self.sample.channels - offset, _variance(readings), self.first.fuse)
+        return state.first(before, self.sample.channels - offset, _variance(readings), self.fuse)
 
 
-def begin(model: Model, rig: Rig, recording: Recording, mute: Mute, keep: int | None = None) -> Run | None:
-    """Begin with the first sample that has a thermometer which is not muted; None where none has. `keep`: of Forcing.
+def begin(
+    model: Model, rig: Rig, recording: Recording, mute: Mute, keep: int | None = None, since: int = 0
+) -> Run | None:
+    """Begin with the first sample from tick `since` on that has a thermometer which is not muted; None where none has.
+    `keep`: of Forcing.
 
     A model that reads no thermometer is a SetupError.
     """
-    begun = _first_start(recording, rig, mute)
+    begun = _first_start(recording, rig, mute, since)
     if begun is None:
         return None
     tick, start = begun
@@ -97,16 +110,19 @@ def begin(model: Model, rig: Rig, recording: Recording, mute: Mute, keep: int | 
     mean, cov = prior(start, forcing.terms, place, sample.inputs)
     R = _variance(readings)
     sd = np.sqrt(variances(readings.rows, cov) + readings.zero_sd**2 + R)
-    muted, none = mute(sample.time_s), np.zeros(len(sd), dtype=int)
-    first = innovation(sample.channels, readings.rows @ mean + offset, sd, muted, none)
-    state = State(readings, rig)
-    x, P = state.first((mean, cov), sample.channels - offset, R, first.fuse)
-    return Run(tick, start, sample, forcing, state, View(rig, place, forcing.terms), offset, first, x, P)
+    predicted = readings.rows @ mean + offset
+    first, muted = Innovation(predicted, sample.channels - predicted, sd), mute(sample.time_s)
+    state, fault = State(readings, rig), first_faults(first)
+    fuse = first.usable & ~muted & (fault == Fault.NONE)
+    x, P = state.first((mean, cov), sample.channels - offset, R, fuse)
+    view = View(rig, place, forcing.terms)
+    return Run(tick, start, sample, forcing, state, view, offset, first, fault, muted, fuse, x, P)
 
 
-def _first_start(recording: Recording, rig: Rig, mute: Mute) -> tuple[int, Start] | None:
+def _first_start(recording: Recording, rig: Rig, mute: Mute, since: int) -> tuple[int, Start] | None:
     """The first tick with a thermometer that is not muted, and the run's start by it; None where there is none."""
-    for k, sample in enumerate(recording):
+    for k in range(since, len(recording)):
+        sample = recording.sample(k)
         if start := read_start(sample, rig, mute(sample.time_s)):
             return k, start
     return None

@@ -94,6 +94,13 @@ class State:
             return 0.0
         return float(np.real(self.growth @ x[self.temperatures] - x[self.start]))
 
+    def jumped(self, P: Array, jump: Array) -> Array:
+        """P when the zeros of channels have become others, about as far off as their readings jumped, (m,)."""
+        loose = P.copy()
+        for i, place in self.zero_of.items():
+            loose[place, place] += jump[i] ** 2
+        return loose
+
     def transition(self, z: Transition, dt: float) -> Transition:
         """F (size, size), J (size, n), Q (size, size) of the full state."""
         F, Q = np.eye(self.size), np.zeros((self.size, self.size))

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.stats import poisson
 
-from estimator.alarms.alarms import Alarms, Stuck
+from estimator.alarms.alarms import Alarms
 from estimator.alarms.window import NIS_ALLOWED, WINDOWS, Window, WindowTest
+from estimator.faults.fault import Fault
 from estimator.rig import Rig
 from estimator.step import Mode, Step
 
@@ -22,7 +23,8 @@ def step_of(rig: Rig, k: int, innovation: np.ndarray, nis: float, measured: np.n
         profile_sd_K=empty, bodies_C=empty, error_at_table_um=0.0, error_at_table_sd_um=0.0, position_mm=0.0,
         names=tuple(rig.names),
         measured=innovation if measured is None else measured, predicted=np.zeros(m), innovation=innovation,
-        innovation_sd=np.full(m, SD), fused=fused, why=tuple("" if f else "not measured" for f in fused),
+        innovation_sd=np.full(m, SD), fused=fused,
+        fault=np.zeros(m, dtype=int), since_s=np.full(m, np.nan), why=tuple("" if f else "not measured" for f in fused),
         open_loop=np.zeros(m), nis=nis, nis_channels=int(fused.sum()),
     )  # fmt: skip
 
@@ -85,23 +87,13 @@ def test_innovations_twice_too_large_are_found(small):
     assert alarm.since_s == 0.0
 
 
-@pytest.mark.parametrize("step_C", [0.001, 0.25, 1.0])
-def test_a_coarse_sensor_is_not_stuck(step_C):
-    """A reading that drifts by 3 K, with noise of 10 mK, rounded."""
-    dice, stuck = np.random.default_rng(3), Stuck(1)
-    values = np.linspace(20.0, 23.0, 4000) + 0.01 * dice.standard_normal(4000)
-    found = [k for k, value in enumerate(values) if list(stuck.step(np.array([round(value / step_C) * step_C])))]
-    assert not found
-
-
-def test_a_fine_sensor_is_stuck_within_half_a_minute():
-    dice, stuck = np.random.default_rng(4), Stuck(2)
-    for k in range(400):
-        value = np.round(20 + 0.03 * dice.standard_normal(2), 2)
-        value[0] = value[0] if k < 300 else 19.99
-        found = list(stuck.step(value))
-        if found:
-            break
-    assert found == [(0, 19.99, 21)]
-    assert list(stuck.step(np.array([np.nan, 20.0]))) == [(0, 19.99, 21)]  # one reading missed says nothing
-    assert k == 321
+def test_a_broken_thermometer_is_named_since_when_until_it_is_well(small):
+    alarms, name = Alarms(small), small.names[1]
+    told = []
+    for k in range(40):
+        step = step_of(small, k, np.zeros(len(small.names)), 0.0)
+        fault = {10: Fault.JUDGED, 20: Fault.STUCK}.get(k // 10 * 10, Fault.NONE)
+        step.fault[1], step.since_s[1] = fault, 10.0 * small.tick_s if fault else np.nan
+        begun, over = alarms.step(step)
+        told += [(k, "+", a.kind, a.channel, a.since_s) for a in begun] + [(k, "-", a.kind) for a in over]
+    assert told == [(20, "+", "stuck", name, 10.0 * small.tick_s), (30, "-", "stuck")]

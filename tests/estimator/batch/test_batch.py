@@ -13,7 +13,6 @@ import pytest
 from estimator.batch import batch
 from estimator.batch.batch import ahead, gram, loglike, passes, score, smoothed
 from estimator.batch.system import System
-from estimator.state.gate import Gate
 from tests.processes import ended
 
 T, N, MOVING, CHANNELS, REGIMES = 30, 11, 6, 6, 2
@@ -130,8 +129,8 @@ def chunked(request, monkeypatch):
         monkeypatch.setattr(batch, "NEAR", 10_000)
 
 
-def collected(s: System, gate: Gate | None = None) -> dict[str, np.ndarray]:
-    chunks = list(passes(s, gate))
+def collected(s: System) -> dict[str, np.ndarray]:
+    chunks = list(passes(s))
     assert [c.ticks.start for c in chunks[1:]] == [c.ticks.stop for c in chunks[:-1]]
     names = ("x", "P", "predicted", "sd", "fused", "nis", "loglike")
     return {name: np.concatenate([getattr(c, name) for c in chunks]) for name in names}
@@ -262,31 +261,6 @@ def test_gram_of_blocks_of_time(system):
     assert parts[:, 4, 4] == pytest.approx(np.bincount(blocks, nis), rel=1e-11)
 
 
-@pytest.mark.usefixtures("chunked")
-def test_gate_is_that_of_the_filter_tick_by_tick(system):
-    y = system.y.copy()
-    y[8:22, 0] = 60.0  # muted now and then, missing now and then, believed in the end
-    y[12, SPAN] = y[20, 3] = -80.0
-    system, gate = replace(system, y=y), Gate(sd=6.0, stubborn=3)
-    found, rejected, fuse = collected(system, gate), np.zeros(CHANNELS, dtype=int), []
-    x, P = system.x0, system.P0
-    for t in range(T):
-        F, H = full(system.F[system.regime[t]]), rows(system, t)
-        x, P = F @ x + system.b[t], F @ P @ F.T + system.Q[system.regime[t]]
-        sd = np.sqrt(np.diag(H @ P @ H.T) + system.R[t])
-        wild = np.abs(y[t] - H @ x) > gate.sd * sd
-        rejected = np.where(wild, rejected + 1, 0)
-        use = used(system, t) & ~(wild & (rejected <= gate.stubborn))
-        fuse.append(use)
-        K = np.linalg.solve(H[use] @ P @ H[use].T + np.diag(system.R[t, use]), H[use] @ P).T
-        x, P = x + K @ (y[t] - H @ x)[use], P - K @ H[use] @ P
-        assert found["x"][t] == pytest.approx(x, abs=1e-8)
-    assert (found["fused"] == np.array(fuse)).all()
-    assert not found["fused"][12, SPAN]
-    assert (~found["fused"] & [used(system, t) for t in range(T)]).sum() > 3
-    assert found["loglike"].sum() == pytest.approx(plain(system, fuse)[0], rel=1e-10)
-
-
 def test_ahead(system):
     _, _, after = plain(system)
     starts, readings = ahead(system, steps=4, every=3)
@@ -333,7 +307,7 @@ def test_what_it_is_given_is_not_changed_and_may_be_read_only(system):
         if isinstance(value, np.ndarray):
             value.flags.writeable = False
     assert loglike(frozen) == expected
-    score(frozen), smoothed(frozen), list(passes(frozen, Gate())), ahead(frozen, 3, 3)
+    score(frozen), smoothed(frozen), list(passes(frozen)), ahead(frozen, 3, 3)
     for name, value in before.items():
         np.testing.assert_array_equal(value, getattr(frozen, name))
 

@@ -15,6 +15,9 @@ from estimator.batch import replay as module
 from estimator.batch.replay import Replay, replay
 from estimator.effect import Effect, Param
 from estimator.effects.readings import Thermometers
+from estimator.faults.fault import Fault
+from estimator.faults.judge import START_S, TOGETHER_TICKS
+from estimator.faults.suspects import HELD_S
 from estimator.filter import Filter
 from estimator.model import model_of
 from estimator.network import regime
@@ -147,32 +150,65 @@ def test_a_tick_without_readings_coasts_and_a_start_without_thermometer_waits(li
     assert np.isnan(track.nis[30])
 
 
-def test_a_spike_is_refused_and_one_that_stays_is_believed_at_the_same_tick(lived):
+def left_out(track: Track, channel: int) -> list[int]:
+    return np.flatnonzero(~track.fused[:, channel]).tolist()
+
+
+def test_a_spike_is_refused_and_one_that_stays_is_left_out(lived):
     model, rig, run = lived
     run = copy(run)
     run.channels[30, 1] += SPIKE_K
-    run.channels[60:80, 2] += SPIKE_K
-    fused = both(model, rig, run).fused
-    assert not fused[30, 1]
-    assert fused[[29, 31], 1].all()
-    np.testing.assert_array_equal(np.flatnonzero(~fused[50:80, 2]) + 50, np.arange(60, 65))
+    run.channels[60:, 2] += SPIKE_K
+    track = both(model, rig, run)
+    assert left_out(track, 1) == [30]
+    assert left_out(track, 2) == list(range(60, TICKS))
+    held = round(HELD_S / rig.tick_s)
+    assert track.fault[60 : 60 + held, 2].tolist() == [Fault.JUDGED] * held
+    assert (track.fault[60 + held :, 2] == Fault.JUMPED).all()
+    np.testing.assert_array_equal(track.since_s[60:, 2], track.time_s[60])
+    assert np.isnan(track.since_s[:60]).all() or np.flatnonzero(np.isfinite(track.since_s[:60, 1])).tolist() == [30]
 
 
-def test_a_spike_is_counted_anew_after_a_gap(lived):
+def test_a_reading_missed_does_not_end_a_spike(lived):
     model, rig, run = lived
     run = copy(run)
     run.channels[60:75, 2] += SPIKE_K
     run.channels[63, 2] = np.nan
-    fused = both(model, rig, run).fused
-    np.testing.assert_array_equal(np.flatnonzero(~fused[50:75, 2]) + 50, np.arange(60, 69))
+    assert left_out(both(model, rig, run), 2)[:15] == list(range(60, 75))
 
 
 def test_a_thermometer_that_was_off_from_the_first_sample_on(lived):
-    """The first sample counts among the ticks after which what stays is believed."""
     model, rig, run = lived
     run = copy(run)
     run.channels[:, 1] += SPIKE_K
-    np.testing.assert_array_equal(np.flatnonzero(~both(model, rig, run).fused[:8, 1]), np.arange(5))
+    track = both(model, rig, run)
+    assert left_out(track, 1) == list(range(TICKS))
+    assert track.fault[-1, 1] == Fault.OFF
+
+
+def test_all_thermometers_that_began_with_another_temperature(lived):
+    """What they read before they were ready is no start: the run begins anew."""
+    model, rig, run = lived
+    run = copy(run)
+    run.channels[:12, rig.is_thermometer] += SPIKE_K
+    track = both(model, rig, run)
+    assert track.elongation_um[12 + TOGETHER_TICKS - 1] == pytest.approx(0.0, abs=1e-9)
+    assert left_out(track, 1) == list(range(12, 12 + TOGETHER_TICKS - 1))
+    later = both(model, rig, run.rows(slice(12 + TOGETHER_TICKS - 1, None)))
+    np.testing.assert_allclose(track.elongation_um[12 + TOGETHER_TICKS - 1 :], later.elongation_um, atol=1e-9)
+
+
+def test_all_thermometers_that_jump_together_have_other_zeros(lived):
+    model, rig, run = lived
+    run, healthy = copy(run), replay(model, rig, run)
+    from_ = TICKS - 25
+    rig_is_warm = run.time_s[from_] - run.time_s[0] > START_S
+    run.channels[from_:, rig.is_thermometer] += SPIKE_K
+    track = both(model, rig, run)
+    assert left_out(track, 1) == list(range(from_, from_ + TOGETHER_TICKS - (not rig_is_warm)))
+    if rig_is_warm:
+        error = abs(track.elongation_um - healthy.elongation_um)
+        assert (error <= 4.0 * track.sigma_um + 0.01)[from_:].all()
 
 
 def muted(*spans: tuple[int, float, float], rig: Rig) -> Callable[[float], np.ndarray]:
@@ -188,7 +224,7 @@ def muted(*spans: tuple[int, float, float], rig: Rig) -> Callable[[float], np.nd
 
 
 def test_muted_spans(lived):
-    """Also from the start on, of all channels at a time, and over a spike, which is counted while it is not fused."""
+    """Also from the start on, of all channels at a time, and over a spike, which is still there afterwards."""
     model, rig, run = lived
     run = copy(run)
     m = len(rig.names)
@@ -199,7 +235,7 @@ def test_muted_spans(lived):
     assert track.fused[29, 0]
     assert np.isfinite(track.innovation[:29, 0]).all()
     assert not track.fused[49:79, -1].any()
-    np.testing.assert_array_equal(np.flatnonzero(~track.fused[90:115, 2]) + 90, [99, 100, 101, 102, 103, 104])
+    assert left_out(track, 2)[:9] == list(range(99, 108))
     assert (track.mode[119:124] == Mode.COASTING).all()
 
 

@@ -220,7 +220,7 @@ def test_what_is_no_rig_file_ends_in_one_line(tmp_path, content):
 
 def test_a_folder_in_its_place_is_no_file(tmp_path):
     (tmp_path / "rig.toml").mkdir()
-    with pytest.raises(SetupError, match=r"rig.toml: no such file"):
+    with pytest.raises(SetupError, match=r"rig.toml: not a file"):
         load_rig(tmp_path)
 
 

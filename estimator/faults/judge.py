@@ -1,0 +1,168 @@
+"""The judge: which channels are fused at a tick, and which are broken, how, and since when.
+
+A thermometer that leaves the model alone is held, and after ten seconds it is left out for a fault of its own; where
+most leave together, the telemeter has other zeros, or the run began with what were no temperatures. A length has no
+neighbours: where it jumps it has another zero, and where it departs slowly the model is wrong, and it is believed.
+What is broken goes on being compared, and is taken back when it has been well for long enough.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from estimator.faults.fault import Fault, Judgement, Seen, Tick
+from estimator.faults.jumps import Deviations, Jumps
+from estimator.faults.neighbours import Neighbours
+from estimator.faults.recovery import Recovery
+from estimator.faults.standstill import Standstill
+from estimator.faults.suspects import STILL, STUCK, Suspects
+from estimator.record import Array
+from estimator.rig import Rig
+
+TOGETHER_TICKS = 5  # that most thermometers have to be beyond their limits together
+START_S = 60.0  # within which all that has been known of a run may have been wrong
+LENGTH_READINGS = 3  # of a length beyond its limit, until it has another zero
+SILENT_TICKS = 3  # after which a level has to be learnt again
+SILENT_LENGTH_S = 120.0
+
+
+class Judge:
+    """What is known of the channels of one run.
+
+    fault, since_s  (m,) as of the last tick: a Fault each, and since when, NaN: it is well
+    """
+
+    def __init__(self, rig: Rig, noise: Array, begun_s: float, begun_with: Array) -> None:
+        """noise (m,) sd of each reading, inf: no model; the run began at begun_s with some of the channels (m,)."""
+        m, self._heat, self._begun_s, self._begun_with = len(noise), rig.is_thermometer, begun_s, begun_with
+        places = [np.nan if channel.at_mm is None else channel.at_mm for channel in rig.channels.values()]
+        self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s), Standstill(m)
+        self._neighbours = Neighbours(np.array(places, dtype=float), rig.tick_s)
+        self._suspects, self._recovery = Suspects(m, begun_with), Recovery(m)
+        self.fault, self.since_s = np.zeros(m, dtype=np.int8), np.full(m, np.nan)
+        self._silent_ticks = np.where(self._heat, SILENT_TICKS, max(SILENT_TICKS, SILENT_LENGTH_S / rig.tick_s))
+        self._silent, self._beyond, self._held, self._together = *np.zeros((3, m)), 0
+
+    @property
+    def well(self) -> Array:
+        """Which channels are fused at the next tick unless something happens, (m,) bool."""
+        return np.asarray(self.fault == Fault.NONE)
+
+    def judge(self, seen: Seen) -> Judgement:
+        """The first of some ticks: all, or up to the first in which something happens.
+
+        In the ticks before that one the channels that are `well` are fused, as whoever asks has taken for granted.
+        """
+        seen = replace(seen, value=np.where(seen.muted | ~np.isfinite(seen.sd), np.nan, seen.value))
+        jumps = self._jumps.compare(seen, self.well)
+        repeats = self._standstill.compare(np.where(self._heat & np.isfinite(seen.value), seen.reading, np.nan))
+        ticks = self._quiet(seen, jumps, repeats.count)
+        asked = self.well & self._heat & np.isfinite(seen.value[0])
+        ticks, drifting = self._neighbours.add(seen.first(ticks), asked)
+        fault, since_s = np.tile(self.fault, (ticks, 1)), np.tile(self.since_s, (ticks, 1))
+        last = ticks - 1
+        if last:
+            self._jumps.learn(jumps, last, self.well)
+            self._recovery.pass_by(jumps.value[:last], self.fault)
+        read = np.isfinite(seen.value[last])
+        of_last = (a[last] for a in (jumps.value, jumps.limit, jumps.beyond, repeats.count))
+        tick = Tick(float(seen.time_s[last]), read, self._jumps.known, *of_last)
+        jump, anew = self._decide(tick)
+        if drifting is not None and self.fault[drifting] == Fault.NONE:
+            self._set(drifting, Fault.DRIFTING, tick)
+        self._jumps.learn(jumps, ticks, self.well)
+        self._standstill.learn(repeats, ticks)
+        self._begun_with = self._begun_with & ~self._jumps.known
+        self._silent = self._silence(seen.value)[last]
+        self._forget(jump)
+        fault[last], since_s[last] = self.fault, self.since_s
+        if jump is not None:
+            fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
+        return Judgement(fault, since_s, jump, anew)
+
+    def _quiet(self, seen: Seen, jumps: Deviations, repeats: Array) -> int:
+        """How many ticks there are up to the first in which something happens; one while a channel is being judged."""
+        if (self.fault == Fault.JUDGED).any():
+            return 1
+        still = repeats >= STILL
+        wrong = jumps.beyond | still | ((jumps.count > 0) & (self._silence(seen.value) >= self._silent_ticks))
+        other = (np.isfinite(seen.value) & ~jumps.beyond & ~still) | self._stands(repeats)
+        event = np.where(self.well, wrong, other).any(axis=1)
+        return int(np.argmax(event)) + 1 if event.any() else event.size
+
+    def _stands(self, repeats: Array) -> Array:
+        """Thermometers (..., m) that jumped to where they stand still."""
+        return (self.fault == Fault.JUMPED) & (repeats >= STUCK)
+
+    def _decide(self, tick: Tick) -> tuple[Array | None, bool]:
+        """By how much zeros jumped, and whether the run begins anew; `fault` and `since_s` are as of this tick."""
+        back = self._recovery.recovered(tick, self.fault)
+        free = (self.fault <= Fault.JUDGED) & tick.read
+        out = free & tick.beyond
+        hot = out & self._heat
+        self._beyond = np.where(hot, self._beyond + 1, 0)
+        most = 2 * hot.sum() > (free & self._heat).sum()
+        self._together = self._together + 1 if most else 0
+        believed = hot & (self._together >= TOGETHER_TICKS)
+        anew = tick.time_s - self._begun_s <= START_S and bool((believed | self._wrong_start(tick, hot)).any())
+        if most:
+            for i in np.flatnonzero(hot).tolist():
+                self._set(i, Fault.NONE if believed[i] else Fault.JUDGED, tick)
+        else:
+            self._judge_alone(tick, hot | (free & self._heat & (tick.repeats >= STILL)))
+        believed |= self._lengths(tick, out & ~self._heat)
+        for i in np.flatnonzero(back).tolist():
+            self._set(i, Fault.NONE, tick)
+        for i in np.flatnonzero(self._stands(tick.repeats)).tolist():
+            self._set(i, Fault.STUCK, tick)
+        jumped = believed & tick.known
+        return (np.where(jumped, tick.deviation, 0.0) if jumped.any() else None), anew
+
+    def _wrong_start(self, tick: Tick, hot: Array) -> Array:
+        """Thermometers (m,) that left what the run began with at once, and stay away."""
+        return hot & self._begun_with & ~tick.known & (self._beyond >= TOGETHER_TICKS)
+
+    def _judge_alone(self, tick: Tick, out: Array) -> None:
+        """Thermometers that are beyond their limits, or stand still, while most do not."""
+        held = (self.fault == Fault.JUDGED) & self._heat
+        for i, fault in self._suspects.judged(tick, out, held).items():
+            self._set(i, fault, tick)
+
+    def _lengths(self, tick: Tick, out: Array) -> Array:
+        """Lengths (m,) that have been beyond their limit for long enough to be believed; others are held or well."""
+        read = tick.read & ~self._heat
+        self._held = np.where(out, self._held + 1, np.where(read, 0, self._held))
+        believed = out & (self._held >= LENGTH_READINGS)
+        self._held[believed] = 0
+        for i in np.flatnonzero(read).tolist():
+            self._set(i, Fault.JUDGED if out[i] and not believed[i] else Fault.NONE, tick)
+        return believed
+
+    def _set(self, i: int, fault: Fault, tick: Tick) -> None:
+        """A channel's fault as of now; it keeps the time at which it was first held."""
+        if fault == Fault.NONE:
+            self.since_s[i] = np.nan
+        elif self.fault[i] == Fault.NONE:
+            self.since_s[i] = tick.time_s
+        if fault > Fault.JUDGED:
+            self._recovery.isolate(i, fault, float(tick.deviation[i]))
+            self._neighbours.forget(i)
+        self.fault[i] = fault
+
+    def _silence(self, value: Array) -> Array:
+        """For how many ticks each channel has not been read, with each of some ticks, (K, m)."""
+        ticks = np.arange(1, len(value) + 1)[:, None]
+        return ticks - np.maximum.accumulate(np.where(np.isfinite(value), ticks, -self._silent), axis=0)
+
+    def _forget(self, jump: Array | None) -> None:
+        """Levels that say nothing any more: of channels that have not been read, or have another zero."""
+        gone = (self._silent >= self._silent_ticks) & (self.fault <= Fault.JUDGED)
+        self.fault[gone], self.since_s[gone] = Fault.NONE, np.nan
+        if jump is not None:
+            gone |= jump != 0.0
+            for i in np.flatnonzero((jump != 0.0) & self._heat).tolist():
+                self._neighbours.forget(i)
+        if gone.any():
+            self._jumps.forget(gone)

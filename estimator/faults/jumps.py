@@ -1,0 +1,108 @@
+"""Readings that leave the model suddenly: further than their own scatter and the model's uncertainty explain.
+
+    deviation   innovation - level            level: the innovation's mean over the last 8 ticks
+    limit       6.5 scatter + 0.27 (moved + |level|)
+    scatter     sd of a reading by the differences of successive innovations, larger where their predicted sd is
+    moved       |by what the model alone has left its own mean of the last 16 s|
+
+The level takes what a model has always been wrong by; what has moved, what it may have become wrong by since.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.faults.fault import Seen
+from estimator.record import Array
+
+LEVEL_TICKS = 8  # over which a level is learnt
+SCATTER = 4.0  # so many times as long: its scatter
+MOVED_S = 16.0  # and over which the model alone is looked back upon
+LENGTHS = 4  # readings over which that of a length is: one comes with each stroke
+SCATTERS, SHARE = 6.5, 0.27
+SUDDEN = 0.7  # of the limit, from the last reading that was well: less is no jump, but a model that is wrong
+OUTLYING = 3.0  # a scatter so many times that of the median thermometer is no scatter any more
+UNKNOWN_SD = 10.0  # the limit where no level is known; and after a gap, in which the model may have gone astray
+
+
+@dataclass(frozen=True)
+class Deviations:
+    """Of K ticks, (K, m): deviation, limit, whether it is beyond that, stress; what is learnt with each, (K, 7, m)."""
+
+    value: Array
+    limit: Array
+    beyond: Array
+    count: Array
+    trail: Array
+
+
+class Jumps:
+    """What is known of each channel's innovation, learnt from those that are well."""
+
+    def __init__(self, noise: Array, heat: Array, tick_s: float) -> None:
+        """noise (m,) sd of a reading, inf: no model; heat (m,) bool, which channels are thermometers."""
+        self._modelled, self._heat = np.isfinite(noise), heat
+        noise = np.where(self._modelled, noise, 1.0)
+        self._ticks = np.where(heat, LEVEL_TICKS, LENGTHS)
+        self._back = 1.0 / max(LEVEL_TICKS, MOVED_S / tick_s)
+        # level, scatter^2, last value, count of readings, sd; read at the last tick, mean of the model alone
+        self._unknown = np.array([0.0 * heat, noise**2, np.nan * heat, 0.0 * heat, noise])
+        self._state = np.vstack([self._unknown, 1.0 * heat, np.nan * heat])
+
+    @property
+    def known(self) -> Array:
+        """Which levels are known, (m,) bool."""
+        return np.asarray(self._state[3] >= self._ticks)
+
+    def compare(self, seen: Seen, well: Array) -> Deviations:
+        """Readings against levels as they would be learnt at each tick, of channels that are well (m,); none is yet."""
+        trail = self._learnt(seen, well)
+        level, variance, last, count, usual_sd, read, path = trail[:-1].transpose(1, 0, 2)
+        scatter = np.sqrt(variance)
+        usual = np.median(scatter[:, self._heat], axis=1)[:, None] if self._heat.any() else np.inf
+        scatter = np.where(self._heat, np.minimum(scatter, OUTLYING * usual), scatter)
+        moved = np.nan_to_num(np.abs(seen.alone - path))
+        known = count >= self._ticks
+        sd = np.where(np.isfinite(seen.sd), seen.sd, 0.0)
+        limit = np.where(
+            known,
+            SCATTERS * scatter * np.maximum(sd / usual_sd, 1.0) + SHARE * (moved + np.abs(level)),
+            UNKNOWN_SD * seen.sd,
+        )
+        limit = np.where(self._heat & (read == 0.0), np.maximum(limit, UNKNOWN_SD * seen.sd), limit)
+        value = seen.value - np.where(known, level, 0.0)
+        sudden = np.isnan(last) | (np.abs(seen.value - last) > SUDDEN * limit)
+        return Deviations(value, limit, (np.abs(value) > limit) & sudden, count, trail[1:])
+
+    def _learnt(self, seen: Seen, well: Array) -> Array:
+        """State before and after each of the ticks, (K + 1, 7, m)."""
+        value, alone = seen.value, seen.alone
+        learnt = np.isfinite(value) & self._modelled & well
+        trail = np.empty((len(value) + 1, *self._state.shape))
+        trail[0] = self._state
+        for k, now in enumerate(learnt):
+            level, variance, last, count, usual_sd, _, path = trail[k]
+            gain = np.where(now, 1.0 / np.minimum(count + 1.0, self._ticks), 0.0)
+            known = np.where(now, value[k], level)
+            difference = np.where(now & np.isfinite(last), known - last, 0.0)
+            slow = np.where(difference == 0.0, 0.0, 1.0 / (SCATTER * self._ticks))
+            trail[k + 1, 0] = level + gain * (known - level)
+            trail[k + 1, 1] = variance + slow * (difference**2 / 2.0 - variance)
+            trail[k + 1, 2] = np.where(now, known, last)
+            trail[k + 1, 3] = count + now
+            trail[k + 1, 4] = usual_sd + gain * (np.where(now, seen.sd[k], usual_sd) - usual_sd)
+            trail[k + 1, 5] = np.isfinite(value[k])
+            trail[k + 1, 6] = np.where(np.isfinite(path), path + self._back * (alone[k] - path), alone[k])
+        return trail
+
+    def learn(self, deviations: Deviations, k: int, well: Array) -> None:
+        """Take the first k ticks; of channels that are not well (m,) only where the model alone has been."""
+        learnt = deviations.trail[k - 1]
+        self._state[:5] = np.where(well, learnt[:5], self._state[:5])
+        self._state[5:] = learnt[5:]
+
+    def forget(self, which: Array) -> None:
+        """Learn the levels of these channels (m,) anew."""
+        self._state[:5, which] = self._unknown[:, which]

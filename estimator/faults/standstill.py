@@ -1,0 +1,51 @@
+"""Readings that stand still where the sensor resolves its own noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.record import Array
+
+STEPS = 1.5  # resolution steps from one reading to the next, on average: then 20 repeats do not happen by chance
+CHANGES = 20  # that must have been seen
+
+
+@dataclass(frozen=True)
+class Repeats:
+    """Of K ticks, (K, m): how often the reading has been repeated, 0 of a coarse sensor; and what is learnt."""
+
+    count: Array
+    trail: tuple[Array, ...]
+
+
+class Standstill:
+    """How finely m channels resolve their own noise, and for how many readings each has read the same.
+
+    The resolution is the smallest change ever seen. A coarse sensor, whose readings change by one step or not at all,
+    may well stand still: of it nothing can be said.
+    """
+
+    def __init__(self, m: int) -> None:
+        self._last, self._finest = np.full(m, np.nan), np.full(m, np.inf)
+        self._same, self._changes, self._sum = np.zeros(m), np.zeros(m), np.zeros(m)
+
+    def compare(self, reading: Array) -> Repeats:
+        """Repeats with each tick, of readings (K, m), NaN where nothing was read; nothing is learnt yet."""
+        values = np.vstack([self._last, reading])
+        at = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values))[:, None], 0), axis=0)
+        filled = np.take_along_axis(values, at, axis=0)
+        change = np.where(np.isfinite(reading), np.abs(np.diff(filled, axis=0)), np.nan)
+        moved = change > 0
+        repeats = self._same + np.cumsum(change == 0, axis=0)
+        same = repeats - np.maximum.accumulate(np.where(moved, repeats, 0.0), axis=0)
+        finest = np.minimum(np.minimum.accumulate(np.where(moved, change, np.inf), axis=0), self._finest)
+        changes = self._changes + np.cumsum(moved, axis=0)
+        total = self._sum + np.cumsum(np.where(moved, change, 0.0), axis=0)
+        fine = (changes >= CHANGES) & (total >= STEPS * changes * np.where(changes, finest, 0.0))
+        return Repeats(np.where(fine, same, 0.0), (filled[1:], finest, same, changes, total))
+
+    def learn(self, repeats: Repeats, k: int) -> None:
+        """Take the first k ticks."""
+        self._last, self._finest, self._same, self._changes, self._sum = (a[k - 1] for a in repeats.trail)

@@ -1,0 +1,36 @@
+"""Standing still: told of fine sensors, never of coarse ones, in whatever portions the readings come."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from estimator.faults.standstill import Standstill
+
+
+def repeats_of(readings: np.ndarray, portion: int) -> np.ndarray:
+    standstill, found = Standstill(readings.shape[1]), []
+    for k in range(0, len(readings), portion):
+        repeats = standstill.compare(readings[k : k + portion])
+        standstill.learn(repeats, len(repeats.count))
+        found.append(repeats.count)
+    return np.vstack(found)
+
+
+@pytest.mark.parametrize("step_C", [0.001, 0.25, 1.0])
+def test_a_coarse_sensor_is_not_stuck(step_C):
+    """A reading that drifts by 3 K, with noise of 10 mK, rounded."""
+    dice = np.random.default_rng(3)
+    values = np.linspace(20.0, 23.0, 4000) + 0.01 * dice.standard_normal(4000)
+    assert repeats_of(np.round(values / step_C)[:, None] * step_C, 100).max() <= 10
+
+
+@pytest.mark.parametrize("portion", [1, 7, 400])
+def test_a_fine_sensor_counts_its_repeats_over_a_gap(portion):
+    dice = np.random.default_rng(4)
+    values = np.round(20 + 0.03 * dice.standard_normal((400, 2)), 2)
+    values[300:, 0], values[310, 0] = 19.99, np.nan  # one reading missed says nothing
+    values[299, 0] = 20.5
+    found = repeats_of(values, portion)
+    assert found[300:, 0].tolist() == [*range(10), 9, *range(10, 99)]
+    assert found[:, 1].max() < 5
