@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import click
+from can import CanError
 
 from ballscrew.options import bus_options, terminal_options, writable
 from ballscrew.terminal import Terminal, duration
-from drivers.bus.bus import FAILURES, BusAddress
+from drivers.bus.bus import FAILURES, BusAddress, told
 from drivers.logs.log_writer import check_format
 from drivers.virtual_rig import Run, play, simulate, write
 from estimator.errors import SetupError
@@ -126,7 +127,10 @@ def _play(terminal: Terminal, run: Run, address: BusAddress, speed_up: float) ->
     try:
         bus = address.open()
     except FAILURES as error:
-        raise SetupError(f"{address}: {error}") from error
+        raise SetupError(f"{address}: {told(error)}") from error
     terminal.say(f"playing {run.name} on {address}, {speed_up:g} x the rig's time; Ctrl-C stops")
     with bus:
-        play(run, bus, speed_up)
+        try:
+            play(run, bus, speed_up)
+        except (CanError, OSError) as error:
+            raise SetupError(f"{address}: the bus is gone: {told(error)}") from error

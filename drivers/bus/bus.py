@@ -79,6 +79,12 @@ class Listener:
         self.lost = lost
 
 
+def told(error: BaseException) -> str:
+    """What an interface raised, in one line: python-can puts whole tracebacks into its messages."""
+    text = str(error).partition("Traceback (most recent call last)")[0]
+    return f"{type(error).__name__}: {' '.join(text.split())}"
+
+
 def hang_up(bus: Listener | can.BusABC | None) -> None:
     """Close a bus that is open; one that is gone cannot be closed either."""
     if bus is not None:

@@ -85,7 +85,7 @@ class _Client(asyncio.Protocol):
         self._socket = transport.get_extra_info("socket")
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.hub.clients.add(self)
-        transport.write(b"< hi >")
+        self._answer(b"< hi >")
 
     def connection_lost(self, error: Exception | None) -> None:
         self.hub.clients.discard(self)
@@ -119,27 +119,35 @@ class _Client(asyncio.Protocol):
         """Pass on frames; a client that does not read them must neither stall the others nor fill the memory."""
         if self._mark:
             self._end_reply()
-        if self.transport.get_write_buffer_size() + len(text) <= self.hub.limit_bytes:
-            self.transport.write(text)
+        if self._answer(text):
             return
         self._dropped += count
         self.hub.dropped += count
         if time.monotonic() >= self._tell_at:
             self._tell()
 
+    def _answer(self, text: bytes) -> bool:
+        """Send it; False where too much waits already. A client that is gone need not be told, nor be told of."""
+        if self.transport.is_closing():
+            return True
+        if self.transport.get_write_buffer_size() + len(text) > self.hub.limit_bytes:
+            return False
+        self.transport.write(text)
+        return True
+
     def _obey(self, words: bytes) -> None:
         name, *rest = words.split() or [b""]
         if name == b"open" and len(rest) == 1:
             self.channel, self.listens_to = rest[0], b""
-            self.transport.write(b"< ok >")
+            self._answer(b"< ok >")
         elif name == b"rawmode" and self.channel:
-            self.transport.write(b"< ok >")
+            self._answer(b"< ok >")
             self.listens_to, self._mark = self.channel, True
         elif name == b"close":
             self.channel = self.listens_to = b""
-            self.transport.write(b"< ok >")
+            self._answer(b"< ok >")
         elif name == b"echo":
-            self.transport.write(b"< echo >")
+            self._answer(b"< echo >")
         elif name in (b"send", b"rawmode") and not self.channel:
             self._refuse("no channel is open")
         elif name == b"send":
@@ -156,7 +164,7 @@ class _Client(asyncio.Protocol):
 
     def _refuse(self, why: str) -> None:
         # The id and time of an error frame come first: python-can's client dies of an error that has none.
-        self.transport.write(b"< error 000 %b %b >" % (self.hub.stamp.next(), why.encode()))
+        self._answer(b"< error 000 %b %b >" % (self.hub.stamp.next(), why.encode()))
 
     def _tell(self) -> None:
         peer = ":".join(map(str, (self.transport.get_extra_info("peername") or ["a client"])[:2]))

@@ -13,7 +13,7 @@ import can
 import cantools
 import numpy as np
 
-from drivers.bus.bus import hang_up
+from drivers.bus.bus import hang_up, told
 from drivers.decode.checks import frame_checksum
 from drivers.decode.dbc import find_dbc
 from drivers.received import Received
@@ -123,7 +123,7 @@ class Publisher:
             if job is not None and not self._stopped:
                 self._transmit(*job)
         except Exception as error:  # each interface has its own
-            self.trouble = f"not publishing: {' '.join(f'{type(error).__name__}: {error}'.split())}"
+            self.trouble = f"not publishing: {told(error)}"
             self._retry = time.monotonic() + RETRY_S
             self._hang_up()
 

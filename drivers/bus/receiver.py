@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable
 
 from drivers.bus.age import Age
-from drivers.bus.bus import Listener, hang_up
+from drivers.bus.bus import Listener, hang_up, told
 from drivers.bus.rig_time import RigTime
 from drivers.received import Notice, Received, received_of
 from estimator.errors import BallscrewError, InputError
@@ -102,7 +102,7 @@ class Receiver:
                 self.failure = error
                 return
             except Exception as error:  # each interface has its own
-                self._lost(f"{type(error).__name__}: {error}")
+                self._lost(told(error))
                 self._halt.wait(delay)
                 delay = min(2 * delay, BACK_OFF_S[1])
             finally:
@@ -173,7 +173,7 @@ class Receiver:
             self._put(Notice(f"listening on {self._channel}", "INFO"))
 
     def _lost(self, why: str) -> None:
-        self._why = " ".join(why.split())
+        self._why = why
         if self.state != "lost":
             what = "bus lost" if self._opened_before else "bus not open yet"
             self._put(Notice(f"{what}: {self._why}; trying to open it again"))

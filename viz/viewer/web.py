@@ -9,11 +9,14 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
+import socket
 import tempfile
 import threading
 import time
 import urllib.error
 import urllib.request
+from collections import deque
+from contextlib import suppress
 from functools import partial
 from http import HTTPStatus
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -32,6 +35,7 @@ KINDS = {
     ".wasm": "application/wasm",
     ".ico": "image/x-icon",
 }
+MOST_OPEN = 32  # connections; a browser opens six
 STREAM = re.compile(r"rerun\+http://([\w.-]+:\d+)/proxy")
 OUTSIDE = re.compile(rb"<link\b[^>]*https?://[^>]*>")
 INLINE = re.compile(rb"<script>(.*?)</script>", re.DOTALL)
@@ -88,6 +92,7 @@ class _Server(ThreadingHTTPServer):
     """Serves the files in a folder and nothing else, to whoever asks for this very address."""
 
     def __init__(self, bind: str, port: int, folder: Path, rules: str) -> None:
+        self._open: deque[socket.socket] = deque()
         super().__init__((bind, port), partial(_Handler, directory=str(folder)))
         self.host = f"{bind}:{port}"
         self.headers = {
@@ -97,6 +102,22 @@ class _Server(ThreadingHTTPServer):
             "Referrer-Policy": "no-referrer",
             "Cache-Control": "no-store",
         }
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """In a thread of its own; of too many connections the oldest goes: who asks nothing keeps nobody out."""
+        self._open.append(request)
+        if len(self._open) > MOST_OPEN:
+            with suppress(OSError):
+                self._open.popleft().shutdown(socket.SHUT_RDWR)  # its own thread wakes up, and closes it
+        super().process_request(request, client_address)
+
+    def shutdown_request(self, request: Any) -> None:
+        with suppress(ValueError):
+            self._open.remove(request)
+        super().shutdown_request(request)
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A browser that goes away in mid answer is nothing to tell."""
 
 
 class _Handler(SimpleHTTPRequestHandler):

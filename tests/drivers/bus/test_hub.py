@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 import signal
 import socket
@@ -14,7 +15,7 @@ from unittest import mock
 import can
 import pytest
 
-from drivers.bus.hub import Hub
+from drivers.bus.hub import Hub, _Client
 from drivers.bus.stamp import Stamp
 from estimator.errors import SetupError
 from tests.hub_fake import hub_running
@@ -305,6 +306,31 @@ def test_the_command_serves_simulate_and_ends_on_ctrl_c(bus, port) -> None:
     assert process.returncode == 130
     assert re.search(r"hub: ended after \d+ frames, 0 dropped", out)
     assert err.strip() == "stopped by Ctrl-C"
+
+
+def test_a_rig_that_plays_to_a_hub_that_goes_ends_with_one_line() -> None:
+    with ExitStack() as stack:
+        with hub_running() as port:
+            where = ["--interface", "socketcand", "--channel", "can0", "--bus-kwargs", "host=127.0.0.1", f"port={port}"]
+            words = ["simulate", "FS-20", "--seconds", "60", *where]
+            process = stack.enter_context(started("ballscrew", *words, stderr=subprocess.PIPE, stdout=subprocess.PIPE))
+            assert process.stdout.readline().startswith("playing FS-20")
+        _, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2
+    assert re.fullmatch(rf"error: socketcand can0 host=127.0.0.1 port={port}: the bus is gone: \w+: .*\n", err)
+
+
+@pytest.mark.parametrize(("closing", "waiting"), [(True, 0), (False, 8_000_000)], ids=["gone", "reads nothing"])
+def test_answers_to_a_client_that_does_not_take_them_are_dropped(hub, closing, waiting) -> None:
+    """asyncio would tell of each, thousands at once, or keep them all."""
+    client = _Client(hub)
+    client.connection_made(transport := mock.create_autospec(asyncio.Transport))
+    transport.is_closing.return_value, transport.get_write_buffer_size.return_value = closing, waiting
+    transport.write.reset_mock()
+    client.data_received(b"< open can0 >< echo >< send nonsense >" * 100)
+    client.hear(b"< frame 123 1.0 11 >", 1)
+    transport.write.assert_not_called()
+    assert hub.dropped == (not closing)
 
 
 def test_the_command_ends_on_sigterm_and_warns_when_others_can_reach_it() -> None:

@@ -11,7 +11,7 @@ import can
 import pytest
 
 from drivers.bus import receiver as receiving
-from drivers.bus.bus import BusAddress, Listener, bus_options
+from drivers.bus.bus import BusAddress, Listener, bus_options, told
 from drivers.bus.receiver import Receiver
 from drivers.bus.rig_time import RigTime
 from drivers.received import Notice, Received
@@ -215,6 +215,11 @@ def test_a_listener_has_no_way_to_transmit():
     with can.Bus(interface="virtual", channel="quiet") as bus:
         assert not hasattr(Listener(bus), "send")
         assert not hasattr(Listener(bus), "send_periodic")
+
+
+def test_a_traceback_in_what_python_can_says_is_left_out():
+    error = can.CanError("Failed to receive: gone  Traceback (most recent call last):\n  File ...\nOSError: gone\n")
+    assert told(error) == "CanError: Failed to receive: gone"
 
 
 def test_options_of_the_interface():

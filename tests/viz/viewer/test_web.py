@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import socket
+import struct
+import threading
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from contextlib import ExitStack
 from email.message import Message
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
 
 from estimator.errors import SetupError
-from tests.processes import PATIENCE_S
-from viz.viewer.web import WebPage
+from tests.processes import PATIENCE_S, until
+from viz.viewer.web import MOST_OPEN, WebPage
 
 
 @pytest.fixture(scope="module")
@@ -74,3 +78,21 @@ def test_nothing_else_is_served(page: WebPage, path: str, host: str, status: int
 def test_a_page_shows_live_streams_only(url: str) -> None:
     with pytest.raises(SetupError, match="not a live stream"):
         WebPage(url)
+
+
+def test_connections_that_ask_nothing_keep_nobody_out(page: WebPage, capfd: pytest.CaptureFixture[str]) -> None:
+    at = urlsplit(page.address)
+    before = threading.active_count()
+    with ExitStack() as half_open:
+        idle = [half_open.enter_context(socket.create_connection((at.hostname, at.port))) for _ in range(300)]
+        assert ask(page, "/")[0] == 200
+        idle[0].settimeout(PATIENCE_S)
+        assert idle[0].recv(1) == b""  # the oldest was closed
+        until(lambda: threading.active_count() <= before + MOST_OPEN + 1)
+        torn = socket.create_connection((at.hostname, at.port))
+        torn.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        torn.sendall(f"GET /re_viewer_bg.wasm HTTP/1.0\r\nHost: {at.netloc}\r\n\r\n".encode())
+        torn.recv(1)
+        torn.close()  # in mid answer, by a reset
+    until(lambda: threading.active_count() <= before)
+    assert capfd.readouterr().err == ""
