@@ -10,7 +10,6 @@ from ballscrew.own_effect.named import Named, named_effects
 from ballscrew.workspace import Workspace
 from estimator.accuracy.horizon import open_loop_error
 from estimator.accuracy.noise_floor import Error
-from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
 from estimator.missing_effect.candidates import unfit
 from estimator.missing_effect.next_run import NextRun, next_run
@@ -53,5 +52,4 @@ def verdict_of(suggestion: Suggestion, runs: Runs, held_out: Runs) -> Verdict:
         if len(rivals) == 2:
             run = next_run(rivals[0], rivals[1], runs)
     listed = (suggestion.as_given, suggestion.again, *suggestion.found) if held_out.recordings else ()
-    models = [h.model for h in listed]
-    return Verdict(suggestion, [open_loop_error(slow_trials_of(model, held_out), model) for model in models], run)
+    return Verdict(suggestion, [open_loop_error(h.model, held_out) for h in listed], run)

@@ -30,7 +30,6 @@ from drivers.virtual_rig import simulate, write
 from drivers.virtual_rig.machine.heaters import local_place
 from estimator.accuracy.horizon import open_loop_error
 from estimator.accuracy.noise_floor import Error
-from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
 from estimator.fit.open_loop_fit import follow
 from estimator.missing_effect.candidates import kind_of
@@ -124,9 +123,7 @@ def _judge(out: Outcome, found: Suggestion, rig: Rig, held: Sequence[Recording])
 
 
 def _held_out(h: Hypothesis, rig: Rig, held: Sequence[Recording]) -> Error | None:
-    if not held:
-        return None
-    return open_loop_error(slow_trials_of(h.model, Runs(rig, held)), h.model)
+    return open_loop_error(h.model, Runs(rig, held)) if held else None
 
 
 def _pair(error: Error | None) -> tuple[float, float]:

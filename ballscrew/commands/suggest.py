@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from ballscrew.options import save_option, search_options, workspace_options
-from ballscrew.report.search_report import as_json, error_of, print_verdict, ranked, section_of
+from ballscrew.report.search_report import as_json, print_verdict, ranked, section_of
 from ballscrew.search import Verdict, effects_to_try, verdict_of
 from ballscrew.workspace import Workspace, runs_of
 from estimator.missing_effect.suggest import suggest
@@ -40,5 +40,5 @@ def _save(path: Path, work: Workspace, verdict: Verdict) -> None:
     from ballscrew.report.comparison_views import error_bars, save_views  # rerun takes half a second to import
 
     best = [replace(h.model, name=f"with {h.names[0]}") for h in verdict.suggestion.found[:1]]
-    figures = error_bars([(title, error_of(h), held) for title, h, held in ranked(verdict)])
+    figures = error_bars([(title, h.judged.error, held) for title, h, held in ranked(verdict)])
     save_views(path, work, [work.model, *best], [section_of(verdict, work.rig)], figures)

@@ -7,7 +7,6 @@ import numpy as np
 from ballscrew.report.error_cells import HORIZONS, by_horizon, cells, number
 from ballscrew.report.sections import Section, print_sections
 from ballscrew.terminal import Terminal
-from estimator.accuracy.noise_floor import Error
 from estimator.accuracy.quality import overall
 from estimator.inputs.phase import PHASES
 from estimator.missing_heat.diagnose import Diagnosis
@@ -34,7 +33,7 @@ def print_diagnosis(terminal: Terminal, diagnosis: Diagnosis) -> None:
 def sections(diagnosis: Diagnosis) -> list[Section]:
     """The tables: errors, missing heat, wrong readings."""
     errors = {title: diagnosis.errors[key] for key, title in HORIZONS.items()}
-    errors |= {"sensors alone": diagnosis.floor, "good enough alone": _good_enough(diagnosis)}
+    errors |= {"sensors alone": diagnosis.floor, "good enough alone": diagnosis.limits}
     rows = [[title, *cells([error])] for title, error in errors.items()]
     tables = [Section("how far ahead", (), [["error, rms", "K", "um"], *rows])]
     if diagnosis.where:
@@ -46,10 +45,6 @@ def sections(diagnosis: Diagnosis) -> list[Section]:
         rows = [head, *map(_reading_row, diagnosis.readings)]
         tables.append(Section("wrong readings", ["what no heat explains"], rows))
     return tables
-
-
-def _good_enough(diagnosis: Diagnosis) -> Error:
-    return Error(diagnosis.limits.temperature_K, diagnosis.limits.elongation_um)
 
 
 def _heat_row(heat: Deficit) -> list[str]:
@@ -75,7 +70,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, object]:
         "sentences": list(diagnosis.sentences),
         "errors": by_horizon(diagnosis.errors),
         "noise_floor": vars(diagnosis.floor),
-        "good_enough": vars(_good_enough(diagnosis)),
+        "good_enough": vars(diagnosis.limits),
         "whiteness": [vars(one) for one in diagnosis.quality],
         "missing_heat": {one.misfit.trial.recording.name: _map(one) for one in diagnosis.maps},
     }

@@ -52,18 +52,12 @@ def ranked(verdict: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
 
 
 def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
-    errors = [error_of(h), *([held] if held is not None else [])]
-    own = {path: value for path, value in h.parameters().items() if path.partition(".")[0] in h.names}
+    errors = [h.judged.error, *([held] if held is not None else [])]
     values = ", ".join(
         f"{path.partition('.')[2]} {value.value:.3g} +- {value.sd:.1g} {h.model.param(path).unit}"
-        for path, value in own.items()
+        for path, value in h.own().items()
     )
     return [title, *cells(errors), "all" if h.refit else "it alone" if h.names else "", values]
-
-
-def error_of(h: Hypothesis) -> Error:
-    """Open-loop error on recordings left out."""
-    return Error(h.judged.heat_K, h.judged.length_um)
 
 
 def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
@@ -103,14 +97,13 @@ def _unknown(suggestion: Suggestion, rig: Rig) -> dict[str, Any] | None:
 
 
 def _effect(before: Hypothesis, h: Hypothesis, held_before: Sequence[Error], held: Sequence[Error]) -> dict[str, Any]:
-    own = {path: value for path, value in h.parameters().items() if path.partition(".")[0] in h.names}
     return {
         "name": h.names[0], "score": before.misfit / h.misfit, "refitted": h.refit,
-        "before": vars(error_of(before)), "after": vars(error_of(h)),
+        "before": vars(before.judged.error), "after": vars(h.judged.error),
         "held_out_before": vars(held_before[0]) if held_before else None,
         "held_out_after": vars(held[0]) if held else None,
         "parameters": {
             path.partition(".")[2]: {"value": value.value, "sd": value.sd, "unit": h.model.param(path).unit}
-            for path, value in own.items()
+            for path, value in h.own().items()
         },
     }  # fmt: skip

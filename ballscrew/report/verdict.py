@@ -45,7 +45,7 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
 def _wrong_input(wrong: Mislabel, far: bool) -> str:
     head = "First of all look at" if far else "Nothing is missing but in"
     size = f"{wrong.ratio:.2f} times" if wrong.ratio != 1 else f"{wrong.shift_K:+.1f} K off"
-    rest = f" Set right it still leaves {wrong.judged.heat_K:.3f} K: more is missing." if far else ""
+    rest = f" Set right it still leaves {wrong.judged.error.temperature_K:.3f} K: more is missing." if far else ""
     return f"{head} {wrong.run}, where {wrong.signal} is {size} what it should be: check that run.{rest}"
 
 
@@ -87,8 +87,9 @@ def _nothing(suggestion: Suggestion) -> str:
 
 
 def _left(suggestion: Suggestion) -> str:
-    um = suggestion.before.judged.length_um
-    return f"{suggestion.before.judged.heat_K:.3f} K" + (f" and {um:.2f} um" if np.isfinite(um) else "")
+    error = suggestion.before.judged.error
+    um = f" and {error.elongation_um:.2f} um" if np.isfinite(error.elongation_um) else ""
+    return f"{error.temperature_K:.3f} K{um}"
 
 
 def _tie(suggestion: Suggestion, run: NextRun | None) -> str:
@@ -111,7 +112,7 @@ def _other(suggestion: Suggestion) -> str:
 
 
 def _gain(before: Hypothesis, after: Hypothesis) -> str:
-    a, b = before.judged, after.judged
-    where = " on recordings left out" if len(b.runs) > 1 else ""
-    length = f", elongation {a.length_um:.2f} -> {b.length_um:.2f} um" if np.isfinite(b.length_um) else ""
-    return f"temperatures {a.heat_K:.3f} -> {b.heat_K:.3f} K{length}{where}"
+    a, b = before.judged.error, after.judged.error
+    where = " on recordings left out" if len(after.judged.runs) > 1 else ""
+    um = f", elongation {a.elongation_um:.2f} -> {b.elongation_um:.2f} um" if np.isfinite(b.elongation_um) else ""
+    return f"temperatures {a.temperature_K:.3f} -> {b.temperature_K:.3f} K{um}{where}"

@@ -15,9 +15,10 @@ from estimator.accuracy.noise_floor import Error, rms_by_family
 from estimator.batch import batch
 from estimator.batch.open_loop import open_loop_misfit
 from estimator.batch.trial import Trial
-from estimator.batch.trials import Trials
+from estimator.batch.trials import slow_trials_of
 from estimator.model import Model
 from estimator.record import Array
+from estimator.work import Runs
 
 AHEAD_S = 600.0
 EVERY_S = 60.0
@@ -84,9 +85,10 @@ def horizons(trial: Trial, model: Model) -> Horizons:
     return Horizons(one_step, ahead, open_loop_misfit(trial, posed), thermometers, elongation, unknown)
 
 
-def open_loop_error(trials: Trials, model: Model) -> Error:
+def open_loop_error(model: Model, runs: Runs) -> Error:
     """rms by the model alone over several recordings together."""
-    return rms_by_family([open_loop_misfit(trial, trial.pose(model)) for trial in trials], trials[0].rig)
+    trials = slow_trials_of(model, runs)
+    return rms_by_family([open_loop_misfit(trial, trial.pose(model)) for trial in trials], runs.rig)
 
 
 def overall(found: Sequence[Horizons], horizon: str) -> Error:

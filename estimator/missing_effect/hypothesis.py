@@ -47,6 +47,10 @@ class Hypothesis:
         pairs = zip(self.paths, self.judged.sd, strict=True)
         return {path: Value(self.model[path], float(sd)) for path, sd in pairs}
 
+    def own(self) -> dict[str, Value]:
+        """The same of the effects to add alone."""
+        return {path: value for path, value in self.parameters().items() if path.partition(".")[0] in self.names}
+
 
 def refined(
     model: Model,

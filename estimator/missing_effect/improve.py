@@ -95,5 +95,5 @@ def _fitted(found: Suggestion) -> Hypothesis | None:
 
 def _step(added: str, tie: tuple[str, ...], h: Hypothesis, held_out: Runs) -> ImprovedModel:
     model = h.model.with_values(dict(h.parameters()))  # with the sd of what was fitted
-    held = open_loop_error(slow_trials_of(model, held_out), model) if held_out.recordings else None
-    return ImprovedModel(added, tie, model, Error(h.judged.heat_K, h.judged.length_um), held)
+    held = open_loop_error(model, held_out) if held_out.recordings else None
+    return ImprovedModel(added, tie, model, h.judged.error, held)

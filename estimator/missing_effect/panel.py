@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from estimator.accuracy.noise_floor import Error
 from estimator.missing_effect.moments import Column, Moments
 from estimator.record import Array
 from estimator.sensitivity.objective import prior_roots
@@ -27,7 +28,7 @@ class Judged:
     change   (k,) of each parameter, from all recordings
     sd       (k,) of it, from how independent the readings are taken to be
     misfit   mean square of what is left on recordings left out, 1: as good as a good model; and what the priors add
-    heat_K, length_um  rms of what is left there
+    error    open-loop error there
     runs     misfit of each recording
     """
 
@@ -35,8 +36,7 @@ class Judged:
     change: Array
     sd: Array
     misfit: float
-    heat_K: float
-    length_um: float
+    error: Error
     runs: Array
 
 
@@ -78,17 +78,15 @@ class Panel:
         lengths = sum(m.length_count for m in self.found)
         length_um = np.sqrt(length.sum() / lengths) if lengths else np.nan
         misfit = (runs.sum() + self._unlikely(chosen, change)) / weights.sum()
-        return Judged(tuple(chosen), change, sd, float(misfit), float(heat_K), float(length_um), runs / weights)
+        error = Error(float(heat_K), float(length_um))
+        return Judged(tuple(chosen), change, sd, float(misfit), error, runs / weights)
 
     def with_another(self, new: Moments) -> float:
         """Root of the least misfit on one recording more, where the others and the priors hold the parameters."""
-        k = len(self.columns)
-        held = self._weighted.sum(axis=0)[:k, :k] + np.diag(self._prior)
-        curvature, slope = held + new.weighted[:k, :k], new.weighted[:k, -1]
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(curvature), 1e-300))
-        scaled = curvature * np.outer(scale, scale) + RIDGE * np.eye(k)
-        gained = (slope * scale) @ np.linalg.solve(scaled, slope * scale)
-        return float(np.sqrt(max(new.weighted[-1, -1] - gained, 0.0)))
+        everything = np.arange(len(self.columns))
+        lower, scale, _ = self._factor(self._weighted.sum(axis=0) + new.weighted, everything)
+        half = np.linalg.solve(lower, new.weighted[:-1, -1] * scale)
+        return float(np.sqrt(max(new.weighted[-1, -1] - half @ half, 0.0)))
 
     def gains(self, beside: Sequence[int]) -> Array:
         """What each parameter would take off the misfit if it moved, alone beside some others: (k,), in `judge`'s sums.

@@ -19,13 +19,13 @@ from itertools import combinations
 
 import numpy as np
 
-from estimator.accuracy.noise_floor import noise_floor
+from estimator.accuracy.noise_floor import Error, noise_floor
 from estimator.batch.trials import slow_trials_of
 from estimator.effect import Effect
 from estimator.missing_effect.candidates import Candidate, candidates
 from estimator.missing_effect.hypothesis import NONE, Hypothesis, refined
 from estimator.missing_effect.moments import Column, moments
-from estimator.missing_effect.panel import Judged, Panel
+from estimator.missing_effect.panel import Panel
 from estimator.missing_effect.screening import Screened, Screening, screening
 from estimator.missing_effect.stand_ins import UnknownBodyHeat, UnknownHeat, UnknownReading
 from estimator.missing_effect.suggestion import ALIKE, ALONE, GOOD, MATERIAL, Suggestion, alike, material
@@ -50,32 +50,35 @@ def suggest(model: Model, runs: Runs, effects: Iterable[type[Effect]], loose: Co
 
 
 class Search:
-    """One search: the recordings made ready once, and hypotheses tried on them."""
+    """One search: the recordings made ready once, and hypotheses tried on them.
+
+    as_given, again  the model without any effect more, as it is and fitted again;  before: what predicts better
+    """
 
     def __init__(self, model: Model, runs: Runs, effects: Sequence[type[Effect]], loose: Collection[str]) -> None:
-        self.model, self.runs, self.effects = model, runs, effects
+        self.model, self.runs = model, runs
         self.loose = [path for path in model.free() if path.partition(".")[0] in loose]
         self.wide, self.candidates = candidates(model, runs.rig, effects)
+        runs.progress("reading the misfit", 0.0)
+        self.trials = slow_trials_of(self.wide, runs)
+        self.as_given = self._refined([], False)
+        runs.progress("fitting the model again", 0.05)
+        self.again = self._refined([], True)
+        self.before = min(self.as_given, self.again, key=lambda h: h.misfit)
 
     def run(self) -> Suggestion:
         """All stages, and the verdict."""
-        self.runs.progress("reading the misfit", 0.0)
-        self.trials = slow_trials_of(self.wide, self.runs)
-        as_given = self._refined([], False)
-        self.runs.progress("fitting the model again", 0.05)
-        again = self._refined([], True)
-        self.runs.progress("screening the catalogue", 0.15)
+        progress = self.runs.progress
+        progress("screening the catalogue", 0.15)
         found = screening(self.model, self.wide, self.candidates, self.trials, self.loose)
-        self.runs.progress("fitting the best effects", 0.4)
-        fitted = self._fitted(found)
-        before = min(as_given, again, key=lambda h: h.misfit)
-        pair = self._pair(found)
-        best = fitted[0].misfit if fitted else np.inf
-        self.runs.progress("looking for a wrong input", 0.75)
-        wrong = self._wrong(before, min(best, pair[1]))
-        self.runs.progress("looking for something unknown", 0.85)
-        unexplained = self._unexplained(min(before.misfit, best, pair[1]))
-        return self._verdict(as_given, again, fitted, pair, wrong, unexplained, found)
+        progress("fitting the best effects", 0.4)
+        fitted, pair = self._fitted(found), self._pair(found)
+        best = min([pair[1], *(h.misfit for h in fitted)])
+        progress("looking for a wrong input", 0.75)
+        wrong = self._wrong(best)
+        progress("looking for something unknown", 0.85)
+        unexplained = self._unexplained(min(self.before.misfit, best))
+        return self._verdict(fitted, pair, wrong, unexplained, found)
 
     def _fitted(self, found: Screening) -> list[Hypothesis]:
         """The best effects of the screen, fitted in full, best first; each in the way that predicts better."""
@@ -114,7 +117,7 @@ class Search:
                     best = ((a, b), misfit)
         return best
 
-    def _wrong(self, before: Hypothesis, best: float) -> Mislabel | None:
+    def _wrong(self, best: float) -> Mislabel | None:
         """A wrong input that explains clearly more than any effects."""
         if best <= GOOD:
             return None
@@ -123,7 +126,7 @@ class Search:
         if not known:
             return None
         least = min(known, key=lambda m: m.judged.misfit)
-        return least if least.judged.misfit < min(MATERIAL * before.misfit, best / ALIKE) else None
+        return least if least.judged.misfit < min(MATERIAL * self.before.misfit, best / ALIKE) else None
 
     def _unexplained(self, best: float) -> Screened | None:
         """What explains clearly more than the best effects, and is in no catalogue."""
@@ -139,45 +142,42 @@ class Search:
         return one if one.judged[refit].misfit < least * best else None
 
     def _verdict(
-        self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis],
-        pair: tuple[tuple[str, ...], float], wrong: Mislabel | None, unexplained: Screened | None, screened: Screening,
+        self, fitted: list[Hypothesis], pair: tuple[tuple[str, ...], float], wrong: Mislabel | None,
+        unexplained: Screened | None, screened: Screening,
     ) -> Suggestion:  # fmt: skip
         two = pair[0] if fitted and pair[1] < MATERIAL * fitted[0].misfit else ()
         if two and not set(two) & {fitted[0].names[0]}:
             fitted = sorted(fitted, key=lambda h: h.names[0] not in two)
         found: list[Hypothesis] = []
-        far = self._far(wrong.judged if wrong else min(as_given, again, key=lambda h: h.misfit).judged)
+        far = self._far(wrong.judged.error if wrong else self.before.judged.error)
         if wrong is not None:
             verdict = "input_error"
         elif unexplained is not None:
             verdict = "nothing_in_catalogue"
         else:
-            few = self._few(as_given, again, fitted, screened)
-            found = few or [h for h in fitted if material(h, as_given, again)]
+            found = self._few(fitted, screened) or [h for h in fitted if material(h, self.as_given, self.again)]
             verdict = "effect" if found else "nothing_in_catalogue" if far else "nothing_missing"
         tie = tuple(h.names[0] for h in found if alike(h, found[0]))
         verdict = "tie" if len(tie) > 1 else verdict
         rest = [h for h in fitted if h.names[0] not in {each.names[0] for each in found}]
         tied = tie if verdict == "tie" else ()
-        return Suggestion(verdict, (*found, *rest), tied, as_given, again, two, wrong, unexplained, far)
+        return Suggestion(verdict, (*found, *rest), tied, self.as_given, self.again, two, wrong, unexplained, far)
 
-    def _far(self, judged: Judged) -> bool:
+    def _far(self, error: Error) -> bool:
         """Whether a model is so far off that something must be missing."""
         floor = noise_floor(self.model, self.trials[0])
         heat, length = np.fmax(GOOD_K, floor.temperature_K), np.fmax(GOOD_UM, floor.elongation_um)
-        return bool(judged.heat_K > FAR * heat or judged.length_um > FAR * length)
+        return bool(error.temperature_K > FAR * heat or error.elongation_um > FAR * length)
 
-    def _few(
-        self, as_given: Hypothesis, again: Hypothesis, fitted: list[Hypothesis], screened: Screening
-    ) -> list[Hypothesis]:  # fmt: skip
+    def _few(self, fitted: list[Hypothesis], screened: Screening) -> list[Hypothesis]:
         """Effects, in the model or not, one of which alone explains nearly all that fitting all parameters again gains.
 
         One number that explains as much as many is the better explanation. None where a new fit gains little.
         """
-        gain = as_given.misfit - again.misfit
-        best = min([again.misfit, *(h.misfit for h in fitted)])
-        enough = min(as_given.misfit - EXPLAINS * gain, FEW * best)
-        if gain < (1 - MATERIAL) * as_given.misfit or as_given.misfit < GOOD:
+        given, again = self.as_given.misfit, self.again.misfit
+        gain, best = given - again, min([again, *(h.misfit for h in fitted)])
+        enough = min(given - EXPLAINS * gain, FEW * best)
+        if gain < (1 - MATERIAL) * given or given < GOOD:
             return []
         absent = [h for h in fitted if not h.refit and h.misfit <= enough]
         if not absent:

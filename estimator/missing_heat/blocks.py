@@ -22,7 +22,7 @@ class Blocks:
 
     of_tick  (T,) block of each tick;  bin_of_tick  (T,)
     phase    (B,) of str;  at_s (B,) mean time;  seconds (B,) that belong to it
-    block_of_bin  (bins,);  bin_at_s  (bins,) mean time
+    ticks    (bins,) in each bin;  bin_at_s  (bins,) mean time
     """
 
     of_tick: Array
@@ -30,7 +30,7 @@ class Blocks:
     phase: Array
     at_s: Array
     seconds: Array
-    block_of_bin: Array
+    ticks: Array
     bin_at_s: Array
 
     def __len__(self) -> int:
@@ -67,12 +67,12 @@ def blocks(recording: Recording, tick_s: float) -> Blocks:
     part = of_tick * PARTS
     for phase, ends in BINS_S.items():
         part += np.where(phases == phase, np.searchsorted(ends, since, "right"), 0)
-    used, bin_of_tick = np.unique(part, return_inverse=True)
-    count = np.bincount(of_tick)
+    _, bin_of_tick = np.unique(part, return_inverse=True)
+    count, ticks = np.bincount(of_tick), np.bincount(bin_of_tick)
     return Blocks(
         of_tick, bin_of_tick, phases[np.unique(of_tick, return_index=True)[1]],
         np.bincount(of_tick, time_s) / count, count * tick_s,
-        used // PARTS, np.bincount(bin_of_tick, time_s) / np.bincount(bin_of_tick),
+        ticks, np.bincount(bin_of_tick, time_s) / ticks,
     )  # fmt: skip
 
 

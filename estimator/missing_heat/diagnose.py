@@ -9,26 +9,30 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from estimator.accuracy.horizon import errors
 from estimator.accuracy.noise_floor import Error, noise_floor, rms_by_family
 from estimator.accuracy.quality import ChannelQuality, quality
 from estimator.batch.trials import trials_of
 from estimator.inputs.phase import turns
-from estimator.missing_heat.follows import Limits, limits_of
 from estimator.missing_heat.misfit import Misfit, misfit
 from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
 from estimator.missing_heat.sentences import sentences
 from estimator.missing_heat.where import SHADOW, Deficit, together, where
 from estimator.missing_heat.wrong_reading import Wrong, wrong_readings
 from estimator.model import Model
+from estimator.sensitivity.objective import GOOD_K, GOOD_UM
 from estimator.work import Runs
+
+FLOORS = 2.0  # times what the sensors leave
 
 
 @dataclass(frozen=True)
 class Diagnosis:
     """The answer and what it rests on.
 
-    adequate  the model alone follows thermometers and displacement within `limits`
+    adequate  the model alone follows thermometers and displacement within `limits`, which are good enough
     errors    rms by horizon, "open_loop" with readings that the filter would refuse;  floor: what sensors leave
     quality   of the filter, channel by channel
     where, readings  missing heat and wrong readings that are sure and matter, largest first
@@ -38,7 +42,7 @@ class Diagnosis:
     adequate: bool
     errors: Mapping[str, Error]
     floor: Error
-    limits: Limits
+    limits: Error
     quality: tuple[ChannelQuality, ...]
     where: tuple[Deficit, ...]
     readings: tuple[Wrong, ...]
@@ -59,12 +63,18 @@ def diagnose(model: Model, runs: Runs) -> Diagnosis:
     maps = missing_heat(misfits, runs.workers)
     progress("asking what it follows", 0.9)
     floor = noise_floor(model, trials[0])
-    limits, alone = limits_of(rig, floor), rms_by_family([each.open_loop for each in misfits], rig)
+    limits, alone = good_enough(floor), rms_by_family([each.open_loop for each in misfits], rig)
     heat, wrong = without_shadows(where(maps, limits), wrong_readings(maps, limits))
     adequate = not (alone.temperature_K > limits.temperature_K or alone.elongation_um > limits.elongation_um)
     moves = any(bool(turns(recording.omega).any()) for recording in runs.recordings)
     told = sentences(adequate, alone, floor, heat, wrong, moves)
     return Diagnosis(adequate, {**found, "open_loop": alone}, floor, limits, judged, heat, wrong, told, tuple(maps))
+
+
+def good_enough(floor: Error) -> Error:
+    """rms that is good enough: what a good model leaves, or a few times what the sensors leave, if that is more."""
+    heat, length = np.fmax(GOOD_K, FLOORS * floor.temperature_K), np.fmax(GOOD_UM, FLOORS * floor.elongation_um)
+    return Error(float(heat), float(length))
 
 
 def without_shadows(heat: Sequence[Deficit], wrong: Sequence[Wrong]) -> tuple[tuple[Deficit, ...], tuple[Wrong, ...]]:

@@ -15,14 +15,10 @@ from math import erfc
 
 import numpy as np
 
-from estimator.accuracy.noise_floor import Error
 from estimator.inputs.follower import ALWAYS, RATE, Follower, followers
 from estimator.missing_heat.missing_heat import ALL, MissingHeat
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.sensitivity.objective import GOOD_K, GOOD_UM
-
-FLOORS = 2.0  # good is what a good model leaves, or so many times what the sensors leave, if that is more
 
 SEED = 1
 ORDERS = 500
@@ -114,22 +110,6 @@ def _order(length: int, wanted: int, dice: np.random.Generator) -> Array:
     return np.append(there, there[::-1])[
         (np.arange(wanted) * length // wanted + dice.integers(2 * length)) % (2 * length)
     ]
-
-
-@dataclass(frozen=True)
-class Limits:
-    """rms that is good enough: of thermometers, K, and of the displacement, um; and which channel is which, (m,)."""
-
-    temperature_K: float
-    elongation_um: float
-    thermometers: Array
-
-
-def limits_of(rig: Rig, floor: Error) -> Limits:
-    """What is good enough for a rig whose sensors leave this."""
-    heat = float(np.fmax(GOOD_K, FLOORS * floor.temperature_K))
-    length = float(np.fmax(GOOD_UM, FLOORS * floor.elongation_um))
-    return Limits(heat, length, rig.is_thermometer)
 
 
 def followers_there(found: MissingHeat) -> tuple[Follower, ...]:

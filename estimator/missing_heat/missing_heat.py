@@ -131,7 +131,7 @@ def moved(found: Misfit) -> Array:
     """Share of each bin that lies after the first motion, (bins,); 1 in a run without any."""
     after = found.trial.drive.inputs.motion.moved[1:, 0]
     after = after if after.any() else np.ones_like(after)
-    return np.asarray(np.bincount(found.blocks.bin_of_tick, after) / np.bincount(found.blocks.bin_of_tick))
+    return found.blocks.bin_mean(after)
 
 
 def _answer(found: Misfit, measured: Averages, sizes: Mapping[str, float]) -> MissingHeat:
@@ -158,7 +158,7 @@ def _error(
     mean[of_row, np.arange(len(rows))] = 1.0
     mean /= mean.sum(axis=1, keepdims=True)
     if np.isin(found.channel[rows], found.trial.floating).all():
-        ticks = np.bincount(found.blocks.bin_of_tick)[found.bin[rows]]
+        ticks = found.blocks.ticks[found.bin[rows]]
         mean -= ticks / ticks.sum()
     seen = mean @ covariance
     left = seen @ mean.T - seen @ now.inverse[np.ix_(rows, rows)] @ seen.T

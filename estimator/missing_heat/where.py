@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.accuracy.noise_floor import Error
 from estimator.inputs.phase import PHASES
-from estimator.missing_heat.follows import Follows, Limits, followers_there, follows, heat_series
+from estimator.missing_heat.follows import Follows, followers_there, follows, heat_series
 from estimator.missing_heat.missing_heat import MissingHeat
 from estimator.record import Array
 
@@ -38,7 +39,7 @@ class Deficit:
     follows: Follows
 
 
-def where(found: Sequence[MissingHeat], limits: Limits) -> tuple[Deficit, ...]:
+def where(found: Sequence[MissingHeat], limits: Error) -> tuple[Deficit, ...]:
     """All heat that is surely missing and matters, largest first."""
     listed: list[Deficit] = []
     for phase in PHASES:
@@ -58,7 +59,7 @@ def where(found: Sequence[MissingHeat], limits: Limits) -> tuple[Deficit, ...]:
     return tuple(sorted(listed, key=lambda each: -abs(each.heat_W)))
 
 
-def _material(found: Sequence[MissingHeat], phase: str, runs: list[list[int]], limits: Limits) -> list[list[int]]:
+def _material(found: Sequence[MissingHeat], phase: str, runs: list[list[int]], limits: Error) -> list[list[int]]:
     """Runs of zones that matter, without neighbours that matter only as long as they do not cancel each other."""
     kept = [run for run in runs if _effect(found, phase, run, limits) > MATTERS]
     for one in list(kept):
@@ -127,16 +128,16 @@ def _reach(peak: int, step: int, belongs: Array, free: set[int]) -> list[int]:
     return run
 
 
-def _effect(found: Sequence[MissingHeat], phase: str, run: Sequence[int], limits: Limits) -> float:
+def _effect(found: Sequence[MissingHeat], phase: str, run: Sequence[int], limits: Error) -> float:
     """rms that this heat adds to thermometers or displacement, over what is good enough; the larger of both."""
-    heat_family = limits.thermometers
+    heat_family = found[0].misfit.trial.rig.is_thermometer
     squares, ticks = np.zeros((2, len(heat_family)))
     for each in found:
         heat, misfit = np.zeros_like(each.mean), each.misfit
         during = np.ix_(each.blocks.phase == phase, run)
         heat[during] = each.mean[during]
         moved = misfit.A @ heat.ravel()
-        weight = np.bincount(each.blocks.bin_of_tick)[misfit.bin].astype(float)
+        weight = each.blocks.ticks[misfit.bin].astype(float)
         for channel in misfit.trial.floating:
             own = misfit.channel == channel
             if own.any():

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.missing_heat.follows import Follows, Limits, followers_there, follows, reading_series
+from estimator.accuracy.noise_floor import Error
+from estimator.missing_heat.follows import Follows, followers_there, follows, reading_series
 from estimator.missing_heat.missing_heat import ALL, MissingHeat, moved
 from estimator.missing_heat.where import MATTERS, SURE
 from estimator.record import Array
@@ -31,14 +32,14 @@ class Wrong:
     follows: Follows
 
 
-def wrong_readings(found: Sequence[MissingHeat], limits: Limits) -> tuple[Wrong, ...]:
+def wrong_readings(found: Sequence[MissingHeat], limits: Error) -> tuple[Wrong, ...]:
     """All readings that are surely wrong by what matters, worst first."""
     known = dict.fromkeys(name for each in found for name in each.readings)
     judged = [_judged([each for each in found if name in each.readings], name, limits) for name in known]
     return tuple(sorted((wrong for wrong in judged if wrong is not None), key=lambda wrong: -wrong.effect))
 
 
-def _judged(found: Sequence[MissingHeat], name: str, limits: Limits) -> Wrong | None:
+def _judged(found: Sequence[MissingHeat], name: str, limits: Error) -> Wrong | None:
     rig = found[0].misfit.trial.rig
     heat = name == ALL or name in rig.thermometers
     limit = limits.temperature_K if heat else limits.elongation_um
@@ -52,7 +53,7 @@ def _judged(found: Sequence[MissingHeat], name: str, limits: Limits) -> Wrong | 
         square += float(weights @ error.mean**2)
         scatter += float(weights @ np.diag(error.covariance))
     rms, sd = float(np.sqrt(square)), float(np.sqrt(max(variance, 0.0)))
-    effect = rms / limit * (1.0 if name == ALL else 1.0 / np.sqrt(sum(limits.thermometers == heat)))
+    effect = rms / limit * (1.0 if name == ALL else 1.0 / np.sqrt(sum(rig.is_thermometer == heat)))
     if effect < MATTERS or square < SURE**2 * scatter:
         return None
     told = follows([reading_series(each, name) for each in found], followers_there(found[0]), steady=heat)
@@ -61,5 +62,5 @@ def _judged(found: Sequence[MissingHeat], name: str, limits: Limits) -> Wrong | 
 
 def _seconds(found: MissingHeat, name: str) -> Array:
     """How much of each bin in which a reading was read lies after the first motion, s."""
-    ticks = np.bincount(found.blocks.bin_of_tick)
-    return np.asarray((ticks * moved(found.misfit))[found.readings[name].bins] * found.misfit.trial.rig.tick_s)
+    seconds = found.blocks.ticks * moved(found.misfit) * found.misfit.trial.rig.tick_s
+    return np.asarray(seconds[found.readings[name].bins])
