@@ -38,17 +38,17 @@ from estimator.missing_effect.improve import improve
 from estimator.missing_effect.stand_ins import unknown_of
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import Suggestion
-from estimator.model import Model
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.work import Runs
 
+NONE = Error(float("nan"), float("nan"))
 NEAR_MM = 60.0
 WORTH_UM = 1.0  # an effect that costs more must not be taken for one of the other kind
 
 
 @dataclass
-class Outcome:
+class CaseOutcome:
     """What came out of one case; errors are open loop, um and K, on the two runs held out."""
 
     case: Case
@@ -59,14 +59,14 @@ class Outcome:
     place_mm: float = float("nan")
     follows: str = ""
     wrong: tuple[str, str, float] | None = None
-    before: tuple[float, float] = (float("nan"), float("nan"))
-    after: tuple[float, float] = (float("nan"), float("nan"))
-    knowing: tuple[float, float] = (float("nan"), float("nan"))
+    before: Error = NONE
+    after: Error = NONE
+    knowing: Error = NONE
     kinds: dict[str, str] = field(default_factory=dict)
     seconds: float = 0.0
 
 
-def study(case: Case) -> Outcome:
+def study(case: Case) -> CaseOutcome:
     """One case, from the simulation to the verdict."""
     began = perf_counter()
     rig, model = paper_rig.rig(), paper_rig.model("base")
@@ -81,12 +81,13 @@ def study(case: Case) -> Outcome:
     if case.kind == "fitted":
         model = follow(model, Runs(rig, seen), model.free()).model
     effects = list(CATALOGUE.values())
-    out = Outcome(case, kinds={name: _kind(name, model, rig) for name in CATALOGUE})
+    wider = {name: model if name in model.effects else model + effect for name, effect in CATALOGUE.items()}
+    out = CaseOutcome(case, kinds={name: kind_of(with_it, name, rig) for name, with_it in wider.items()})
     if case.kind == "two":
         steps = improve(model, Runs(rig, seen), Runs(rig, held), effects)
         out.added = tuple(each for step in steps.steps for each in (step.added, *step.tie) if each)
         out.verdict = steps.last.verdict
-        out.before, out.after = _pair(steps.steps[0].held_out), _pair(steps.steps[-1].held_out)
+        out.before, out.after = steps.steps[0].held_out, steps.steps[-1].held_out
     else:
         _judge(out, suggest(model, Runs(rig, seen), effects), rig, held)
     out.seconds = perf_counter() - began
@@ -101,19 +102,14 @@ def _recording(name: str, rig: Rig, plant: dict[str, float], case: Case, number:
     return record(run, rig, *(case.wrong if number == 2 else (1.0, 1.0)))
 
 
-def _kind(name: str, model: Model, rig: Rig) -> str:
-    wider = model if name in model.effects else model + CATALOGUE[name]
-    return kind_of(wider, name, rig)
-
-
-def _judge(out: Outcome, found: Suggestion, rig: Rig, held: Sequence[Recording]) -> None:
+def _judge(out: CaseOutcome, found: Suggestion, rig: Rig, held: Sequence[Recording]) -> None:
     out.verdict, out.tie = found.verdict, found.tie
     out.first = found.found[0].names[0] if found.found else ""
-    out.before = _pair(_held_out(found.without(found.found[0]) if found.found else found.before, rig, held))
+    out.before = _held_out(found.without(found.found[0]) if found.found else found.before, rig, held)
     if found.verdict in ("effect", "tie"):
-        out.after = _pair(_held_out(found.found[0], rig, held))
+        out.after = _held_out(found.found[0], rig, held)
         knows = [h for h in found.found if set(h.names) & set(out.case.planted)]
-        out.knowing = _pair(_held_out(knows[0], rig, held)) if knows else out.knowing
+        out.knowing = _held_out(knows[0], rig, held) if knows else NONE
     if found.wrong_input is not None:
         out.wrong = (found.wrong_input.run, found.wrong_input.signal, found.wrong_input.ratio)
     if found.unexplained is not None:
@@ -122,15 +118,11 @@ def _judge(out: Outcome, found: Suggestion, rig: Rig, held: Sequence[Recording])
         out.follows = unknown.follower.name
 
 
-def _held_out(h: Hypothesis, rig: Rig, held: Sequence[Recording]) -> Error | None:
-    return open_loop_error(h.model, Runs(rig, held)) if held else None
+def _held_out(h: Hypothesis, rig: Rig, held: Sequence[Recording]) -> Error:
+    return open_loop_error(h.model, Runs(rig, held)) if held else NONE
 
 
-def _pair(error: Error | None) -> tuple[float, float]:
-    return (error.temperature_K, error.elongation_um) if error else (float("nan"), float("nan"))
-
-
-def right(out: Outcome) -> bool:
+def right(out: CaseOutcome) -> bool:
     """Whether a case came out as it should."""
     planted, kind = set(out.case.planted), out.case.kind
     if kind == "none":
@@ -166,7 +158,7 @@ def markdown(*kinds: str) -> str:
     return "\n".join([_musts(outcomes), _confusion(outcomes), _wrong(outcomes)])
 
 
-def _musts(outcomes: Sequence[Outcome]) -> str:
+def _musts(outcomes: Sequence[CaseOutcome]) -> str:
     kinds = {
         kind: [o for o in outcomes if o.case.kind == kind] for kind in dict.fromkeys(o.case.kind for o in outcomes)
     }
@@ -192,12 +184,13 @@ def _musts(outcomes: Sequence[Outcome]) -> str:
     return section(title, [("", "measured", "must be"), *rows], [f"Seeds {FIRST_SEED} and up; {says}"])
 
 
-def _error_rows(one: Sequence[Outcome]) -> list[list[str]]:
-    crossed = [o for o in one if o.before[1] > WORTH_UM and o.first and o.kinds[o.first] != o.kinds[o.case.planted[0]]]
-    costly = [o for o in one if o.before[1] > WORTH_UM]
+def _error_rows(one: Sequence[CaseOutcome]) -> list[list[str]]:
+    costly = [o for o in one if o.before.elongation_um > WORTH_UM]
+    crossed = [o for o in costly if o.first and o.kinds[o.first] != o.kinds[o.case.planted[0]]]
     named = [o for o in one if o.verdict in ("effect", "tie")]
-    knowing = [o.after[k] / o.knowing[k] for o in named for k in (0, 1) if np.isfinite(o.knowing[k])]
-    halved = [o.after[1] / o.before[1] for o in costly if o.verdict in ("effect", "tie")]
+    pairs = [(vars(o.after)[key], known) for o in named for key, known in vars(o.knowing).items()]
+    knowing = [after / known for after, known in pairs if np.isfinite(known)]
+    halved = [o.after.elongation_um / o.before.elongation_um for o in costly if o in named]
     good = sum(x <= 0.5 for x in halved)
     return [
         ["  heat taken for reading or reading for heat, effects above 1 um", f"{len(crossed)} of {len(costly)}", "0"],
@@ -209,7 +202,7 @@ def _error_rows(one: Sequence[Outcome]) -> list[list[str]]:
     ]  # fmt: skip
 
 
-def _confusion(outcomes: Sequence[Outcome]) -> str:
+def _confusion(outcomes: Sequence[CaseOutcome]) -> str:
     one = [o for o in outcomes if o.case.kind == "one"]
     rows = []
     for name in (*PLANTED, *TAKEN_OUT):
@@ -221,7 +214,7 @@ def _confusion(outcomes: Sequence[Outcome]) -> str:
     return section("What was planted, and what was said", [("planted", "said"), *rows], level=3)
 
 
-def _wrong(outcomes: Sequence[Outcome]) -> str:
+def _wrong(outcomes: Sequence[CaseOutcome]) -> str:
     rows = [
         [o.case.kind, " + ".join(o.case.planted) or "-", str(o.case.seed), o.verdict,
          " ".join(dict.fromkeys([*o.tie, *o.added, o.first])), f"{o.place_mm:.0f} mm {o.follows}" if o.follows else ""]

@@ -11,13 +11,13 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
 from tests.conftest import at_defaults, stepped
-from viz.recorded.run import Run
+from viz.recorded.run import ReviewedRun
 
 CELLS = 49
 REST_S, DRIVE_S = 20, 222
 
 
-def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig | None = None) -> Run:
+def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig | None = None) -> ReviewedRun:
     """Rest, drive, cooldown at 1 Hz on the paper's rig, filtered by the default model."""
     rig = rig or load_rig(Path(__file__).parent.parent / "recordings")
     dice = np.random.default_rng(seed)
@@ -39,7 +39,7 @@ def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig |
     }
     readings = track.measured[:, 15] - track.measured[0, 15]
     judged = "truth", errors, track.sigma_um, rise
-    return Run(name, rig, recording, track, *smoothed, polyline, readings, elongation, *judged)
+    return ReviewedRun(name, rig, recording, track, *smoothed, polyline, readings, elongation, *judged)
 
 
 def _places(rig: Rig) -> Array:

@@ -19,11 +19,11 @@ from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Track
 from estimator.work import Runs, Workers
-from viz.comparison.compared import Compared, HeatMap, Side
+from viz.comparison.compared import ComparedRun, HeatMap, Side
 from viz.comparison.comparison import save
 from viz.comparison.maps import HEAT, OPEN_LOOP
 from viz.drawing import paths
-from viz.drawing.bars import Bars, Series
+from viz.drawing.bars import Bars, BarSeries
 from viz.drawing.scale import minutes
 from viz.viewer.printed import print_bars, print_maps
 
@@ -38,7 +38,11 @@ def save_views(
 
 
 def write_views(
-    path: Path, runs: Sequence[Compared], models: Sequence[Model], sections: Sequence[Section], figures: Sequence[Bars]
+    path: Path,
+    runs: Sequence[ComparedRun],
+    models: Sequence[Model],
+    sections: Sequence[Section],
+    figures: Sequence[Bars],
 ) -> None:
     """Write what is known of one model, or of two."""
     names, tabs = [model.name for model in models], {"Errors": figures, "Channels": by_channel(runs)}
@@ -46,7 +50,7 @@ def write_views(
 
 
 def write_pictures(
-    stem: Path, runs: Sequence[Compared], models: Sequence[Model], figures: Sequence[Bars]
+    stem: Path, runs: Sequence[ComparedRun], models: Sequence[Model], figures: Sequence[Bars]
 ) -> dict[str, Path]:
     """Write bars and maps as STEM-WHAT.png; paths by what they show."""
     names = [model.name for model in models]
@@ -60,12 +64,12 @@ def write_pictures(
     return pictures
 
 
-def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], workers: Workers = map) -> list[Compared]:
+def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], workers: Workers = map) -> list[ComparedRun]:
     """Run each model over all recordings."""
     recordings = [one.recording for one in loaded]
     sides = [_sides(model, Runs(rig, recordings, workers)) for model in models]
     return [
-        Compared(one.path.stem, rig, r.time_s, r.channels, joined(r, rig, models[-1]).um, own)
+        ComparedRun(one.path.stem, rig, r.time_s, r.channels, joined(r, rig, models[-1]).um, own)
         for one, r, own in zip(loaded, recordings, zip(*sides, strict=True), strict=True)
     ]
 
@@ -75,15 +79,17 @@ def error_bars(errors: Sequence[tuple[str, Error, Error | None]]) -> list[Bars]:
     rows = [title for title, _, _ in errors]
     figures = []
     for what, unit, key in (("temperatures", "K", "temperature_K"), ("elongation", "µm", "elongation_um")):
-        series = [Series("cross-validated", np.array([getattr(e, key) for _, e, _ in errors]), paths.CROSS_VALIDATED)]
+        series = [
+            BarSeries("cross-validated", np.array([getattr(e, key) for _, e, _ in errors]), paths.CROSS_VALIDATED)
+        ]
         if any(held for _, _, held in errors):
             held = np.array([getattr(held, key) if held else np.nan for _, _, held in errors])
-            series.append(Series("held out", held, paths.HELD_OUT))
+            series.append(BarSeries("held out", held, paths.HELD_OUT))
         figures.append(Bars(f"Model alone, rms of {what} [{unit}]", rows, series))
     return [bars for bars in figures if np.isfinite(bars.values).any()]
 
 
-def by_channel(runs: Sequence[Compared]) -> list[Bars]:
+def by_channel(runs: Sequence[ComparedRun]) -> list[Bars]:
     """rms of what each model alone misses, channel by channel over all recordings."""
     rig = runs[0].rig
     kinds = (("thermometer", "K", rig.is_thermometer), ("displacement", "µm", ~rig.is_thermometer))
@@ -94,14 +100,14 @@ def by_channel(runs: Sequence[Compared]) -> list[Bars]:
     ]
 
 
-def _rms(runs: Sequence[Compared], shown: Array) -> list[Series]:
+def _rms(runs: Sequence[ComparedRun], shown: Array) -> list[BarSeries]:
     series = []
     for side in runs[0].named:
         squares = np.concatenate([run.named[side].misfit[:, shown] for run in runs]) ** 2
         known = np.isfinite(squares).sum(axis=0)
         rms = np.sqrt(np.divide(np.nansum(squares, axis=0), known, out=np.full(len(known), np.nan), where=known > 0))
         name = side if len(runs[0].sides) > 1 else "model alone"
-        series.append(Series(name, rms, paths.COMPARED_AS[side]))
+        series.append(BarSeries(name, rms, paths.COMPARED_AS[side]))
     return series
 
 

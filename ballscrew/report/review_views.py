@@ -9,7 +9,7 @@ from ballscrew.report.review_report import markdown
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.review import Review
 from viz.recorded.recorded import save
-from viz.recorded.run import Run, first_stop_s
+from viz.recorded.run import ReviewedRun, first_stop_s
 
 
 def save_views(path: Path, work: Workspace, loaded: Sequence[Loaded], reviews: Sequence[Review], view: bool) -> None:
@@ -20,8 +20,8 @@ def save_views(path: Path, work: Workspace, loaded: Sequence[Loaded], reviews: S
     work.terminal.show_views(path, view, first_stop_s(runs[0]))
 
 
-def _run(one: Loaded, r: Review, work: Workspace) -> Run:
-    return Run(
+def _run(one: Loaded, r: Review, work: Workspace) -> ReviewedRun:
+    return ReviewedRun(
         name=one.path.stem,
         rig=work.rig,
         recording=r.recording,

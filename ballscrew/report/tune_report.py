@@ -12,7 +12,7 @@ from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.quality import ChannelQuality, innovations, overall
 from estimator.batch.trial import Trial
 from estimator.fit.tune import Tuned
-from viz.tuning.tuned import Innovations, Tuning
+from viz.tuning.tuned import ScaledInnovations, Tuning
 
 LEGEND = (
     "NIS: 1 when the noise is right; whiteness: largest autocorrelation within a minute, 0 when white",
@@ -80,14 +80,14 @@ def as_json(tuned: Tuned) -> dict[str, object]:
 def save_views(path: Path, work: Workspace, tuned: Tuned) -> None:
     """Write the views of a tuning into `path`: innovations before and after."""
     from viz.drawing import paths  # rerun takes half a second to import
-    from viz.drawing.bars import NisBars, Series
+    from viz.drawing.bars import BarSeries, NisBars
     from viz.tuning.tuning import save
 
     titles = {"nis": "NIS a tick ahead [1]", "blind_nis": "NIS after ten minutes without readings [1]"}
     both = dict(zip(paths.SIDES, (tuned.before, tuned.after), strict=True))
     bars = [
         NisBars(title, work.rig.names, [
-            Series(side, np.array([getattr(one, figure) for one in some]), paths.COMPARED_AS[side])
+            BarSeries(side, np.array([getattr(one, figure) for one in some]), paths.COMPARED_AS[side])
             for side, some in both.items()
         ])
         for figure, title in titles.items()
@@ -100,5 +100,5 @@ def _tuning(one: Loaded, work: Workspace, tuned: Tuned) -> Tuning:
     trial = Trial(work.model, work.rig, one.recording)
     known = {side: innovations(trial, model) for side, model in (("before", work.model), ("after", tuned.model))}
     time_s, lags_s = known["after"].time_s, known["after"].lags_s
-    sides = {side: Innovations(some.scaled, some.autocorrelation) for side, some in known.items()}
+    sides = {side: ScaledInnovations(some.scaled, some.autocorrelation) for side, some in known.items()}
     return Tuning(one.path.stem, time_s, lags_s, sides)

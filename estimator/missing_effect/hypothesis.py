@@ -11,7 +11,7 @@ import numpy as np
 from estimator.batch.trials import Trials
 from estimator.missing_effect.candidates import APART_MM, Candidate
 from estimator.missing_effect.moments import Column, moments
-from estimator.missing_effect.panel import Judged, Panel
+from estimator.missing_effect.panel import Explanation, Panel
 from estimator.model import Model, Value
 from estimator.rig import Rig
 
@@ -35,7 +35,7 @@ class Hypothesis:
     refit: bool
     model: Model
     paths: tuple[str, ...]
-    judged: Judged
+    judged: Explanation
 
     @property
     def misfit(self) -> float:

@@ -22,7 +22,7 @@ RIDGE = 1e-9  # of a direction's own curvature, where two columns are the same
 
 
 @dataclass(frozen=True)
-class Judged:
+class Explanation:
     """A set of parameters and how well they explain the recordings.
 
     change   (k,) of each parameter, from all recordings
@@ -63,7 +63,7 @@ class Panel:
         off = [(float(c.model[c.path]) - p.value) / p.sd for c in columns if (p := c.model.param(c.path)).sd]
         return float(self._weighted[:, -1, -1].sum() + sum(x**2 for x in off)) / sum(m.weight for m in self.found)
 
-    def judge(self, parameters: Sequence[int]) -> Judged:
+    def judge(self, parameters: Sequence[int]) -> Explanation:
         """Free these parameters, by number."""
         chosen = np.array(parameters, dtype=int)
         whole = self._weighted.sum(axis=0)
@@ -79,7 +79,7 @@ class Panel:
         length_um = np.sqrt(length.sum() / lengths) if lengths else np.nan
         misfit = (runs.sum() + self._unlikely(chosen, change)) / weights.sum()
         error = Error(float(heat_K), float(length_um))
-        return Judged(tuple(chosen), change, sd, float(misfit), error, runs / weights)
+        return Explanation(tuple(chosen), change, sd, float(misfit), error, runs / weights)
 
     def with_another(self, new: Moments) -> float:
         """Root of the least misfit on one recording more, where the others and the priors hold the parameters."""

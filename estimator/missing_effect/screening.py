@@ -14,7 +14,7 @@ import numpy as np
 from estimator.batch.trials import Trials
 from estimator.missing_effect.candidates import Candidate
 from estimator.missing_effect.moments import Column, moments
-from estimator.missing_effect.panel import Judged, Panel
+from estimator.missing_effect.panel import Explanation, Panel
 from estimator.model import Model
 
 GROUP = 96  # columns in one pass
@@ -29,7 +29,7 @@ class Screened:
     """
 
     candidate: Candidate
-    judged: tuple[Judged, Judged]
+    judged: tuple[Explanation, Explanation]
     first: tuple[Mapping[str, float], Mapping[str, float]]
 
 
@@ -37,7 +37,7 @@ class Screened:
 class Screening:
     """All candidates, best seats only; `own`: what each of the model's own parameters explains alone, by its path."""
 
-    own: Mapping[str, Judged]
+    own: Mapping[str, Explanation]
     found: tuple[Screened, ...]
 
     def best(self, refit: bool) -> list[Screened]:
@@ -97,6 +97,6 @@ def _screened(group: Sequence[Candidate], anyhow: Sequence[int], k: int, panel: 
     return judged
 
 
-def _values(panel: Panel, judged: Judged) -> dict[str, float]:
+def _values(panel: Panel, judged: Explanation) -> dict[str, float]:
     pairs = zip(judged.chosen, judged.change, strict=True)
     return {panel.columns[i].path: float(panel.at[i] + change) for i, change in pairs}

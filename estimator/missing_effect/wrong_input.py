@@ -15,7 +15,7 @@ from scipy.optimize import minimize_scalar
 from estimator.batch.trials import Trials, slow_trial
 from estimator.inputs.inputs import nothing
 from estimator.missing_effect.moments import Column, moments, moments_of
-from estimator.missing_effect.panel import Judged, Panel
+from estimator.missing_effect.panel import Explanation, Panel
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -40,7 +40,7 @@ class Mislabel:
     signal: str
     ratio: float
     shift_K: float
-    judged: Judged
+    judged: Explanation
 
 
 def mislabel(model: Model, runs: Runs, trials: Trials, moving: Sequence[str]) -> Mislabel | None:

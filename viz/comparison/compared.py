@@ -46,7 +46,7 @@ class Side:
 
 
 @dataclass(frozen=True)
-class Compared:
+class ComparedRun:
     """One recording of K ticks under one model, or two: before and after.
 
     name         shown as the title of its tab

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from viz.comparison import curves, maps
-from viz.comparison.compared import Compared
+from viz.comparison.compared import ComparedRun
 from viz.comparison.layout import bars_at, blueprint
 from viz.drawing import bars
 from viz.drawing.bars import Bars
@@ -19,7 +19,7 @@ from viz.drawing.file import distinct, saved
 
 
 def save(
-    path: Path, runs: Sequence[Compared], models: Sequence[str], figures: Mapping[str, Sequence[Bars]], summary: str
+    path: Path, runs: Sequence[ComparedRun], models: Sequence[str], figures: Mapping[str, Sequence[Bars]], summary: str
 ) -> None:  # fmt: skip
     """Write all runs into `path` (.rrd) with `summary` (markdown); models by name.
 

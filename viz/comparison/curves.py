@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from estimator.record import Array
-from viz.comparison.compared import Compared
+from viz.comparison.compared import ComparedRun
 from viz.drawing import paths, series
 from viz.drawing.entity import Entity
 from viz.drawing.scale import Range, extent_of, minutes, rounded, widened
@@ -14,7 +14,7 @@ MEAN_S = 10.0
 PALE = 0.55  # how bright the filter's curve is beside the model's
 
 
-def send(file: Entity, run: Compared) -> None:
+def send(file: Entity, run: ComparedRun) -> None:
     """Log the curves of one run."""
     at = file / paths.compared(paths.root(run.name))
     for i in np.flatnonzero(run.rig.is_thermometer):
@@ -25,7 +25,7 @@ def send(file: Entity, run: Compared) -> None:
         _misfit(at / "displacement", run)
 
 
-def _temperatures(at: Entity, run: Compared, i: int) -> None:
+def _temperatures(at: Entity, run: ComparedRun, i: int) -> None:
     (at / "measured").lines(["measured [°C]"], [paths.REFERENCE], 1.0)
     _means(at / "measured", run.time_s, run.measured[:, [i]])
     for side, one in run.named.items():
@@ -34,7 +34,7 @@ def _temperatures(at: Entity, run: Compared, i: int) -> None:
         _means(at / side, run.time_s, np.stack([one.open_loop[:, i], one.predicted[:, i]], axis=-1))
 
 
-def _elongation(at: Entity, run: Compared) -> None:
+def _elongation(at: Entity, run: ComparedRun) -> None:
     for side, one in run.named.items():
         said, colour = run.said(side), paths.COMPARED_AS[side]
         (at / side / "filter").band(f"{said}filter ±2 sd", _pale(colour), 1.5)
@@ -47,7 +47,7 @@ def _elongation(at: Entity, run: Compared) -> None:
     (at / "readings").known(run.time_s[shown], run.readings_um[shown])
 
 
-def _misfit(at: Entity, run: Compared) -> None:
+def _misfit(at: Entity, run: ComparedRun) -> None:
     lengths = ~run.rig.is_thermometer
     for side, one in run.named.items():
         names = [f"{run.said(side)}{run.rig.names[i]} − open-loop [µm]" for i in np.flatnonzero(lengths)]
@@ -55,18 +55,18 @@ def _misfit(at: Entity, run: Compared) -> None:
         _means(at / side, one.misfit_time_s, one.misfit[:, lengths])
 
 
-def elongation(run: Compared) -> Range:
+def elongation(run: ComparedRun) -> Range:
     """Range of the lengths."""
     lengths = [length for one in run.sides for length in (one.elongation_um, one.open_loop_um)]
     return rounded(widened(extent_of(run.readings_um, *lengths), 1.0))
 
 
-def misfit(run: Compared) -> Range:
+def misfit(run: ComparedRun) -> Range:
     """Range of what of the displacement is missed."""
     return rounded(widened(extent_of(*(one.misfit[:, ~run.rig.is_thermometer] for one in run.sides)), 1.0))
 
 
-def temperatures(run: Compared, i: int) -> Range:
+def temperatures(run: ComparedRun, i: int) -> Range:
     """Range of one thermometer and what models say of it."""
     return rounded(widened(extent_of(run.measured[:, i], *(one.open_loop[:, i] for one in run.sides)), 1.0))
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import rerun.blueprint as rrb
 
 from viz.comparison import curves
-from viz.comparison.compared import Compared
+from viz.comparison.compared import ComparedRun
 from viz.comparison.maps import BODIES, HEAT, INNOVATION, OPEN_LOOP, TITLES, UNITS, frame_of, map_of
 from viz.drawing import paths
 from viz.drawing.bars import Bars
@@ -18,7 +18,7 @@ LEGEND_AT_END = 0.2  # of a plot's time
 
 
 def blueprint(
-    runs: Sequence[Compared], models: Sequence[str], figures: Mapping[str, Sequence[Bars]]
+    runs: Sequence[ComparedRun], models: Sequence[str], figures: Mapping[str, Sequence[Bars]]
 ) -> rrb.Blueprint:  # fmt: skip
     """The layout of a saved file."""
     first, *others = [_figures(tab, some) for tab, some in figures.items()]
@@ -36,7 +36,7 @@ def _figures(tab: str, some: Sequence[Bars]) -> rrb.Container:
     return rrb.Vertical(*drawn, row_shares=[len(each.rows) + 5 for each in some], name=tab)
 
 
-def _pages(run: Compared, models: Sequence[str]) -> list[rrb.Container]:
+def _pages(run: ComparedRun, models: Sequence[str]) -> list[rrb.Container]:
     lengths = run.rig.screw is not None or not run.rig.is_thermometer.all()
     return [
         *_heat(run, models),
@@ -53,7 +53,7 @@ def titles(models: Sequence[str]) -> dict[str, str]:
     return {side: f"{side}: {name}" for side, name in zip(paths.SIDES, models, strict=True)}
 
 
-def _heat(run: Compared, models: Sequence[str]) -> list[rrb.Container]:
+def _heat(run: ComparedRun, models: Sequence[str]) -> list[rrb.Container]:
     heat, views = run.sides[0].heat, []
     if len(heat.places_mm):
         views.append(_maps(run, models, HEAT))
@@ -63,7 +63,7 @@ def _heat(run: Compared, models: Sequence[str]) -> list[rrb.Container]:
     return [rrb.Vertical(*views, name="Missing heat")] if views else []
 
 
-def _maps(run: Compared, models: Sequence[str], what: str) -> rrb.Container:
+def _maps(run: ComparedRun, models: Sequence[str], what: str) -> rrb.Container:
     root, bounds = paths.root(run.name), frame_of(map_of(run, run.sides[0], what), what).bounds
     views = [
         flat(paths.compared(root, what, side), f"{title}: {TITLES[what]}", bounds)
@@ -73,7 +73,7 @@ def _maps(run: Compared, models: Sequence[str], what: str) -> rrb.Container:
     return rrb.Horizontal(*views, column_shares=[*[9] * len(models), 1.9])
 
 
-def _elongation(run: Compared) -> rrb.Container:
+def _elongation(run: ComparedRun) -> rrb.Container:
     root, span, views = paths.root(run.name), whole(run.time_s), []
     if run.rig.screw is not None:
         origin = paths.compared(root, "elongation")
@@ -87,7 +87,7 @@ def _elongation(run: Compared) -> rrb.Container:
     return rrb.Vertical(*views, row_shares=[3, 2][: len(views)], name="Elongation")
 
 
-def _temperatures(run: Compared, group: range) -> rrb.Container:
+def _temperatures(run: ComparedRun, group: range) -> rrb.Container:
     plots, names = [], paths.channel_names(run.rig, "°C")
     for i in group:
         channel = run.rig.thermometers[i]

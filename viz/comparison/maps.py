@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.record import Array
-from viz.comparison.compared import Compared, Side
+from viz.comparison.compared import ComparedRun, Side
 from viz.drawing import paths
 from viz.drawing.entity import Entity
 from viz.drawing.frames import Frame, colour_bar
@@ -37,7 +37,7 @@ class Map:
     values: Array
 
 
-def map_of(run: Compared, side: Side, what: str) -> Map:
+def map_of(run: ComparedRun, side: Side, what: str) -> Map:
     """A map of one model on one run; without rows where there is nothing to show."""
     if what == HEAT:
         upwards = [f"{place:.0f} mm" for place in side.heat.places_mm]
@@ -46,7 +46,7 @@ def map_of(run: Compared, side: Side, what: str) -> Map:
     return Map(run.rig.thermometers, *minutes(time_s, values[:, run.rig.is_thermometer]))
 
 
-def scales_of(runs: Sequence[Compared]) -> dict[str, Range]:
+def scales_of(runs: Sequence[ComparedRun]) -> dict[str, Range]:
     """Ranges of the colours of each kind of map, for all runs and models. Heat has no spikes to be forgiven."""
     found = {}
     for what in UNITS:
@@ -62,7 +62,7 @@ def frame_of(found: Map, what: str) -> Frame:
     return Frame.of_map(len(found.begins_s), found.rows, WIDTHS[what], LINES[what])
 
 
-def send(file: Entity, run: Compared, scales: Mapping[str, Range]) -> None:
+def send(file: Entity, run: ComparedRun, scales: Mapping[str, Range]) -> None:
     """Log the maps of one run."""
     at = file / paths.compared(paths.root(run.name))
     for side, one in run.named.items():

@@ -22,7 +22,7 @@ TICKS = np.array([m * 10.0**power for power in range(-3, 4) for m in (1, 2, 5)])
 
 
 @dataclass(frozen=True)
-class Series:
+class BarSeries:
     """Values (rows,) of one colour; NaN where there is none."""
 
     name: str
@@ -36,7 +36,7 @@ class Bars:
 
     title: str
     rows: Sequence[str]
-    series: Sequence[Series]
+    series: Sequence[BarSeries]
     right: ClassVar[float] = 0.0  # where bars begin
 
     @property

@@ -27,7 +27,7 @@ WHITE = 1.96  # sd that hold 95 %
 
 
 @dataclass(frozen=True)
-class Misfit:
+class Residuals:
     """How far thermometers are from what was expected of them, at n ticks.
 
     innovation, innovation_sd, open_loop   (n, m) K: against the filter, its sd, and against the model alone
@@ -42,7 +42,7 @@ class Misfit:
     channels: Array
 
     @classmethod
-    def of(cls, track: Track, heat: Array) -> Misfit:
+    def of(cls, track: Track, heat: Array) -> Residuals:
         """Ticks of a track; `heat` (m,) says which channels are thermometers."""
         apart = (track.measured - track.open_loop)[:, heat]
         scatter = track.innovation[:, heat], track.innovation_sd[:, heat]
@@ -77,7 +77,7 @@ def style(at: Entity, rig: Rig) -> None:
     (at / paths.NIS / "bounds").lines(bounds, [paths.BOUND] * 2, 1.0, "Off")
 
 
-def send_tests(at: Entity, misfit: Misfit, first_s: float | None = None) -> None:
+def send_tests(at: Entity, misfit: Residuals, first_s: float | None = None) -> None:
     """Log windowed innovations and NIS of each minute from `first_s` on."""
     (at / paths.WHITENESS / "channels").curves(
         *whiteness(misfit.time_s, misfit.innovation, misfit.innovation_sd, first_s)

@@ -10,9 +10,9 @@ from estimator.rig import Rig
 from viz.drawing import paths, residuals
 from viz.drawing.entity import Entity
 from viz.drawing.frames import colour_bar
-from viz.drawing.residuals import Misfit
+from viz.drawing.residuals import Residuals
 from viz.drawing.scale import MINUTE_S, minutes
-from viz.live.room import room, send_room
+from viz.live.room import Room
 from viz.live.scale import Decades
 
 COLOURS = -1.0, 1.0  # ends of the scale of decades
@@ -25,13 +25,13 @@ class Minutes:
 
     def __init__(self, at: Entity, rig: Rig) -> None:
         self._at = at
-        self._open: Misfit | None = None
+        self._open: Residuals | None = None
         self._begin_s = np.nan  # of the first minute that has not been sent
         self._scale: Decades | None = None
         residuals.style(at, rig)
-        room(at / paths.NIS, *residuals.NIS)
+        self._nis = Room(at / paths.NIS, *residuals.NIS, least=0.0, every_s=0.0)
 
-    def send(self, ticks: Misfit) -> None:
+    def send(self, ticks: Residuals) -> None:
         """Take ticks, and send the minutes that are over."""
         if self._open is None:
             self._open, self._begin_s = ticks, float(ticks.time_s[0])
@@ -49,7 +49,7 @@ class Minutes:
             self._close(self._open)
             self._open = None
 
-    def _close(self, ticks: Misfit) -> None:
+    def _close(self, ticks: Residuals) -> None:
         residuals.send_tests(self._at, ticks, self._begin_s)
         if self._scale is None and np.isfinite(ticks.innovation_sd).any():
             self._scale = Decades.of(ticks.innovation_sd)  # of both maps, from now on
@@ -62,14 +62,14 @@ class Minutes:
             shades = self._scale.shares(means) if self._scale else np.full_like(means, np.nan)
             residuals.send_map(self._at / drawn, stripes, shades, COLOURS)
         residuals.send_bounds(self._at, begins + MINUTE_S / 2)
-        send_room(self._at / paths.NIS, begins[-1], NIS_RANGE)
+        self._nis.hold(begins[-1], [np.array(NIS_RANGE)])
         self._begin_s = begins[-1] + MINUTE_S
 
 
-def _joined(before: Misfit, after: Misfit) -> Misfit:
-    pairs = [(getattr(before, field.name), getattr(after, field.name)) for field in fields(Misfit)]
-    return Misfit(*(np.concatenate(pair) for pair in pairs))
+def _joined(before: Residuals, after: Residuals) -> Residuals:
+    pairs = [(getattr(before, field.name), getattr(after, field.name)) for field in fields(Residuals)]
+    return Residuals(*(np.concatenate(pair) for pair in pairs))
 
 
-def _rows(ticks: Misfit, which: slice) -> Misfit:
-    return Misfit(*(getattr(ticks, field.name)[which] for field in fields(Misfit)))
+def _rows(ticks: Residuals, which: slice) -> Residuals:
+    return Residuals(*(getattr(ticks, field.name)[which] for field in fields(Residuals)))

@@ -18,26 +18,16 @@ from viz.live.repeat import Repeated
 from viz.live.scale import Growing
 
 
-def room(plot: Entity, name: str, colour: Sequence[int]) -> None:
-    """Log the looks of the points that hold a plot's range open, once: those of one of its curves."""
-    (plot / "room").dots([name, name], colour, 0.0)
-
-
-def send_room(plot: Entity, time_s: float, extent: Range) -> None:
-    """Hold a range open at `time_s`, s."""
-    (plot / "room").curves(np.array([time_s]), np.array([extent]))
-
-
 class Room:
     """The range of one plot, at least `least` wide, that holds all its values so far; sent again every `every_s` s."""
 
     def __init__(self, plot: Entity, name: str, colour: Sequence[int], least: float, every_s: float) -> None:
-        self._plot, self._range, self._sent = plot, Growing(least), Repeated[Range](every_s)
-        room(plot, name, colour)
+        self._points, self._range, self._sent = plot / "room", Growing(least), Repeated[Range](every_s)
+        self._points.dots([name, name], colour, 0.0)
 
     def hold(self, time_s: float, values: Iterable[Array]) -> Range | None:
         """Take values of a batch that ends at `time_s`, some of which may be unknown; returns the range."""
         extent = self._range.hold(values)
         if extent is not None and self._sent.due(extent, time_s):
-            send_room(self._plot, time_s, extent)
+            self._points.curves(np.array([time_s]), np.array([extent]))
         return extent

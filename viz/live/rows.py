@@ -15,7 +15,7 @@ from estimator.rig import Rig
 from estimator.step import Step, Track
 from viz.drawing import paths, series
 from viz.drawing.entity import Entity
-from viz.drawing.residuals import Misfit
+from viz.drawing.residuals import Residuals
 from viz.drawing.series import Event
 from viz.live.body import Body
 from viz.live.minutes import Minutes
@@ -74,7 +74,7 @@ class Rows:
         self._elongation.hold(self._time_s, [track.elongation_um - band, track.elongation_um + band])
         self._readings(track)
         heat = self._rig.is_thermometer
-        self._minutes.send(Misfit.of(track, heat))
+        self._minutes.send(Residuals.of(track, heat))
         self._body.send(samples, track)
         fused = np.where(track.fused, track.measured, np.nan)[:, heat]
         for room, group in self._temperatures:

@@ -16,7 +16,7 @@ from viz.drawing import paths
 from viz.drawing.entity import Entity
 from viz.drawing.frames import Axes
 from viz.drawing.scale import Indices, Range, extent_of, rounded
-from viz.recorded.run import JUDGED, Run
+from viz.recorded.run import JUDGED, ReviewedRun
 
 SIDE, LOW = 1000.0, 420.0  # view units: side of the square, height of the frame below
 LINE = 47.0
@@ -37,7 +37,7 @@ class Band:
         return self.high_um - self.low_um
 
 
-def band_of(runs: Sequence[Run], estimate: str) -> Band:
+def band_of(runs: Sequence[ReviewedRun], estimate: str) -> Band:
     """The band over all ticks of all runs."""
     errors = np.concatenate([run.errors_um[estimate] for run in runs])
     errors = errors[np.isfinite(errors)]
@@ -58,7 +58,7 @@ class Figure:
         return x, (top, self.errors.bounds[1][1])
 
 
-def figure_of(runs: Sequence[Run]) -> Figure:
+def figure_of(runs: Sequence[ReviewedRun]) -> Figure:
     """The same frames for all estimates, so that the figures compare."""
     lengths = [v for run in runs for v in (run.reference_um, *(run.judged_um(name) for name in JUDGED))]
     extent = rounded(extent_of(*lengths))
@@ -69,7 +69,7 @@ def figure_of(runs: Sequence[Run]) -> Figure:
     return Figure(square, replace(below, down=float(gap)))
 
 
-def send(at: Entity, runs: Sequence[Run]) -> None:
+def send(at: Entity, runs: Sequence[ReviewedRun]) -> None:
     """Log the figures and the table of all runs that can be judged, once."""
     runs = [run for run in runs if run.is_judged]
     if not runs:
@@ -86,7 +86,7 @@ def send(at: Entity, runs: Sequence[Run]) -> None:
     (at / BANDS).text(bands_table(runs))
 
 
-def _points(at: Entity, run: Run, estimate: str, figure: Figure, colour: paths.Colour) -> None:
+def _points(at: Entity, run: ReviewedRun, estimate: str, figure: Figure, colour: paths.Colour) -> None:
     errors = run.errors_um[estimate]
     shown = thinned(run.track.time_s, errors)
     x = run.judged_um(estimate)[shown]
@@ -126,7 +126,7 @@ def _line(at: Entity, figure: Figure, shift: float, colour: paths.Colour) -> Non
     at.log(rr.LineStrips2D(strips, radii=rr.Radius.ui_points(0.8), colors=colour, draw_order=4.0))
 
 
-def _key(at: Entity, runs: Sequence[Run], axes: Axes) -> None:
+def _key(at: Entity, runs: Sequence[ReviewedRun], axes: Axes) -> None:
     """Names of the runs in their colours, in the empty corner above the diagonal."""
     n = min(len(runs), len(paths.RUNS))
     left, top = axes.place(axes.x[0], axes.y[1])
@@ -134,7 +134,7 @@ def _key(at: Entity, runs: Sequence[Run], axes: Axes) -> None:
     at.words(places, [run.name for run in runs[:n]], list(paths.RUNS[:n]))
 
 
-def bands_table(runs: Sequence[Run]) -> str:
+def bands_table(runs: Sequence[ReviewedRun]) -> str:
     """The bands as a markdown table, each run and all together."""
     rows = [(run.name, [run]) for run in runs] + ([("**all**", list(runs))] if len(runs) > 1 else [])
     head = "| run | " + " | ".join(JUDGED) + " |\n|:--|" + ":--|" * len(JUDGED)
@@ -143,11 +143,11 @@ def bands_table(runs: Sequence[Run]) -> str:
     return f"## Accuracy band\n\n{text}\n\n{head}\n" + "\n".join(lines) + "\n"
 
 
-def _reference(runs: Sequence[Run]) -> str:
+def _reference(runs: Sequence[ReviewedRun]) -> str:
     return " / ".join(dict.fromkeys(run.reference_name for run in runs))
 
 
-def _cell(runs: Sequence[Run], estimate: str) -> str:
+def _cell(runs: Sequence[ReviewedRun], estimate: str) -> str:
     band = band_of(runs, estimate)
     return (
         f"{band.low_um:+.2f} ... {band.high_um:+.2f}, **{band.width_um:.2f}**" if np.isfinite(band.width_um) else "none"

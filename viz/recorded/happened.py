@@ -8,15 +8,15 @@ import numpy as np
 
 from viz.drawing.scale import Flags
 from viz.drawing.series import Event
-from viz.recorded.run import Run
+from viz.recorded.run import ReviewedRun
 
 
-def events_of(run: Run) -> list[Event]:
+def events_of(run: ReviewedRun) -> list[Event]:
     """All events of a run in order of time."""
     return sorted([*_notes(run), *_motion(run), *_channels(run)], key=lambda event: event.time_s)
 
 
-def _notes(run: Run) -> Iterator[Event]:
+def _notes(run: ReviewedRun) -> Iterator[Event]:
     first = float(run.track.time_s[0])
     yield Event(first, f"{run.name}: {len(run.recording)} ticks from {run.recording.frames} frames")
     for note in run.recording.notes:
@@ -25,7 +25,7 @@ def _notes(run: Run) -> Iterator[Event]:
         yield Event(first, f"not used: {count} x {reason}", "WARN")
 
 
-def _motion(run: Run) -> Iterator[Event]:
+def _motion(run: ReviewedRun) -> Iterator[Event]:
     time_s, begun = run.track.time_s, float("nan")
     for k in np.flatnonzero(np.diff(run.turning.astype(int), prepend=0)):
         if run.turning[k]:
@@ -38,7 +38,7 @@ def _motion(run: Run) -> Iterator[Event]:
             )
 
 
-def _channels(run: Run) -> Iterator[Event]:
+def _channels(run: ReviewedRun) -> Iterator[Event]:
     """Begins of the stretches in which channels are not fused, though they were read or should have been."""
     together: dict[tuple[float, str], list[str]] = {}
     for i, name in enumerate(run.track.names):
@@ -48,7 +48,7 @@ def _channels(run: Run) -> Iterator[Event]:
         yield Event(begin, f"{', '.join(names)} {sentence}", "WARN")
 
 
-def _stretches(run: Run, i: int, steady: bool) -> Iterator[tuple[float, str]]:
+def _stretches(run: ReviewedRun, i: int, steady: bool) -> Iterator[tuple[float, str]]:
     """Time and sentence of each stretch of one channel; one that is not `steady` may be silent between its readings."""
     track, known = run.track, np.isfinite(run.track.measured[:, i])
     if steady:

@@ -9,10 +9,10 @@ import rerun.blueprint as rrb
 from viz.drawing import paths, profile, screw, views
 from viz.drawing.scale import Range
 from viz.recorded import accuracy
-from viz.recorded.run import JUDGED, Run, Scale
+from viz.recorded.run import JUDGED, ReviewedRun, Scale
 
 
-def blueprint(runs: Sequence[Run], scales: Sequence[Scale]) -> rrb.Blueprint:
+def blueprint(runs: Sequence[ReviewedRun], scales: Sequence[Scale]) -> rrb.Blueprint:
     """The layout of a saved file."""
     pages = [pages_of(run, scale) for run, scale in zip(runs, scales, strict=True)]
     judged = [run for run in runs if run.is_judged]
@@ -22,7 +22,7 @@ def blueprint(runs: Sequence[Run], scales: Sequence[Scale]) -> rrb.Blueprint:
     return views.tabbed([*own, *reversed(common)] if len(runs) == 1 else [*common, *own])
 
 
-def pages_of(run: Run, scale: Scale) -> list[rrb.Container]:
+def pages_of(run: ReviewedRun, scale: Scale) -> list[rrb.Container]:
     """The tabs of one run."""
     root, rig, span = paths.root(run.name), run.rig, views.whole(run.track.time_s)
     residuals = views.residual_page(root, rig, span)
@@ -36,7 +36,7 @@ def _accuracy(bounds: tuple[Range, Range]) -> rrb.Container:
     return rrb.Horizontal(*figures, table, column_shares=[2, 2, 1.5], name="Accuracy")
 
 
-def _overview(run: Run, scale: Scale) -> rrb.Container:
+def _overview(run: ReviewedRun, scale: Scale) -> rrb.Container:
     root, rig, span = paths.root(run.name), run.rig, views.whole(run.track.time_s)
     plots = {paths.ELONGATION: ("Elongation [µm]", scale.elongation_um)}
     if scale.error_um:

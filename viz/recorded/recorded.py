@@ -14,10 +14,12 @@ from viz.drawing.frames import colour_bar
 from viz.drawing.scale import Indices, extent_of, minutes
 from viz.recorded import accuracy, happened
 from viz.recorded.layout import blueprint
-from viz.recorded.run import Run, Scale, first_stop_s, scale_of
+from viz.recorded.run import ReviewedRun, Scale, first_stop_s, scale_of
 
 
-def save(path: Path, runs: Sequence[Run], summary: str, progress: Callable[[int], None] = lambda _: None) -> None:
+def save(
+    path: Path, runs: Sequence[ReviewedRun], summary: str, progress: Callable[[int], None] = lambda _: None
+) -> None:
     """Write all runs into `path` (.rrd) with `summary` (markdown); `progress` hears how many runs are done."""
     runs = distinct(runs)
     scales = [scale_of(run) for run in runs]
@@ -29,7 +31,7 @@ def save(path: Path, runs: Sequence[Run], summary: str, progress: Callable[[int]
             progress(done)
 
 
-def send(at: Entity, run: Run, scale: Scale) -> None:
+def send(at: Entity, run: ReviewedRun, scale: Scale) -> None:
     """Log one run: what it looks like, then all its rows."""
     _curves(at, run, scale)
     _residuals(at, run, scale)
@@ -39,7 +41,7 @@ def send(at: Entity, run: Run, scale: Scale) -> None:
     series.send_events(at, happened.events_of(run))
 
 
-def _curves(at: Entity, run: Run, scale: Scale) -> None:
+def _curves(at: Entity, run: ReviewedRun, scale: Scale) -> None:
     track, length, error = run.track, at / paths.ELONGATION, at / paths.ERROR
     series.style(at, run.rig, {**series.POLYLINE, **series.OPEN_LOOP})
     series.style_reference(at, run.reference_name, bool(np.isfinite(run.reference_um).mean() > series.DENSE))
@@ -59,8 +61,8 @@ def _curves(at: Entity, run: Run, scale: Scale) -> None:
     (at / paths.DISPLACEMENT).curves(track.time_s[read], lengths[read])
 
 
-def _residuals(at: Entity, run: Run, scale: Scale) -> None:
-    misfit = residuals.Misfit.of(run.track, run.rig.is_thermometer)
+def _residuals(at: Entity, run: ReviewedRun, scale: Scale) -> None:
+    misfit = residuals.Residuals.of(run.track, run.rig.is_thermometer)
     residuals.style(at, run.rig)
     extents = dict(zip(paths.MAPS, (scale.innovation_K, scale.open_loop_K), strict=True))
     for drawn, values in misfit.mapped().items():
@@ -72,7 +74,7 @@ def _residuals(at: Entity, run: Run, scale: Scale) -> None:
     residuals.send_bounds(at, misfit.time_s[[0, -1]])
 
 
-def _pictures(at: Entity, run: Run, scale: Scale, shown: Indices) -> None:
+def _pictures(at: Entity, run: ReviewedRun, scale: Scale, shown: Indices) -> None:
     rig, track, axes = run.rig, run.track, profile.axes_of(run.rig, scale)
     profile.style(at, rig, axes, run.truth_C_rise is not None)
     profile.frame(at, rig, axes)

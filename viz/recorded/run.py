@@ -17,7 +17,7 @@ JUDGED = ("filter", "polyline")  # the estimates that see the thermometers
 
 
 @dataclass(frozen=True)
-class Run:
+class ReviewedRun:
     """One reviewed recording of K ticks.
 
     name            shown as the title of its tab
@@ -61,7 +61,7 @@ class Run:
         return np.asarray(turns(self.recording.omega))
 
 
-def first_stop_s(run: Run) -> float:
+def first_stop_s(run: ReviewedRun) -> float:
     """The moment that shows most at a glance: the whole second after the first stop; without a stop the middle."""
     moments = stops(run.recording)
     return float(np.floor(moments[0]) + 1 if moments else np.ceil(np.nanmedian(run.track.time_s)))
@@ -76,7 +76,7 @@ class Scale(BodyScale):
     open_loop_K: Range
 
 
-def scale_of(run: Run) -> Scale:
+def scale_of(run: ReviewedRun) -> Scale:
     """Ranges that hold a whole run."""
     track, heat = run.track, run.rig.is_thermometer
     lengths = (track.elongation_um, track.open_loop_um, run.polyline_um, run.readings_um, run.reference_um)

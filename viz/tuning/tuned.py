@@ -9,7 +9,7 @@ from estimator.record import Array
 
 
 @dataclass(frozen=True)
-class Innovations:
+class ScaledInnovations:
     """Of one recording under one model: over their sd (T, m), NaN where there is none; autocorrelation (m, lags)."""
 
     scaled: Array
@@ -28,4 +28,4 @@ class Tuning:
     name: str
     time_s: Array
     lags_s: Array
-    sides: Mapping[str, Innovations]
+    sides: Mapping[str, ScaledInnovations]

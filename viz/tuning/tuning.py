@@ -19,7 +19,7 @@ from viz.drawing.file import distinct, saved
 from viz.drawing.frames import Frame, colour_bar
 from viz.drawing.scale import MINUTE_S, Range, minutes, symmetric, ticks_of
 from viz.tuning.layout import blueprint
-from viz.tuning.tuned import Innovations, Tuning
+from viz.tuning.tuned import ScaledInnovations, Tuning
 
 PALE = 0.2  # the map's colours reach at least so far: smaller autocorrelations are often chance
 
@@ -48,7 +48,7 @@ def shades_of(*autocorrelations: Array) -> Range:
     return -max(end, PALE), max(end, PALE)
 
 
-def _map(at: Entity, channels: Sequence[str], lags_s: Array, side: Innovations, extent: Range) -> None:
+def _map(at: Entity, channels: Sequence[str], lags_s: Array, side: ScaledInnovations, extent: Range) -> None:
     lags = ticks_of((0.0, float(lags_s[-1])), 7)
     columns, texts = lags / (lags_s[1] - lags_s[0]) + 0.5, [f"{lag:g}" for lag in lags]
     Frame.of_map(len(lags_s), channels).draw_map(at, side.autocorrelation, extent, columns, texts, "lag [s]")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viz.comparison.compared import Compared
+from viz.comparison.compared import ComparedRun
 from viz.comparison.layout import titles
 from viz.comparison.maps import TITLES, UNITS, Map, map_of, scales_of
 from viz.drawing import paths
@@ -34,7 +34,7 @@ def print_bars(path: Path, figures: Sequence[Bars]) -> None:
             _bars(axes, bars)
 
 
-def print_maps(path: Path, runs: Sequence[Compared], models: Sequence[str], what: str) -> None:
+def print_maps(path: Path, runs: Sequence[ComparedRun], models: Sequence[str], what: str) -> None:
     """A row for each run, a column for each model."""
     maps = [[map_of(run, side, what) for side in run.sides] for run in runs]
     extent, rows = scales_of(runs)[what], len(maps[0][0].rows)

@@ -15,7 +15,7 @@ from estimator.accuracy.noise_floor import Error
 from estimator.effect import Effect
 from estimator.missing_effect import improve as search
 from estimator.missing_effect.hypothesis import Hypothesis
-from estimator.missing_effect.panel import Judged
+from estimator.missing_effect.panel import Explanation
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.rig_folder.model_toml import load_model
@@ -42,7 +42,7 @@ class Rub(Effect):
 def hypothesis(model: Model, names: tuple[str, ...] = (), heat_K: float = 0.5) -> Hypothesis:
     """A model judged to leave so much; the first free parameter of each name has been fitted."""
     paths = tuple(next(p for p in model.free() if p.startswith(f"{name}.")) for name in names)
-    judged = Judged((), np.zeros(0), np.full(len(paths), 0.25), heat_K, Error(heat_K, 4 * heat_K), np.zeros(1))
+    judged = Explanation((), np.zeros(0), np.full(len(paths), 0.25), heat_K, Error(heat_K, 4 * heat_K), np.zeros(1))
     return Hypothesis(names, False, model, paths, judged)
 
 

@@ -15,12 +15,12 @@ from estimator.errors import InputError
 from estimator.record import Array
 from estimator.rig import Rig
 from tests.viz_read import fixed, rows, view_names
-from viz.comparison.compared import Compared, HeatMap, Side
+from viz.comparison.compared import ComparedRun, HeatMap, Side
 from viz.comparison.comparison import save
 from viz.comparison.layout import bars_at
 from viz.comparison.maps import HEAT, OPEN_LOOP, frame_of, map_of, scales_of
 from viz.drawing import paths
-from viz.drawing.bars import Bars, Series
+from viz.drawing.bars import Bars, BarSeries
 from viz.drawing.file import opens_at
 from viz.drawing.frames import ROW, WIDTH
 from viz.drawing.scale import DIVERGING, coloured
@@ -32,8 +32,8 @@ ERRORS = Bars(
     "rms of temperatures [K]",
     ["as given", "+ churning"],
     [
-        Series("cross-validated", np.array([0.6, 0.1]), paths.CROSS_VALIDATED),
-        Series("held out", np.array([0.5, np.nan]), paths.HELD_OUT),
+        BarSeries("cross-validated", np.array([0.6, 0.1]), paths.CROSS_VALIDATED),
+        BarSeries("held out", np.array([0.5, np.nan]), paths.HELD_OUT),
     ],
 )
 
@@ -54,11 +54,11 @@ def side(rig: Rig, off: float, bodies: tuple[str, ...] = ()) -> Side:
     return Side(level - misfit, level, misfit / 10, line, np.full(SECONDS, 0.2), line, time_s, misfit, lacks)
 
 
-def compared(rig: Rig, name: str = "FS-20", sides: int = 2) -> Compared:
+def compared(rig: Rig, name: str = "FS-20", sides: int = 2) -> ComparedRun:
     measured = np.full((SECONDS, len(rig.names)), 22.0)
     readings = np.where(np.arange(SECONDS) % 3 == 0, np.linspace(0, 10, SECONDS), np.nan)
     both = side(rig, 2.0), side(rig, -0.5)
-    return Compared(name, rig, np.arange(SECONDS) + 1.0, measured, readings, both[:sides])
+    return ComparedRun(name, rig, np.arange(SECONDS) + 1.0, measured, readings, both[:sides])
 
 
 @pytest.fixture(scope="module")
@@ -152,7 +152,7 @@ def test_heat_of_bodies_is_a_curve_and_nothing_known_leaves_no_empty_chunk(small
     no_place = HeatMap(one.heat.time_s, np.empty(0), np.empty((10, 0)), ("nut",), one.heat.W)
     silent = Side(nothing, nothing, nothing, nothing[:, 0], nothing[:, 0], nothing[:, 0], one.misfit_time_s, nothing,
                   no_place)  # fmt: skip
-    run = Compared("short", small, np.arange(SECONDS) + 1.0, nothing, nothing[:, 0], (silent,))
+    run = ComparedRun("short", small, np.arange(SECONDS) + 1.0, nothing, nothing[:, 0], (silent,))
     save(tmp_path / "short.rrd", [run], ["model"], {"Channels": [ERRORS]}, "")
     chunks = RrdReader(tmp_path / "short.rrd").stream().to_chunks()
     assert all(chunk.to_record_batch().num_rows for chunk in chunks)

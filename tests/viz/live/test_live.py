@@ -35,7 +35,7 @@ from viz.live.repeat import Repeated
 from viz.live.rows import Rows
 from viz.live.scale import Decades, Growing
 from viz.recorded.recorded import save
-from viz.recorded.run import Run
+from viz.recorded.run import ReviewedRun
 from viz.viewer import viewer
 from viz.viewer.address import free_port
 from viz.viewer.web import WebPage
@@ -48,7 +48,7 @@ LINUX = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, or has 
 class Fed(NamedTuple):
     """A run whose first ticks have no thermometer, its ticks one by one, and the file that live views made of them."""
 
-    run: Run
+    run: ReviewedRun
     ticks: Ticks
     file: Path
 

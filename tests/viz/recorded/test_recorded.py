@@ -18,18 +18,18 @@ from viz.drawing import profile, screw
 from viz.drawing.file import distinct, opens_at
 from viz.recorded import accuracy
 from viz.recorded.recorded import save
-from viz.recorded.run import Run, first_stop_s, scale_of
+from viz.recorded.run import ReviewedRun, first_stop_s, scale_of
 
 SECONDS = 700
 
 
 @pytest.fixture(scope="module")
-def run() -> Run:
+def run() -> ReviewedRun:
     return fake_run("FS-20", SECONDS)
 
 
 @pytest.fixture(scope="module")
-def saved(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def saved(run: ReviewedRun, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Two runs in one file, written in strict mode: a value that the format does not know raises."""
     rr.set_strict_mode(True)
     path = tmp_path_factory.mktemp("viz") / "two.rrd"
@@ -38,7 +38,7 @@ def saved(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     rr.set_strict_mode(False)
 
 
-def test_filter_and_its_band_are_the_tracks(saved: Path, run: Run) -> None:
+def test_filter_and_its_band_are_the_tracks(saved: Path, run: ReviewedRun) -> None:
     time_s, values = rows(saved, "/FS-20/elongation/filter", "Measurements:values")
     variances = rows(saved, "/FS-20/elongation/filter", "Measurements:variances")[1]
     np.testing.assert_allclose(time_s, run.track.time_s)
@@ -63,7 +63,7 @@ def test_the_smoothed_elongation_stands_beside_the_filter_s_with_its_own_band(sa
         ("channels/innovation", "innovation", slice(0, 15)),
     ],
 )
-def test_channels_are_the_tracks(saved: Path, run: Run, entity: str, field: str, columns: slice) -> None:
+def test_channels_are_the_tracks(saved: Path, run: ReviewedRun, entity: str, field: str, columns: slice) -> None:
     values = rows(saved, f"/FS-20/{entity}", "Scalars:scalars")[1]
     np.testing.assert_allclose(np.array(values), getattr(run.track, field)[:, columns])
 
@@ -74,12 +74,12 @@ def test_every_run_has_the_same_curves_below_its_own_name(saved: Path) -> None:
     np.testing.assert_array_equal(first, second)
 
 
-def test_error_is_the_runs(saved: Path, run: Run) -> None:
+def test_error_is_the_runs(saved: Path, run: ReviewedRun) -> None:
     values = rows(saved, "/FS-20/error/filter", "Measurements:values")[1]
     np.testing.assert_allclose(np.ravel(values), run.errors_um["filter"])
 
 
-def test_profile_is_kept_every_ten_seconds_in_mm_and_degrees(saved: Path, run: Run) -> None:
+def test_profile_is_kept_every_ten_seconds_in_mm_and_degrees(saved: Path, run: ReviewedRun) -> None:
     time_s, strips = rows(saved, "/FS-20/profile/estimate", "LineStrips2D:strips")
     assert set(np.diff(time_s)[1:]) == {10.0}
     axes = profile.axes_of(run.rig, scale_of(run))
@@ -96,7 +96,7 @@ def test_a_silent_thermometer_is_not_in_the_profile(saved: Path) -> None:
     assert {len(row) for t, row in zip(time_s, points, strict=True) if t < 600} == {15}
 
 
-def test_screw_grows_away_from_its_anchor(saved: Path, run: Run) -> None:
+def test_screw_grows_away_from_its_anchor(saved: Path, run: ReviewedRun) -> None:
     time_s, scales = rows(saved, "/FS-20/screw/tube", "Transform3D:scale")
     shifts = rows(saved, "/FS-20/screw/tube", "Transform3D:translation")[1]
     k = int(np.flatnonzero(run.track.time_s == time_s[30])[0])
@@ -106,20 +106,20 @@ def test_screw_grows_away_from_its_anchor(saved: Path, run: Run) -> None:
     assert 889.0 * stretch + shifts[30][0][0] == pytest.approx(889.0, abs=1e-2)
 
 
-def test_nut_stands_where_the_rig_says(saved: Path, run: Run) -> None:
+def test_nut_stands_where_the_rig_says(saved: Path, run: ReviewedRun) -> None:
     time_s, places = rows(saved, "/FS-20/screw/nut", "Transform3D:translation")
     k = int(np.flatnonzero(run.track.time_s == time_s[10])[0])
     assert places[10][0][0] == pytest.approx(673.5 - run.recording.inputs["position"][k], abs=1e-3)
 
 
-def test_readings_are_drawn_apart(saved: Path, run: Run) -> None:
+def test_readings_are_drawn_apart(saved: Path, run: ReviewedRun) -> None:
     time_s, values = rows(saved, "/FS-20/elongation/readings", "Scalars:scalars")
     assert 15 < len(time_s) < 80
     at = np.searchsorted(run.track.time_s, time_s)
     np.testing.assert_allclose(np.ravel(values), run.readings_um[at])
 
 
-def test_parallel_lines_go_through_the_extreme_errors(saved: Path, run: Run) -> None:
+def test_parallel_lines_go_through_the_extreme_errors(saved: Path, run: ReviewedRun) -> None:
     errors, unit = run.errors_um["filter"], accuracy.figure_of([run]).square.x_unit
     for name, error in (("highest", errors.max()), ("lowest", errors.min()), ("equal", 0.0)):
         sloping = np.array(fixed(saved, f"/accuracy/filter/{name}", "LineStrips2D:strips")[0]) / unit
@@ -130,7 +130,7 @@ def test_parallel_lines_go_through_the_extreme_errors(saved: Path, run: Run) -> 
     assert drawn.min() == pytest.approx(errors.min(), abs=1e-3)
 
 
-def test_bands_are_in_the_table(saved: Path, run: Run) -> None:
+def test_bands_are_in_the_table(saved: Path, run: ReviewedRun) -> None:
     text = fixed(saved, "/accuracy/bands", "TextDocument:text")[0]
     for estimate in ("filter", "polyline"):
         error = run.errors_um[estimate]
@@ -139,7 +139,7 @@ def test_bands_are_in_the_table(saved: Path, run: Run) -> None:
     assert "reference: truth" in text
 
 
-def test_nis_has_the_bounds_of_its_window(saved: Path, run: Run) -> None:
+def test_nis_has_the_bounds_of_its_window(saved: Path, run: ReviewedRun) -> None:
     bounds = rows(saved, "/FS-20/nis/bounds", "Scalars:scalars")[1]
     ratios = rows(saved, "/FS-20/nis/window", "Scalars:scalars")[1]
     second = slice(60, 120)
@@ -175,13 +175,13 @@ def test_views_have_names_with_units(saved: Path) -> None:
     assert all("[" in name for name in names if name not in ("Summary", "Events"))
 
 
-def test_a_rig_without_screw_has_no_profile(run: Run, tmp_path: Path) -> None:
+def test_a_rig_without_screw_has_no_profile(run: ReviewedRun, tmp_path: Path) -> None:
     bare = replace(run, rig=replace(run.rig, screw=None, nut=None, supports={}))
     save(tmp_path / "bare.rrd", [bare], "")
     assert not [name for name in view_names(tmp_path / "bare.rrd") if "screw" in name.lower()]
 
 
-def test_a_run_without_reference_is_saved_all_the_same(run: Run, tmp_path: Path) -> None:
+def test_a_run_without_reference_is_saved_all_the_same(run: ReviewedRun, tmp_path: Path) -> None:
     nothing = np.full(len(run.track), np.nan)
     errors = dict.fromkeys(run.errors_um, nothing)
     blind = replace(run, readings_um=nothing, reference_um=nothing, errors_um=errors, truth_C_rise=None)
@@ -191,15 +191,15 @@ def test_a_run_without_reference_is_saved_all_the_same(run: Run, tmp_path: Path)
     assert not [name for name in names if "Error" in name or "Accuracy" in name]
 
 
-def test_runs_of_one_name_stay_apart(run: Run) -> None:
+def test_runs_of_one_name_stay_apart(run: ReviewedRun) -> None:
     assert [some.name for some in distinct([run, run, run])] == ["FS-20", "FS-20 (2)", "FS-20 (3)"]
 
 
-def test_no_folder_is_said(run: Run, tmp_path: Path) -> None:
+def test_no_folder_is_said(run: ReviewedRun, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no folder"):
         save(tmp_path / "nowhere" / "x.rrd", [run], "")
 
 
-def test_the_first_stop_is_the_moment_to_show(saved: Path, run: Run) -> None:
+def test_the_first_stop_is_the_moment_to_show(saved: Path, run: ReviewedRun) -> None:
     assert first_stop_s(run) == 243.0
     assert opens_at(saved) == 243.0

@@ -15,24 +15,24 @@ from estimator.errors import InputError
 from estimator.record import Array
 from tests.viz_read import fixed, rows, view_names
 from viz.drawing import paths
-from viz.drawing.bars import NisBars, Series
+from viz.drawing.bars import NisBars, BarSeries
 from viz.drawing.file import opens_at
 from viz.drawing.frames import ROW, WIDTH, Frame
 from viz.drawing.scale import DIVERGING
-from viz.tuning.tuned import Innovations, Tuning
+from viz.tuning.tuned import ScaledInnovations, Tuning
 from viz.tuning.tuning import save, shades_of
 
 CHANNELS = ("T01", "T 2", "T03", "T04", "displacement")
 SECONDS = 400
 
 
-def side(seed: int, size: float) -> Innovations:
+def side(seed: int, size: float) -> ScaledInnovations:
     """White innovations `size` times as large as they should be; the last channel is read every third second."""
     scaled = size * np.random.default_rng(seed).standard_normal((SECONDS, 5))
     scaled[np.arange(SECONDS) % 3 > 0, 4] = np.nan
     autocorrelation = np.full((5, 61), 0.01)
     autocorrelation[:, 0], autocorrelation[1, 5], autocorrelation[4, 7] = 1.0, -0.5 * size, np.nan
-    return Innovations(scaled, autocorrelation)
+    return ScaledInnovations(scaled, autocorrelation)
 
 
 def tuning(name: str = "FS-20") -> Tuning:
@@ -40,7 +40,7 @@ def tuning(name: str = "FS-20") -> Tuning:
 
 
 def ratios(before: list[float], after: list[float]) -> NisBars:
-    both = Series("before", np.array(before), paths.BEFORE), Series("after", np.array(after), paths.AFTER)
+    both = BarSeries("before", np.array(before), paths.BEFORE), BarSeries("after", np.array(after), paths.AFTER)
     return NisBars("NIS a tick ahead [1]", CHANNELS[: len(before)], both)
 
 
@@ -142,7 +142,7 @@ def test_summary_is_the_callers_and_the_end_is_the_moment(saved: Path) -> None:
 
 
 def test_a_silent_channel_and_a_single_tick_leave_no_empty_chunk(tmp_path: Path) -> None:
-    nothing = Innovations(np.full((1, 5), np.nan), np.full((5, 13), np.nan))
+    nothing = ScaledInnovations(np.full((1, 5), np.nan), np.full((5, 13), np.nan))
     short = Tuning("short", np.array([5.0]), 5.0 * np.arange(13), {"before": nothing, "after": nothing})
     save(tmp_path / "short.rrd", CHANNELS, [short], [NIS], "")
     chunks = RrdReader(tmp_path / "short.rrd").stream().to_chunks()
