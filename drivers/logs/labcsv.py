@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from datetime import datetime
+from datetime import UTC, datetime
 from itertools import islice
 from pathlib import Path
 
@@ -22,6 +22,8 @@ from estimator.record import Recording
 from estimator.rig import Rig, Signal
 
 Array = NDArray[np.float64]
+
+HOUR_S = 3600.0
 
 
 class Table:
@@ -41,10 +43,13 @@ class Table:
                 raise InputError(f"{path}: no CSV: {error}; expected commas and a header row") from None
         self.line = np.array([line for line, _ in cells], np.uint32)
         columns = list(zip(*(row for _, row in cells), strict=True)) or [()] * len(header)
-        self.time = _numbers(columns[header.index(rig.log.time_column)], _seconds)
+        stamps = columns[header.index(rig.log.time_column)]
+        self.time = _numbers(stamps, _seconds)
         for name, index in where.items():
             self.columns[name] = self._measured(columns[index], name)
         self._only_timed()
+        if any(map(_is_local, stamps[:10])):
+            self._without_summer_time()
 
     def _where(self, header: list[str], rig: Rig) -> dict[str, int]:
         """Column number of each channel and input that has one."""
@@ -89,6 +94,19 @@ class Table:
                 f"{self.path}: 0 usable rows; expected a header row, then seconds or ISO times and numbers"
             )
 
+    def _without_summer_time(self) -> None:
+        """Local time leaves out an hour when summer begins, and has one twice when it ends."""
+        steps = np.diff(self.time)
+        most = 1.5 * np.median(steps[steps > 0]) if (steps > 0).any() else 0.0
+        before, after = -self.time[:-1] % HOUR_S, self.time[1:] % HOUR_S  # from the full hour
+        change = (before <= most) & (after <= most) & (most < HOUR_S / 2)
+        hours = np.where(change, np.rint((steps - before - after) / HOUR_S), 0.0)
+        hours[np.abs(hours) != 1] = 0.0
+        for row in np.flatnonzero(hours):
+            to = "forward" if hours[row] > 0 else "back"
+            self.tally.note(f"the clock was put {to} an hour at line {self.line[row + 1]}: no time passes there")
+        self.time[1:] -= HOUR_S * np.cumsum(hours)
+
 
 def _whole_lines(file: Iterator[str], tally: Tally, budget: Budget) -> Iterator[str]:
     """Lines with their end: the last one may be cut short."""
@@ -114,13 +132,21 @@ def _numbers(cells: tuple[str, ...], number: Callable[[str], float]) -> Array:
 
 
 def _seconds(cell: str) -> float:
-    """Seconds from a number or an ISO time; NaN if it is neither."""
+    """Seconds from a number or an ISO time; NaN if it is neither. Local time counts the same on every machine."""
     try:
         return float(cell)
     except ValueError:
         with suppress(ValueError, OverflowError, OSError):
-            return datetime.fromisoformat(cell.strip()).timestamp()
+            time = datetime.fromisoformat(cell.strip())
+            return (time if time.tzinfo else time.replace(tzinfo=UTC)).timestamp()
     return np.nan
+
+
+def _is_local(cell: str) -> bool:
+    """Whether it is a time of day that names no zone."""
+    with suppress(ValueError):
+        return ":" in cell and datetime.fromisoformat(cell.strip()).tzinfo is None
+    return False
 
 
 def _number(cell: str) -> float:

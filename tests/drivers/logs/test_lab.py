@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -37,6 +39,16 @@ ambient = {}
 def rod(tmp_path: Path) -> Rig:
     (tmp_path / "rig.toml").write_text(ROD)
     return load_rig(tmp_path)
+
+
+@pytest.fixture(params=["UTC", "Europe/Berlin", "America/New_York"])
+def zone(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Where this machine is."""
+    monkeypatch.setenv("TZ", request.param)
+    time.tzset()
+    yield
+    monkeypatch.undo()
+    time.tzset()
 
 
 def table(path: Path, step: float, rows: int, iso: bool = False) -> Path:
@@ -169,3 +181,30 @@ def test_a_malformed_truth(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(InputError) as error:
         read_truth(tmp_path / "run.log")
     assert str(error.value).startswith(f"{tmp_path / 'run.truth.csv'}: {message}")
+
+
+@pytest.mark.parametrize(("month", "day", "to", "by"), [(3, 29, "forward", 1), (10, 25, "back", -1)])
+@pytest.mark.parametrize("step", [1.0, 5.0, 60.0])
+def test_summer_time_begins_and_ends_in_local_stamps(tmp_path: Path, rod: Rig, zone, month, day, to, by, step) -> None:
+    """Whatever this machine's own zone is."""
+    begin, change = datetime(2026, month, day, 2 + (by < 0)) - timedelta(seconds=30 * step), 30
+    stamps = [begin + timedelta(seconds=k * step, hours=by * (k >= change)) for k in range(80)]
+    path = tmp_path / "a.csv"
+    path.write_text(
+        "\n".join(["t,left", *(f"{stamp:%Y-%m-%d %H:%M:%S},{20 + k}" for k, stamp in enumerate(stamps)), ""])
+    )
+    rig = replace(rod, tick_s=step)
+    record = read_recording(path, rig)
+    np.testing.assert_allclose(record.time_s, step * np.arange(80))
+    assert f"the clock was put {to} an hour at line {change + 2}: no time passes there" in record.notes
+    assert len(record.notes) == 2  # no column B
+
+
+def test_an_hour_that_is_missing_otherwise_is_a_silence(tmp_path: Path, rod: Rig) -> None:
+    for first, zone in (("01:59:10", "+01:00"), ("01:40:10", "")):
+        begin = datetime.fromisoformat(f"2026-03-29T{first}{zone}")
+        stamps = [begin + timedelta(seconds=5 * k, hours=k >= 10) for k in range(80)]
+        path = tmp_path / "a.csv"
+        path.write_text("\n".join(["t,left", *(f"{stamp.isoformat()},20" for stamp in stamps), ""]))
+        record = read_recording(path, replace(rod, tick_s=5.0))
+        assert any(note.startswith("silent for 1.0 h") for note in record.notes)
