@@ -93,6 +93,7 @@ class Layout:
 
     cycle_s  how often it comes, 0 where it is not cyclic
     own      whether we send it, and not the rig
+    broken   what is wrong with it, in words; it has no signals then
     """
 
     name: str
@@ -102,6 +103,7 @@ class Layout:
     signals: Mapping[str, Bits]
     cycle_s: float = 0.0
     own: bool = False
+    broken: str = ""
 
     @property
     def key(self) -> int:
@@ -142,18 +144,20 @@ class Dbc:
         if name not in self.messages:
             raise SetupError(f"{key}: {self.path.name} has no message '{name}'; {nearest(name, self.messages)}")
         message = self.messages[name]
+        if message.broken:
+            raise SetupError(f"{key}: message '{name}' of {self.path.name} is broken: {message.broken}")
         if message.length > 8:
             raise SetupError(f"{key}: message '{name}' has {message.length} bytes; CAN FD frames are not read")
         return message
 
     def signal(self, dotted: str, key: str) -> tuple[Layout, Bits]:
         """A signal by "Message.Signal"."""
+        name, _, signal = dotted.partition(".")
+        message = self.message(name, key) if name in self.messages else None
+        if message and signal in message.signals:
+            return message, message.signals[signal]
         known = [f"{m.name}.{s}" for m in self.messages.values() for s in m.signals]
-        if dotted not in known:
-            raise SetupError(f"{key}: {self.path.name} has no signal '{dotted}'; {nearest(dotted, known)}")
-        name, signal = dotted.split(".")
-        message = self.message(name, key)
-        return message, message.signals[signal]
+        raise SetupError(f"{key}: {self.path.name} has no signal '{dotted}'; {nearest(dotted, known)}")
 
     def condition(self, text: str, key: str) -> Condition:
         """A condition such as "Message.Signal = 0" or "Message.Signal = Ok"."""
@@ -188,19 +192,23 @@ def _load(path: Path, changed: int) -> Dbc:
     import cantools  # late: takes longer than reading a short log
 
     try:
-        database: Any = cantools.database.load_file(path, strict=True)
+        database: Any = cantools.database.load_file(path, strict=False)
     except (cantools.Error, OSError, ValueError) as error:
         raise SetupError(f"{path}: cannot be read as a DBC: {' '.join(str(error).split())}") from None
     return Dbc(path, {message.name: _layout(message) for message in database.messages})
 
 
 def _layout(message: Any) -> Layout:
+    import cantools
+
+    about = message.name, message.frame_id, bool(message.is_extended_frame), message.length
+    try:
+        message.refresh(strict=True)
+    except cantools.Error as error:  # no matter, unless the rig names it
+        return Layout(*about, {}, broken=" ".join(str(error).split()))
     plain = {signal.name: _bits(signal) for signal in message.signals}
     signals = {s.name: _multiplexed(s, plain) if s.multiplexer_ids else plain[s.name] for s in message.signals}
-    return Layout(
-        message.name, message.frame_id, bool(message.is_extended_frame), message.length, signals,
-        (message.cycle_time or 0) / 1e3, OURSELVES in message.senders,
-    )  # fmt: skip
+    return Layout(*about, signals, (message.cycle_time or 0) / 1e3, OURSELVES in message.senders)
 
 
 def _bits(signal: Any) -> Bits:

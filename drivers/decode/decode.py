@@ -44,6 +44,9 @@ class Decoder:
         self.condenser = Condenser(rig, tally)
         self._counted: dict[str, int] = {}
         used = {*self.sources, *(m.name for m in self.scan.messages), *self.checksums, *self.counters}
+        for message in self.dbc.messages.values():
+            if message.broken:
+                tally.note(f"{self.dbc.path.name}: message '{message.name}' is not read: {message.broken}")
         self.used = [m for m in self.dbc.messages.values() if m.name in used or m == self.scan.closing]
 
     @cached_property

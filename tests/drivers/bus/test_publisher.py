@@ -13,6 +13,7 @@ import pytest
 from ballscrew.monitor.monitor import Monitor
 from drivers.bus import publisher as publishing
 from drivers.bus.publisher import Publisher
+from drivers.decode.dbc import find_dbc
 from drivers.received import Received
 from estimator.alarms.trust import Trust
 from estimator.errors import SetupError
@@ -192,3 +193,10 @@ def test_a_dbc_without_our_messages_cannot_publish(rig, tmp_path):
     other = dataclasses.replace(rig, folder=tmp_path, log=dataclasses.replace(rig.log, dbc="other.dbc"))
     with pytest.raises(SetupError, match=r"--publish: .*other.dbc has no message 'Estimate'"):
         Publisher(other, Bus)
+
+
+def test_a_message_of_others_may_be_broken(rig, tmp_path):
+    text = find_dbc("rig.dbc", tmp_path).read_text()
+    (tmp_path / "plant.dbc").write_text(text + '\nBO_ 800 Gearbox: 8 X\n SG_ Far : 60|16@1+ (1,0) [0|0] "" X\n')
+    plant = dataclasses.replace(rig, folder=tmp_path, log=dataclasses.replace(rig.log, dbc="plant.dbc"))
+    assert not Publisher(plant, Bus).trouble

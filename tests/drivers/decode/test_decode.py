@@ -238,6 +238,28 @@ def test_a_missing_or_broken_dbc(tmp_path: Path) -> None:
         read_recording(path, load_rig(tmp_path))
 
 
+BROKEN = {
+    "overlap": ' SG_ Flags : 0|8@1+ (1,0) [0|255] "" X\n SG_ Low : 3|1@1+ (1,0) [0|1] "" X\n',
+    "beyond its end": ' SG_ Far : 60|16@1+ (1,0) [0|0] "" X\n',
+    "beyond its end, Motorola": ' SG_ Far : 60|16@0+ (1,0) [0|0] "" X\n',
+}
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_of_a_plants_dbc_only_what_the_rig_names_is_judged(tmp_path: Path, kind: str) -> None:
+    plant = (Path(log_fake.DBC).read_text()) + f"\nBO_ 800 Gearbox: 8 X\n{BROKEN[kind]}"
+    (tmp_path / "plant.dbc").write_text(plant)
+    text = (RECORDINGS / "rig.toml").read_text().replace('"rig.dbc"', '"plant.dbc"')
+    (tmp_path / "rig.toml").write_text(text)
+    path = log_fake.write(tmp_path / "a.log", log_fake.log(4))
+    record = read_recording(path, load_rig(tmp_path))
+    assert record.fingerprint == read_recording(path, load_rig(RECORDINGS)).fingerprint
+    assert any(note.startswith("plant.dbc: message 'Gearbox' is not read: ") for note in record.notes)
+    (tmp_path / "rig.toml").write_text(text.replace('"Drive.DrvSpeed"', '"Gearbox.Low"'))
+    with pytest.raises(SetupError, match=r"inputs\.speed.*: message 'Gearbox' of plant\.dbc is broken: The signal"):
+        read_recording(path, load_rig(tmp_path))
+
+
 SEVEN_DBC = """VERSION ""
 BU_: Logger
 BO_ 2566834688 Spindle: 8 Logger

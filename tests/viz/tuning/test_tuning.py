@@ -15,7 +15,7 @@ from estimator.errors import InputError
 from estimator.record import Array
 from tests.viz_read import fixed, rows, view_names
 from viz.drawing import paths
-from viz.drawing.bars import NisBars, BarSeries
+from viz.drawing.bars import BarSeries, NisBars
 from viz.drawing.file import opens_at
 from viz.drawing.frames import ROW, WIDTH, Frame
 from viz.drawing.scale import DIVERGING
