@@ -76,16 +76,16 @@ def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], worker
 
 def error_bars(errors: Sequence[tuple[str, Error, Error | None]]) -> list[Bars]:
     """Open-loop errors by title: on recordings left out, and on those held out where there are some."""
-    rows = [title for title, _, _ in errors]
+    titles, left_out, held_out = zip(*errors, strict=True)
+    kinds = (("cross-validated", left_out, paths.CROSS_VALIDATED), ("held out", held_out, paths.HELD_OUT))
     figures = []
     for what, unit, key in (("temperatures", "K", "temperature_K"), ("elongation", "µm", "elongation_um")):
         series = [
-            BarSeries("cross-validated", np.array([getattr(e, key) for _, e, _ in errors]), paths.CROSS_VALIDATED)
+            BarSeries(name, np.array([getattr(error, key) if error else np.nan for error in some]), colour)
+            for name, some, colour in kinds
+            if any(some)
         ]
-        if any(held for _, _, held in errors):
-            held = np.array([getattr(held, key) if held else np.nan for _, _, held in errors])
-            series.append(BarSeries("held out", held, paths.HELD_OUT))
-        figures.append(Bars(f"Model alone, rms of {what} [{unit}]", rows, series))
+        figures.append(Bars(f"Model alone, rms of {what} [{unit}]", titles, series))
     return [bars for bars in figures if np.isfinite(bars.values).any()]
 
 

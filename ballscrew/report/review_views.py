@@ -9,7 +9,7 @@ from ballscrew.report.review_report import markdown
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.review import Review
 from viz.recorded.recorded import save
-from viz.recorded.run import ReviewedRun, first_stop_s
+from viz.recorded.run import ReviewedRun
 
 
 def save_views(path: Path, work: Workspace, loaded: Sequence[Loaded], reviews: Sequence[Review], view: bool) -> None:
@@ -17,7 +17,7 @@ def save_views(path: Path, work: Workspace, loaded: Sequence[Loaded], reviews: S
     runs = [_run(one, review, work) for one, review in zip(loaded, reviews, strict=True)]
     with work.terminal.progress(f"writing {path}", len(runs)) as update:
         save(path, runs, markdown(reviews), update)
-    work.terminal.show_views(path, view, first_stop_s(runs[0]))
+    work.terminal.show_views(path, view, runs[0].first_stop_s)
 
 
 def _run(one: Loaded, r: Review, work: Workspace) -> ReviewedRun:

@@ -9,24 +9,23 @@ import rerun.blueprint as rrb
 from viz.drawing import paths, profile, screw, views
 from viz.drawing.scale import Range
 from viz.recorded import accuracy
-from viz.recorded.run import JUDGED, ReviewedRun, Scale
+from viz.recorded.run import JUDGED, ReviewedRun
 
 
-def blueprint(runs: Sequence[ReviewedRun], scales: Sequence[Scale]) -> rrb.Blueprint:
+def blueprint(runs: Sequence[ReviewedRun]) -> rrb.Blueprint:
     """The layout of a saved file."""
-    pages = [pages_of(run, scale) for run, scale in zip(runs, scales, strict=True)]
     judged = [run for run in runs if run.is_judged]
     common = [rrb.Horizontal(views.summary_view(), name="Summary")]
     common += [_accuracy(accuracy.figure_of(judged).bounds)] if judged else []
-    own = views.by_run([run.name for run in runs], pages)
+    own = views.by_run([run.name for run in runs], [pages_of(run) for run in runs])
     return views.tabbed([*own, *reversed(common)] if len(runs) == 1 else [*common, *own])
 
 
-def pages_of(run: ReviewedRun, scale: Scale) -> list[rrb.Container]:
+def pages_of(run: ReviewedRun) -> list[rrb.Container]:
     """The tabs of one run."""
     root, rig, span = paths.root(run.name), run.rig, views.whole(run.track.time_s)
     residuals = views.residual_page(root, rig, span)
-    return [_overview(run, scale), residuals, views.channel_page(root, rig, span, scale.temperature_C)]
+    return [_overview(run), residuals, views.channel_page(root, rig, span, run.scale.temperature_C)]
 
 
 def _accuracy(bounds: tuple[Range, Range]) -> rrb.Container:
@@ -36,8 +35,8 @@ def _accuracy(bounds: tuple[Range, Range]) -> rrb.Container:
     return rrb.Horizontal(*figures, table, column_shares=[2, 2, 1.5], name="Accuracy")
 
 
-def _overview(run: ReviewedRun, scale: Scale) -> rrb.Container:
-    root, rig, span = paths.root(run.name), run.rig, views.whole(run.track.time_s)
+def _overview(run: ReviewedRun) -> rrb.Container:
+    scale, root, rig, span = run.scale, paths.root(run.name), run.rig, views.whole(run.track.time_s)
     plots = {paths.ELONGATION: ("Elongation [µm]", scale.elongation_um)}
     if scale.error_um:
         plots[paths.ERROR] = "Error: reference − estimate [µm]", scale.error_um

@@ -14,7 +14,7 @@ from viz.drawing.frames import colour_bar
 from viz.drawing.scale import Indices, extent_of, minutes
 from viz.recorded import accuracy, happened
 from viz.recorded.layout import blueprint
-from viz.recorded.run import ReviewedRun, Scale, first_stop_s, scale_of
+from viz.recorded.run import ReviewedRun
 
 
 def save(
@@ -22,26 +22,25 @@ def save(
 ) -> None:
     """Write all runs into `path` (.rrd) with `summary` (markdown); `progress` hears how many runs are done."""
     runs = distinct(runs)
-    scales = [scale_of(run) for run in runs]
     names = ", ".join(run.name for run in runs)
-    with saved(path, blueprint(runs, scales), names, summary, first_stop_s(runs[0])) as file:
+    with saved(path, blueprint(runs), names, summary, runs[0].first_stop_s) as file:
         accuracy.send(file / paths.ACCURACY, runs)
-        for done, (run, scale) in enumerate(zip(runs, scales, strict=True), start=1):
-            send(file / paths.root(run.name), run, scale)
+        for done, run in enumerate(runs, start=1):
+            send(file / paths.root(run.name), run)
             progress(done)
 
 
-def send(at: Entity, run: ReviewedRun, scale: Scale) -> None:
+def send(at: Entity, run: ReviewedRun) -> None:
     """Log one run: what it looks like, then all its rows."""
-    _curves(at, run, scale)
-    _residuals(at, run, scale)
+    _curves(at, run)
+    _residuals(at, run)
     shown = profile.picture_ticks(run.track.time_s, run.track.profile_C)
     if run.rig.screw is not None and len(shown):
-        _pictures(at, run, scale, shown)
+        _pictures(at, run, shown)
     series.send_events(at, happened.events_of(run))
 
 
-def _curves(at: Entity, run: ReviewedRun, scale: Scale) -> None:
+def _curves(at: Entity, run: ReviewedRun) -> None:
     track, length, error = run.track, at / paths.ELONGATION, at / paths.ERROR
     series.style(at, run.rig, {**series.POLYLINE, **series.OPEN_LOOP})
     series.style_reference(at, run.reference_name, bool(np.isfinite(run.reference_um).mean() > series.DENSE))
@@ -49,7 +48,7 @@ def _curves(at: Entity, run: ReviewedRun, scale: Scale) -> None:
     (length / "smoothed").band("smoothed ±2 sd", paths.SMOOTHED, 1.5)
     (length / "smoothed").banded(track.time_s, run.smoothed_um, run.smoothed_sd_um)
     (length / "models").curves(track.time_s, np.stack([run.polyline_um, track.open_loop_um], axis=-1))
-    shown = series.spaced(track.time_s, run.readings_um, extent_of(track.time_s), scale.elongation_um)
+    shown = series.spaced(track.time_s, run.readings_um, extent_of(track.time_s), run.scale.elongation_um)
     (length / "readings").known(track.time_s[shown], run.readings_um[shown])
     if not np.array_equal(run.reference_um, run.readings_um, equal_nan=True):
         (length / "reference").known(track.time_s, run.reference_um)
@@ -61,10 +60,10 @@ def _curves(at: Entity, run: ReviewedRun, scale: Scale) -> None:
     (at / paths.DISPLACEMENT).curves(track.time_s[read], lengths[read])
 
 
-def _residuals(at: Entity, run: ReviewedRun, scale: Scale) -> None:
+def _residuals(at: Entity, run: ReviewedRun) -> None:
     misfit = residuals.Residuals.of(run.track, run.rig.is_thermometer)
     residuals.style(at, run.rig)
-    extents = dict(zip(paths.MAPS, (scale.innovation_K, scale.open_loop_K), strict=True))
+    extents = dict(zip(paths.MAPS, (run.scale.innovation_K, run.scale.open_loop_K), strict=True))
     for drawn, values in misfit.mapped().items():
         colour_bar(at / paths.MAPS[drawn], extents[drawn], "K")
         begins, means = minutes(misfit.time_s, values)
@@ -74,8 +73,9 @@ def _residuals(at: Entity, run: ReviewedRun, scale: Scale) -> None:
     residuals.send_bounds(at, misfit.time_s[[0, -1]])
 
 
-def _pictures(at: Entity, run: ReviewedRun, scale: Scale, shown: Indices) -> None:
-    rig, track, axes = run.rig, run.track, profile.axes_of(run.rig, scale)
+def _pictures(at: Entity, run: ReviewedRun, shown: Indices) -> None:
+    rig, track, scale = run.rig, run.track, run.scale
+    axes = profile.axes_of(rig, scale)
     profile.style(at, rig, axes, run.truth_C_rise is not None)
     profile.frame(at, rig, axes)
     screw.style(at, rig, track.profile_C.shape[1])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -14,6 +15,15 @@ from estimator.step import Track
 from viz.drawing.scale import BodyScale, Flags, Range, extent_of, minutes, rounded, symmetric, widened
 
 JUDGED = ("filter", "polyline")  # the estimates that see the thermometers
+
+
+@dataclass(frozen=True)
+class Scale(BodyScale):
+    """Ranges of one run's views: what the data needs, rounded outwards."""
+
+    error_um: Range | None  # None: nothing to judge the estimates by
+    innovation_K: Range
+    open_loop_K: Range
 
 
 @dataclass(frozen=True)
@@ -60,31 +70,22 @@ class ReviewedRun:
         """(K,) whether the screw turned in the tick."""
         return np.asarray(turns(self.recording.omega))
 
+    @property
+    def first_stop_s(self) -> float:
+        """The moment that shows most at a glance: the whole second after the first stop; without a stop the middle."""
+        moments = stops(self.recording)
+        return float(np.floor(moments[0]) + 1 if moments else np.ceil(np.nanmedian(self.track.time_s)))
 
-def first_stop_s(run: ReviewedRun) -> float:
-    """The moment that shows most at a glance: the whole second after the first stop; without a stop the middle."""
-    moments = stops(run.recording)
-    return float(np.floor(moments[0]) + 1 if moments else np.ceil(np.nanmedian(run.track.time_s)))
-
-
-@dataclass(frozen=True)
-class Scale(BodyScale):
-    """Ranges of one run's views: what the data needs, rounded outwards."""
-
-    error_um: Range | None  # None: nothing to judge the estimates by
-    innovation_K: Range
-    open_loop_K: Range
-
-
-def scale_of(run: ReviewedRun) -> Scale:
-    """Ranges that hold a whole run."""
-    track, heat = run.track, run.rig.is_thermometer
-    lengths = (track.elongation_um, track.open_loop_um, run.polyline_um, run.readings_um, run.reference_um)
-    measured = track.measured[:, heat]
-    return Scale(
-        temperature_C=rounded(widened(extent_of(measured, track.profile_C), 1.0)),
-        elongation_um=rounded(widened(extent_of(*lengths), 1.0)),
-        error_um=rounded(extent_of(*(run.errors_um[name] for name in JUDGED))) if run.is_judged else None,
-        innovation_K=symmetric(minutes(track.time_s, track.innovation[:, heat])[1]),
-        open_loop_K=symmetric(minutes(track.time_s, measured - track.open_loop[:, heat])[1]),
-    )
+    @cached_property
+    def scale(self) -> Scale:
+        """Ranges that hold the whole run."""
+        track, heat = self.track, self.rig.is_thermometer
+        lengths = (track.elongation_um, track.open_loop_um, self.polyline_um, self.readings_um, self.reference_um)
+        measured = track.measured[:, heat]
+        return Scale(
+            temperature_C=rounded(widened(extent_of(measured, track.profile_C), 1.0)),
+            elongation_um=rounded(widened(extent_of(*lengths), 1.0)),
+            error_um=rounded(extent_of(*(self.errors_um[name] for name in JUDGED))) if self.is_judged else None,
+            innovation_K=symmetric(minutes(track.time_s, track.innovation[:, heat])[1]),
+            open_loop_K=symmetric(minutes(track.time_s, measured - track.open_loop[:, heat])[1]),
+        )

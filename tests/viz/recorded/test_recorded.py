@@ -18,7 +18,7 @@ from viz.drawing import profile, screw
 from viz.drawing.file import distinct, opens_at
 from viz.recorded import accuracy
 from viz.recorded.recorded import save
-from viz.recorded.run import ReviewedRun, first_stop_s, scale_of
+from viz.recorded.run import ReviewedRun
 
 SECONDS = 700
 
@@ -82,7 +82,7 @@ def test_error_is_the_runs(saved: Path, run: ReviewedRun) -> None:
 def test_profile_is_kept_every_ten_seconds_in_mm_and_degrees(saved: Path, run: ReviewedRun) -> None:
     time_s, strips = rows(saved, "/FS-20/profile/estimate", "LineStrips2D:strips")
     assert set(np.diff(time_s)[1:]) == {10.0}
-    axes = profile.axes_of(run.rig, scale_of(run))
+    axes = profile.axes_of(run.rig, run.scale)
     k = int(np.flatnonzero(run.track.time_s == time_s[30])[0])
     mean, upper, lower = np.array(strips[30])
     np.testing.assert_allclose(mean[:, 0], run.track.x_mm, atol=1e-3)
@@ -101,7 +101,7 @@ def test_screw_grows_away_from_its_anchor(saved: Path, run: ReviewedRun) -> None
     shifts = rows(saved, "/FS-20/screw/tube", "Transform3D:translation")[1]
     k = int(np.flatnonzero(run.track.time_s == time_s[30])[0])
     stretch = scales[30][0][0]
-    drawn_um = (stretch - 1) * 935.5e3 / screw.exaggeration(run.rig, scale_of(run))
+    drawn_um = (stretch - 1) * 935.5e3 / screw.exaggeration(run.rig, run.scale)
     assert drawn_um == pytest.approx(run.track.elongation_um[k], rel=1e-4)
     assert 889.0 * stretch + shifts[30][0][0] == pytest.approx(889.0, abs=1e-2)
 
@@ -201,5 +201,5 @@ def test_no_folder_is_said(run: ReviewedRun, tmp_path: Path) -> None:
 
 
 def test_the_first_stop_is_the_moment_to_show(saved: Path, run: ReviewedRun) -> None:
-    assert first_stop_s(run) == 243.0
+    assert run.first_stop_s == 243.0
     assert opens_at(saved) == 243.0
