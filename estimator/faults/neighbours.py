@@ -2,12 +2,13 @@
 
     d      reading less model alone, mean over 30 s;    c  by how much d has changed within 2, 5 or 10 minutes
     r      c less what the other thermometers' c say of it, by a Gaussian process along the screw
-    limit  floor + rough + 5 others
+    limit  floor + 1.3 rough + 7 others
     rough  how much the model alone has gone up and down in that time beside what its neighbours say of it: where that
            is rough, a model that is wrong is rough too
     others the 0.8 quantile of the other thermometers' |r|, found without this one; forgotten within minutes
 
-r of all is inverse(C) c over the diagonal of inverse(C) (Rasmussen and Williams 2006, 5.12).
+r of all is inverse(C) c over the diagonal of inverse(C) (Rasmussen and Williams 2006, 5.12). The one that is off by
+most sd is tested, by those that are left without the next one: two that fail together do not hide each other.
 """
 
 from __future__ import annotations
@@ -24,8 +25,9 @@ from estimator.record import Array
 BLOCK_S = 10.0
 MEAN = 3  # blocks in a mean
 WINDOWS = ((14, 0.04), (32, 0.053), (62, 0.067))  # blocks, and the floor of each in K
-ALIKE_MM, COMMON_K, SMOOTH_K, SINGLE_K = 200.0, 5.0, 1.0, 0.05  # of c along the screw
-OTHERS, QUANTILE, KEPT = 5.0, 0.8, 0.9
+ALIKE_MM, COMMON_K, SMOOTH_K, SINGLE_K = 250.0, 5.0, 1.0, 0.05  # of c along the screw
+OTHERS, QUANTILE, KEPT = 7.0, 0.8, 0.9
+ROUGH = 1.3
 IN_A_ROW = 3  # blocks at whose end the same one has to fail
 FEWEST = 5  # thermometers, of which one can be told from the others
 
@@ -85,7 +87,7 @@ class Neighbours:
         """The end of a block: which channel has failed often enough."""
         alone = block.alone / block.ticks
         rough = np.zeros_like(alone)
-        rough[self._placed] = self._left_out(alone - self._alone, np.flatnonzero(self._placed))[1]
+        rough[self._placed] = self._left_out(alone - self._alone, np.flatnonzero(self._placed))[0]
         self._past.append((block.difference / block.ticks, np.nan_to_num(rough)))
         self._alone, self._block = alone, self._empty()
         worst = self._worst()
@@ -101,7 +103,7 @@ class Neighbours:
             if len(differences) >= blocks + MEAN:
                 before = differences[len(differences) - blocks - MEAN : len(differences) - blocks].mean(axis=0)
                 change = differences[-MEAN:].mean(axis=0) - before
-                i, times = self._outlier(w, change, floor + rough[-blocks:].sum(axis=0))
+                i, times = self._outlier(w, change, floor + ROUGH * rough[-blocks:].sum(axis=0))
                 if times > most:
                     worst, most = i, times
         return worst
@@ -111,16 +113,24 @@ class Neighbours:
         at = np.flatnonzero(np.isfinite(change) & self._placed)
         if len(at) < FEWEST:
             return -1, 0.0
-        inverse, r = self._left_out(change, at)
-        i = int(np.argmax(r**2 * np.diag(inverse)))  # of one outlier the others' residuals are the smaller in their sd
-        others = np.sort(self._left_out(change, np.delete(at, i))[1])
+        i = self._furthest(change, at)
+        rest = at[at != i]
+        rest = rest[rest != self._furthest(change, rest)]
+        r = self._left_out(change, np.append(rest, i))[0][-1]
+        others = np.sort(self._left_out(change, rest)[0])
         self._others[w] = max(others[int(QUANTILE * len(others))], KEPT * self._others[w])
-        return int(at[i]), float(r[i] / (least[at[i]] + OTHERS * self._others[w]))
+        return i, float(r / (least[i] + OTHERS * self._others[w]))
+
+    def _furthest(self, change: Array, at: Array) -> int:
+        """Of the channels `at`, the one that is off by most sd; if one is wrong, this is it."""
+        r, variance = self._left_out(change, at)
+        return int(at[np.argmax(r**2 / variance)])
 
     def _left_out(self, change: Array, at: Array) -> tuple[Array, Array]:
-        """The inverse of C, and |r| of the channels `at`."""
+        """|r| of the channels `at`, and the variances of r by C."""
         inverse = self._inverse(tuple(at.tolist()))
-        return inverse, np.abs(inverse @ change[at] / np.diag(inverse))
+        variance = 1.0 / np.diag(inverse)
+        return np.abs(inverse @ change[at]) * variance, variance
 
     def _inverted(self, at: tuple[int, ...]) -> Array:
         return np.asarray(np.linalg.inv(self._C[np.ix_(at, at)]))
