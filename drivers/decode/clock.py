@@ -4,7 +4,8 @@ Time stamps of a bus are wall clock: they jump, stand still and are sometimes ru
   - A stamp up to half a tick early counts as simultaneous with the frame before it.
   - A stamp that only one frame has is stray: that frame is dropped.
   - A jump back, or a jump ahead in which the scan number did not move as far, is a jump of the clock: the rig's clock
-    goes on as if it had not been. A number may have started again meanwhile, as often as the jump has room for.
+    goes on as if it had not been. A number may have started again meanwhile, as often as the jump has room for: then
+    it is a jump only if the frames on both sides make up one whole scan.
   - Any other jump ahead is silence and takes its time; one of over an hour ends the recording.
   - Where the stamps stand still over whole scans, each scan counts as one tick.
 """
@@ -24,6 +25,7 @@ Array = NDArray[np.float64]
 
 _GAP = 1.5  # ticks: a longer silence needs a decision
 _TRUSTED_SCANS = 60
+_UNEVEN = 0.05  # share by which scans may differ in their number of frames
 
 
 class RigClock:
@@ -44,7 +46,7 @@ class RigClock:
         self._stamp = np.nan  # latest stamp of this stretch
         self._offset = 0.0
         self._still = 0  # scans since the stamps stand still
-        self._since_scan = 0  # frames since the last closing message
+        self._since_scan = self._per_scan = 0  # frames since the last closing message, and up to it from the one before
         self._scan: tuple[float, float, int] | None = None  # stamp, rig clock and number of the last closing message
         self._waiting: list[tuple[Any, float, bool, int]] = []
 
@@ -121,6 +123,8 @@ class RigClock:
         if last >= 0 and closing[last] >= start:
             index = closing[last]
             self._scan = (float(stamps[index]), float(clock[index]), int(scan[index]))
+            before = int(closing[last - 1]) if last else -1
+            self._per_scan = index - before if before >= start else self._since_scan + index - start + 1
             self._since_scan = stop - 1 - int(index)
         else:
             self._since_scan += stop - start
@@ -137,7 +141,7 @@ class RigClock:
         self.now = max(self.now, stamp - self._offset)
         self._since_scan += 1
         if closes:
-            self._scan, self._since_scan = (stamp, self.now, scan), 0
+            self._scan, self._per_scan, self._since_scan = (stamp, self.now, scan), self._since_scan, 0
         return frame, self.now
 
     def _stand_still(self, frame: Any) -> None:
@@ -192,12 +196,17 @@ class RigClock:
             scans = max((closing[3] - self._scan[2]) % self.modulus, 1)
             uncounted = (closing[1] - self._scan[0]) / self.tick_s - scans
             again = min(uncounted % self.modulus, -uncounted % self.modulus)
-            if scans <= _TRUSTED_SCANS and (jump < 0 or (uncounted > _GAP and again > _GAP)):
+            goes_on = again > _GAP or (scans == 1 and self._whole(waiting.index(closing) + 1))
+            if scans <= _TRUSTED_SCANS and (jump < 0 or (uncounted > _GAP and goes_on)):
                 expected = self._scan[1] + scans * self.tick_s - (closing[1] - waiting[0][1])
                 return max(self.now, expected)
         # A first frame that is years off is a stamp that was not set.
         started = self.now > 2 * self.tick_s
         return self.now if jump < 0 or (jump > self.budget.gap_s and not started) else None
+
+    def _whole(self, after: int) -> bool:
+        """Whether the frames since the last scan and so many after the jump make up one scan like the one before."""
+        return abs(self._since_scan + after - self._per_scan) <= max(1.0, _UNEVEN * self._per_scan)
 
 
 def _irregular(stamps: Array, closing: NDArray[np.intp], tick_s: float) -> NDArray[np.intp]:

@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from drivers.budget import Budget
+from drivers.decode.clock import RigClock
 from drivers.frames import Tally
 from drivers.logs.logs import read_log
 from drivers.recordings import read_recording
@@ -19,7 +20,7 @@ from estimator.record import Recording, collect
 from estimator.rig import Log, Rig
 from estimator.rig_folder.rig_folder import load_rig
 from tests import log_fake
-from tests.log_fake import Row
+from tests.log_fake import START, Row
 
 RIG = load_rig(Path(__file__).parents[3] / "recordings")
 STATUS = 0x214
@@ -291,3 +292,42 @@ def test_too_many_ticks_end_the_recording(tmp_path: Path) -> None:
     record = read_recording(log_fake.write(tmp_path / "a.log", BASE), RIG, budget=Budget(ticks=7))
     assert len(record) == 7
     assert record.notes == ("longer than 7 ticks: the recording ends at 7.0 s",)
+
+
+def clocked(modulus: int, jump_s: float, at: int, lost: int = 0) -> tuple[float, list[str]]:
+    """Where the rig's clock ends after 120 scans of 11 frames, 1 s each, and its notes.
+
+    The stamps jump with frame `at`, before which `lost` frames did not come.
+    """
+    number = np.delete(np.arange(120 * 11), np.s_[at - lost : at])
+    stamps = START + 0.09 * (number % 11) + number // 11 + np.where(number >= at, jump_s, 0.0)
+    closes = number % 11 == 10
+    scan = np.where(closes, (number // 11 + 200) % modulus, -1)
+    tally = Tally()
+    clock = RigClock(1.0, modulus, tally, str, Budget())
+    now = clock.run(stamps, closes, scan)
+    slow = RigClock(1.0, modulus, Tally(), str, Budget())
+    steps = zip(stamps.tolist(), closes.tolist(), scan.tolist(), strict=True)
+    placed = [pair for k, row in enumerate(steps) for pair in slow.step(k, *row)]
+    np.testing.assert_allclose([t for _, t in placed], now[np.isfinite(now)], atol=1e-6)
+    return float(np.nanmax(now)), tally.notes
+
+
+@pytest.mark.parametrize("modulus", [15, 16, 256, 65536])
+@pytest.mark.parametrize("at", [60 * 11, 60 * 11 + 4, 61 * 11 - 1], ids=["between scans", "in one", "at its end"])
+def test_a_clock_that_jumps_by_what_a_narrow_number_counts_to(modulus: int, at: int) -> None:
+    """The number alone would say that it has started again meanwhile: whole hours are so many 15 and 16 s."""
+    for turns in (1, 5, 40_000):
+        for off in (-1.0, 0.0, 1.0):
+            end, (note,) = clocked(modulus, turns * modulus + off, at)
+            assert end == pytest.approx(119.9, abs=1.0)
+            assert note.startswith("clock jumps ahead")
+
+
+@pytest.mark.parametrize("modulus", [15, 16, 256])
+@pytest.mark.parametrize("lost", [3, 7, 16])
+def test_a_silence_is_one_though_the_narrow_number_has_started_again_in_it(modulus: int, lost: int) -> None:
+    """Frames of a scan are missing where it began, or where it ended, or there are too many for one."""
+    end, (note,) = clocked(modulus, 2.0 * modulus, 61 * 11 - 2, lost)
+    assert note.startswith(f"silent for {2 * modulus + lost // 11}.")
+    assert end == pytest.approx(119.9 + 2 * modulus, abs=0.1)
