@@ -10,6 +10,7 @@ from drivers.received import Received
 
 OVERDUE_S = 0.5  # wall time without a closing message, after which frames are placed without one
 TICKS_LATE = 2.5
+JITTER_S = 0.05  # wall time by which a stamp may be off
 MOST_TICKS = 60  # between two scans; more than that is another rig, or the same one started again
 SLOW, SLOW_SCANS = 5.0, 20  # times longer than it should, that many scans take in a row
 
@@ -49,8 +50,7 @@ class RigTime:
         return self.speed_up * (time.monotonic() - self._latest) if self._latest is not None else 0.0
 
     def _is_the_rigs(self, frame: Received) -> bool:
-        sound = frame.kind == "data" and 0 <= frame.time_s < LATEST_S
-        return sound and (frame.id, frame.extended) not in self._own
+        return frame.kind == "data" and (frame.id, frame.extended) not in self._own and not _is_absurd(frame)
 
 
 class FastTime(RigTime):
@@ -73,32 +73,41 @@ class FastTime(RigTime):
         self._placed: tuple[float, float] | None = None  # stamp and rig time of the last frame placed
         self._scan: tuple[int, float, float] | None = None  # number, rig time and stamp of the last scan
         self._slow = 0
+        self._lull_s = 0.0  # before the first of those that wait, by the steady clock
 
     def place(self, frame: Received) -> list[Received]:
         """Frames wait for the end of their scan, or until that is overdue."""
+        if _is_absurd(frame):
+            return [frame]  # who decodes it will refuse it
         if self._placed is None:
             self._placed = (frame.time_s, frame.time_s)
         if not self._is_the_rigs(frame):
             return [frame._replace(time_s=round(self._placed[1], 6))]
-        self._latest = time.monotonic()
         # before a gap nothing has waited for long, and how long the gap was the next scan will tell
-        before = self.flush() if self._waiting and frame.time_s - self._waiting[-1].time_s > self._patience_s else []
+        before = self.flush() if self._waiting and self._is_far(frame, self._waiting[-1]) else []
+        if not self._waiting:
+            self._lull_s = self.silence() / self.speed_up
+        self._latest = time.monotonic()
         self._waiting.append(frame)
         number = self._closing(frame)
         if number is not None:
             return [*before, *self._release(self._end(number, frame.time_s), number)]
-        return [*before, *(self.flush() if frame.time_s - self._waiting[0].time_s > self._patience_s else [])]
+        return [*before, *(self.flush() if self._is_far(frame, self._waiting[0]) else [])]
 
     def overdue(self) -> list[Received]:
         """Frames whose scan does not end."""
         return self.flush() if self.silence() > self.speed_up * self._patience_s else []
 
     def flush(self) -> list[Received]:
-        """Place what waits by its stamps."""
+        """Place what waits by its stamps, which may be years ahead: no further on than it can have taken."""
         if not self._waiting or self._placed is None:
             return []
-        passed = max(self._waiting[-1].time_s - self._placed[0], 0.0)
-        return self._release(self._placed[1] + self.speed_up * passed)
+        first, last = self._waiting[0].time_s, self._waiting[-1].time_s
+        lull_s = min(max(first - self._placed[0], 0.0), self._lull_s + JITTER_S)
+        return self._release(self._placed[1] + self.speed_up * (lull_s + max(last - first, 0.0)))
+
+    def _is_far(self, frame: Received, other: Received) -> bool:
+        return abs(frame.time_s - other.time_s) > self._patience_s
 
     def _end(self, number: int, stamp: float) -> float:
         """Rig time at the end of a scan."""
@@ -129,3 +138,7 @@ class FastTime(RigTime):
             self._scan = (number, end_s, frames[-1].time_s)
         step = (end_s - begin_s) / count
         return [frame._replace(time_s=round(begin_s + (i + 1) * step, 6)) for i, frame in enumerate(frames)]
+
+
+def _is_absurd(frame: Received) -> bool:
+    return not 0 <= frame.time_s < LATEST_S

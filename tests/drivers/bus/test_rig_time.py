@@ -159,3 +159,24 @@ def test_what_we_send_ourselves_neither_waits_nor_counts(frames):
     assert len(found) == 2 * len(frames)
     rigs = [f for f in found if f.id != 0x610]
     assert rigs == placed(FastTime(SPEED_UP, 1.0, closing, 65536), hurried(frames, 0.0))
+
+
+@pytest.mark.parametrize("ahead_s", [60.0, 3000.0, 2e9, 5.7e9])
+@pytest.mark.parametrize("scans", [True, False])
+def test_a_stamp_that_is_ahead_moves_no_clock_and_holds_up_nothing(frames, ahead_s, scans):
+    """But by 50 ms of the bus, which are 3 s of the rig."""
+    rows = [f for f in hurried(frames, 0.0) if scans or f.id != STATUS]
+    for k in (0, 1, 1500, 3000):
+        rows[k] = rows[k]._replace(time_s=rows[k].time_s + ahead_s)
+    clock = FastTime(SPEED_UP, 1.0, closing, 65536)
+    placed_, most = [], 0
+    for row in rows:
+        placed_ += clock.place(row)
+        most = max(most, len(clock._waiting))
+    placed_ += clock.flush()
+    assert len(placed_) == len(rows)
+    assert most < 0.6 * SPEED_UP * 120
+    sound = [f.time_s for f in placed_ if f.time_s < 4.2e9]
+    assert len(sound) >= len(rows) - 4
+    assert (np.diff(sound) >= 0).all()
+    assert sound[-1] - sound[0] == pytest.approx(120.0, abs=4 * 3.0)
