@@ -10,7 +10,7 @@ import numpy as np
 
 from estimator.batch.trials import Trials
 from estimator.missing_effect.candidates import APART_MM, Candidate
-from estimator.missing_effect.moments import Column, moments
+from estimator.missing_effect.moments import Column
 from estimator.missing_effect.panel import Explanation, Panel
 from estimator.model import Model, Value
 from estimator.rig import Rig
@@ -81,16 +81,16 @@ def refined(
         best, panel, cost = there, seen, seen.cost
         if gained < DONE:
             break
-    return Hypothesis(tuple(each.name for each in added), refit, best, paths, panel.judge(range(len(paths))))
+    return Hypothesis(tuple(each.name for each in added), refit, best, paths, panel.judge())
 
 
 def _step(
     model: Model, panel: Panel, paths: Sequence[str], trials: Trials, cost: float
 ) -> tuple[Model, Panel] | tuple[None, Panel]:
     """One step, shortened until the misfit falls; None where it does not."""
-    change = panel.judge(range(len(paths))).change
+    explained = panel.judge()
     for halving in range(HALVINGS):
-        values = dict(zip(paths, panel.at + change * 0.5**halving, strict=True))
+        values = panel.values(explained, 0.5**halving)
         there = model.with_values({p: _inside(model, trials[0].rig, p, value) for p, value in values.items()})
         if _cost(there, trials, paths) < cost:
             return there, _panel(there, trials, paths)
@@ -109,9 +109,8 @@ def _inside(model: Model, rig: Rig, path: str, value: float) -> float:
 
 def _cost(model: Model, trials: Trials, paths: Sequence[str]) -> float:
     """The misfit alone, priors of the parameters included."""
-    return Panel([], moments(trials, model, [])).cost_with([Column(model, path) for path in paths])
+    return Panel.of(trials, model, []).cost_with([Column(model, path) for path in paths])
 
 
 def _panel(model: Model, trials: Trials, paths: Sequence[str]) -> Panel:
-    columns = [Column(model, path) for path in paths]
-    return Panel(columns, moments(trials, model, columns))
+    return Panel.of(trials, model, [Column(model, path) for path in paths])

@@ -20,7 +20,7 @@ from estimator.batch.trials import slow_trials_of
 from estimator.inputs.phase import speed_of, turns
 from estimator.inputs.start import Start
 from estimator.missing_effect.hypothesis import Hypothesis
-from estimator.missing_effect.moments import Column, moments, moments_of
+from estimator.missing_effect.moments import Column, moments_of
 from estimator.missing_effect.panel import Panel
 from estimator.model import Model
 from estimator.network.forcing import Forcing
@@ -54,7 +54,7 @@ def next_run(a: Hypothesis, b: Hypothesis, runs: Runs) -> NextRun | None:
     slow, laws = replace(rig, tick_s=TICK_S), learned(recordings, rig)
     level = float(np.nanmedian([np.nanmedian(r.channels[0]) for r in recordings]))
     columns = [Column(b.model, path) for path in b.paths]
-    known = Panel(columns, moments(slow_trials_of(b.model, runs), b.model, columns))
+    known = Panel.of(slow_trials_of(b.model, runs), b.model, columns)
     plans = list(_plans(rig, recordings))
     if not plans:
         return None

@@ -14,7 +14,9 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from estimator.accuracy.noise_floor import Error
-from estimator.missing_effect.moments import Column, Moments
+from estimator.batch.trials import Trials
+from estimator.missing_effect.moments import Column, Moments, moments
+from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.objective import prior_roots
 
@@ -53,6 +55,16 @@ class Panel:
         self._off = self.at - np.array([p.value for p in params])
         self._weighted = np.array([each.weighted for each in found])
 
+    @classmethod
+    def of(cls, trials: Trials, model: Model, columns: Sequence[Column]) -> Panel:
+        """All recordings about a model, and these parameters."""
+        return cls(columns, moments(trials, model, columns))
+
+    def values(self, explained: Explanation, share: float = 1.0) -> dict[str, float]:
+        """The parameters after a change, or a share of it, by path."""
+        pairs = zip(explained.chosen, explained.change, strict=True)
+        return {self.columns[i].path: float(self.at[i] + share * change) for i, change in pairs}
+
     @property
     def cost(self) -> float:
         """Misfit of all recordings as it stands, with what the priors add, in the units of `judge`."""
@@ -63,9 +75,9 @@ class Panel:
         off = [(float(c.model[c.path]) - p.value) / p.sd for c in columns if (p := c.model.param(c.path)).sd]
         return float(self._weighted[:, -1, -1].sum() + sum(x**2 for x in off)) / sum(m.weight for m in self.found)
 
-    def judge(self, parameters: Sequence[int]) -> Explanation:
-        """Free these parameters, by number."""
-        chosen = np.array(parameters, dtype=int)
+    def judge(self, parameters: Sequence[int] | None = None) -> Explanation:
+        """Free these parameters, by number; all if None."""
+        chosen = np.array(range(len(self.columns)) if parameters is None else parameters, dtype=int)
         whole = self._weighted.sum(axis=0)
         change, sd = self._solve(whole, chosen), self._sd(whole, chosen)
         several = len(self.found) > 1

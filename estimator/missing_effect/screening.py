@@ -13,7 +13,7 @@ import numpy as np
 
 from estimator.batch.trials import Trials
 from estimator.missing_effect.candidates import Candidate
-from estimator.missing_effect.moments import Column, moments
+from estimator.missing_effect.moments import Column
 from estimator.missing_effect.panel import Explanation, Panel
 from estimator.model import Model
 
@@ -59,12 +59,11 @@ def screening(
     """
     own = [Column(wide, path) for path in model.free()]
     found: list[Screened] = []
-    panel = Panel(own, moments(trials, wide, own))
+    panel = Panel.of(trials, wide, own)
     anyhow = [i for i, column in enumerate(own) if column.path in loose]
     for group in _groups(candidates):
         columns = [Column(c.place(wide), path) for c in group for path in c.paths]
-        wider = Panel([*own, *columns], moments(trials, wide, [*own, *columns]))
-        found += _screened(group, anyhow, len(own), wider)
+        found += _screened(group, anyhow, len(own), Panel.of(trials, wide, [*own, *columns]))
     singly = {column.path: panel.judge(sorted({*anyhow, i})) for i, column in enumerate(own)}
     return Screening(singly, tuple(found))
 
@@ -93,10 +92,5 @@ def _screened(group: Sequence[Candidate], anyhow: Sequence[int], k: int, panel: 
     for i in sorted(kept):
         at = range(starts[i], starts[i] + sizes[i])
         both = panel.judge([*anyhow, *at]), panel.judge([*range(k), *at])
-        judged.append(Screened(group[i], both, (_values(panel, both[0]), _values(panel, both[1]))))
+        judged.append(Screened(group[i], both, (panel.values(both[0]), panel.values(both[1]))))
     return judged
-
-
-def _values(panel: Panel, judged: Explanation) -> dict[str, float]:
-    pairs = zip(judged.chosen, judged.change, strict=True)
-    return {panel.columns[i].path: float(panel.at[i] + change) for i, change in pairs}

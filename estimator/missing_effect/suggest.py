@@ -24,7 +24,7 @@ from estimator.batch.trials import slow_trials_of
 from estimator.effect import Effect
 from estimator.missing_effect.candidates import Candidate, candidates
 from estimator.missing_effect.hypothesis import NONE, Hypothesis, refined
-from estimator.missing_effect.moments import Column, moments
+from estimator.missing_effect.moments import Column
 from estimator.missing_effect.panel import Panel
 from estimator.missing_effect.screening import Screened, Screening, screening
 from estimator.missing_effect.stand_ins import UnknownBodyHeat, UnknownHeat, UnknownReading
@@ -108,7 +108,7 @@ class Search:
         for name, seat in seats.items():
             at[name] = range(len(columns), len(columns) + len(seat.paths))
             columns += [Column(seat.place(self.wide), path) for path in seat.paths]
-        panel = Panel(columns, moments(self.trials, self.wide, columns))
+        panel = Panel.of(self.trials, self.wide, columns)
         best: tuple[tuple[str, ...], float] = ((), np.inf)
         for a, b in combinations(seats, 2):
             for beside in (loose, range(len(own))):

@@ -53,29 +53,24 @@ def mislabel(model: Model, runs: Runs, trials: Trials, moving: Sequence[str]) ->
         return None
     free = [Column(model, path) for path in moving]
     found = moments(trials, model, free)
-    misfits = Panel(free, found).judge(range(len(free))).runs
+    misfits = Panel(free, found).judge().runs
     odd = int(misfits.argmax())
-    others = np.delete(misfits, odd)
-    if misfits[odd] < max(BAD, ODD * float(np.median(others))):
+    if misfits[odd] < max(BAD, ODD * float(np.median(np.delete(misfits, odd)))):
         return None
-    kept = [i for i in range(len(misfits)) if i != odd]
-    suits = Panel(free, [found[i] for i in kept]).judge(range(len(free)))
-    values = {c.path: float(model[c.path]) + x for c, x in zip(free, suits.change, strict=True)}
-    suited, best = model.with_values(values), None
+    recording, others = recordings[odd], [*found[:odd], *found[odd + 1 :]]
+    suited = Panel(free, others)
+    by_others = model.with_values(suited.values(suited.judge()))
+    wrong: list[Mislabel] = []
     for signal in signals(model, rig):
-        if signal in rig.inputs and not np.nan_to_num(recordings[odd].inputs[signal]).any():
+        if signal in rig.inputs and not np.nan_to_num(recording.inputs[signal]).any():
             continue
-        size = _best(suited, rig, recordings[odd], signal)
-        if abs(size) < (SURE_K if _is_shift(rig, signal) else SURE):
-            continue
-        right = slow_trial(model, rig, corrected(recordings[odd], rig, signal, size))
-        again = [*found[:odd], moments_of(right, model, free), *found[odd + 1 :]]
-        judged = Panel(free, again).judge(range(len(free)))
-        if best is None or judged.misfit < best.judged.misfit:
-            shift = _is_shift(rig, signal)
-            ratio, by = (1.0, size) if shift else (float(np.exp(size)), 0.0)
-            best = Mislabel(recordings[odd].name, signal, ratio, by, judged)
-    return best
+        size, shift = _best(by_others, rig, recording, signal), _is_shift(rig, signal)
+        if abs(size) >= (SURE_K if shift else SURE):
+            right = slow_trial(model, rig, corrected(recording, rig, signal, size))
+            judged = Panel(free, [*others, moments_of(right, model, free)]).judge()
+            ratio, shift_K = (1.0, size) if shift else (float(np.exp(size)), 0.0)
+            wrong.append(Mislabel(recording.name, signal, ratio, shift_K, judged))
+    return min(wrong, key=lambda m: m.judged.misfit, default=None)
 
 
 def signals(model: Model, rig: Rig) -> list[str]:
