@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from drivers.decode.condense import Condenser, Readings
+from drivers.frames import Tally
 from drivers.virtual_rig import Run
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -15,41 +19,23 @@ LATE_S = 0.005  # a frame after what it tells
 def record(run: Run, rig: Rig, speed: float = 1.0, position: float = 1.0) -> Recording:
     """A run as ticks; `speed` and `position` are errors of the drive's signals, 1: none."""
     measured, time_s = run.measured, run.measured.time_s
-    channels = np.full((len(time_s), len(rig.names)), np.nan)
-    channels[:, : measured.channels.shape[1]] = measured.channels
-    ages = np.zeros_like(channels)
-    held = rig.index("displacement")
-    good = run.holds.reading.state == 0
-    frozen = run.holds.frozen_s[good] + LATE_S
-    row = np.searchsorted(time_s, frozen)
-    inside = row < len(time_s)
-    channels[row[inside], held] = run.holds.reading.elongation_um[good][inside]
-    ages[row[inside], held] = time_s[row[inside]] - frozen[inside]
-    omega, uneven, coverage, place = _drive(run, rig, speed, position)
-    around = measured.environment
-    direct = np.where(measured.direct.state == 0, measured.direct.elongation_um, np.nan)
-    moving = run.motion(time_s)
-    inputs = {
-        "position": place, "speed": moving.speed_rpm * speed, "current": np.full(len(time_s), np.nan),
+    around, reading, direct = measured.environment, run.holds.reading, measured.direct
+    values = dict(zip(rig.thermometers, measured.channels.T)) | {
         "ambient": around.ambient, "base": around.base, "anchor_bracket": around.bracket_anchor,
         "free_bracket": around.bracket_free, "nut": around.nut, "probe": around.probe, "bar": around.bar,
-        "board": measured.board, "displacement_direct": direct,
+        "board": measured.board, "displacement_direct": np.where(direct.state == 0, direct.elongation_um, np.nan),
     }  # fmt: skip
-    return Recording(f"{run.name}.blf", time_s, channels, ages, inputs, omega, coverage, unevenness=uneven)
+    told = {name: (time_s, value) for name, value in values.items()}
+    good = reading.state == 0
+    told["displacement"] = run.holds.frozen_s[good] + LATE_S, reading.elongation_um[good]
+    now = (time_s[:, None] + (np.arange(INSTANTS) + 1.0 - INSTANTS) / INSTANTS).ravel()
+    drive = run.motion(now)
+    told |= {"position": (now, drive.position_mm * position), "speed": (now, drive.speed_rpm * speed)}
+    readings = {name: _readings(time_s, *each) for name, each in told.items()}
+    return replace(Condenser(rig, Tally()).rows(readings, time_s), name=f"{run.name}.blf")
 
 
-def _drive(run: Run, rig: Rig, speed: float, position: float) -> tuple[Array, Array, Array, Array]:
-    """Mean |speed| rad/s, its unevenness and the cover of the cells in each tick; position at its end, mm."""
-    assert rig.nut is not None
-    ticks = len(run.measured.time_s)
-    ends = run.measured.time_s[:, None] + (np.arange(INSTANTS) + 0.5 - INSTANTS) / INSTANTS
-    motion = run.motion(ends.ravel())
-    centre = rig.nut.centre(motion.position_mm * position)
-    half = rig.nut.length_mm / 2
-    cover = rig.the_screw().overlap(centre - half, centre + half).reshape(ticks, INSTANTS, -1)
-    turned = motion.omega.reshape(ticks, INSTANTS)
-    weight = np.where(turned.sum(axis=1, keepdims=True) > 0, turned, 1.0)
-    coverage = np.einsum("ti,tic->tc", weight / weight.sum(axis=1, keepdims=True), cover)
-    mean = turned.mean(axis=1)
-    uneven = np.divide((turned**2).mean(axis=1), mean**2, out=np.ones(ticks), where=mean > 0)
-    return mean * speed, uneven, coverage, motion.position_mm.reshape(ticks, INSTANTS)[:, -1] * position
+def _readings(time_s: Array, now: Array, value: Array) -> Readings:
+    """What is told at some times, in the ticks that close at `time_s`."""
+    row = np.searchsorted(time_s, now)
+    return Readings(np.arange(len(now)), row, now, value).where(row < len(time_s))
