@@ -100,6 +100,7 @@ class Filter:
             grown_um=grown_um,
             fault=fault,
             since_s=judged.since_s[0],
+            jump=np.zeros(len(fuse)) if judged.jump is None else judged.jump,
         )
         return self._reporter.track(rows, estimates).step(0, compared.why(fault, muted))
 

@@ -34,6 +34,8 @@ class Step:
     error_at_table_um growth between the anchor bearing and the nut's centre; NaN where the position is not known
     measured, predicted, innovation, innovation_sd, fused, why   (m,) for each channel
     fault, since_s    (m,) what is wrong with each channel, a Fault, and since when
+    jump              (m,) by how much its zero has become another one with this tick; 0 where it has not
+    begins            whether the run began with this tick; again, where what it had begun with were no temperatures
     open_loop         (m,) what the channels would read by the model alone
     nis, nis_channels e' S^-1 e over the fused channels, and how many they are
     position_mm       of the table, that the error there is for; a tick or two old where the drive was late
@@ -57,6 +59,8 @@ class Step:
     fused: Array
     fault: Array
     since_s: Array
+    jump: Array
+    begins: bool
     why: tuple[str, ...]
     open_loop: Array
     nis: float
@@ -93,6 +97,8 @@ class Track:
     fused: Array
     fault: Array
     since_s: Array
+    jump: Array
+    begins: Array
     open_loop: Array
     nis: Array
     nis_channels: Array
@@ -106,7 +112,7 @@ class Track:
         said |= {name: np.full((K, m), np.nan) for name in LINES}
         said |= {name: np.empty((K, 0)) for name in ("profile_C", "profile_sd_K", "bodies_C")}
         said |= {"time_s": rows.time_s, "measured": rows.channels, "fused": np.zeros((K, m), dtype=bool)}
-        said |= {"fault": np.zeros((K, m), dtype=np.int8)}
+        said |= {"fault": np.zeros((K, m), dtype=np.int8), "jump": np.zeros((K, m)), "begins": np.zeros(K, dtype=bool)}
         said |= {"mode": np.full(K, Mode.INIT), "nis_channels": np.zeros(K, dtype=int)}
         return cls(np.empty(0), (), names, **said)
 

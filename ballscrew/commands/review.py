@@ -47,7 +47,7 @@ def command(
     loaded, reviews, seconds = zip(*judged, strict=True)
     known = set(work.model.about.get("fitted_on", {}).values())
     fitted = [r.recording.fingerprint in known for r in reviews]
-    print_reviews(work.terminal, reviews, fitted)
+    print_reviews(work.terminal, reviews, fitted, work.rig)
     work.terminal.json(as_json(reviews, fitted, seconds))
     if rrd is not None:
         from ballscrew.report.review_views import save_views  # rerun takes half a second to import

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ballscrew.report.error_cells import HORIZONS, KEYS, by_horizon, cells, number
-from ballscrew.report.sections import Section
+from ballscrew.report.sections import HORIZONS, KEYS, Section, by_horizon, cells, number
 from estimator.accuracy.compare import Comparison
 from estimator.accuracy.noise_floor import Error
 from estimator.inputs.phase import PHASES

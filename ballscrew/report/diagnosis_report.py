@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ballscrew.report.error_cells import HORIZONS, by_horizon, cells, number
-from ballscrew.report.sections import Section, print_sections
+from ballscrew.report.sections import HORIZONS, Section, by_horizon, cells, number, print_sections
 from ballscrew.terminal import Terminal
 from estimator.accuracy.quality import overall
 from estimator.inputs.phase import PHASES

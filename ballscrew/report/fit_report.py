@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ballscrew.report.error_cells import HORIZONS, cells
+from ballscrew.report.sections import HORIZONS, cells
 from ballscrew.terminal import Terminal
 from estimator.fit.fit import Fit, Fitted
 

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ballscrew.report.comparison_report import sections
-from ballscrew.report.error_cells import cells
-from ballscrew.report.sections import Section, markdown
+from ballscrew.report.sections import Section, cells, markdown
 from ballscrew.report.verdict import sentence
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal

@@ -8,11 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from ballscrew.report.error_cells import number
-from ballscrew.report.sections import table
+from ballscrew.report.sections import number, table
+from ballscrew.report.use_report import as_json as as_json_of_use
+from ballscrew.report.use_report import print_use
 from ballscrew.terminal import Rows, Terminal, duration
 from estimator.accuracy.accuracy import Accuracy, least_squares_line
+from estimator.accuracy.doubts import doubts
 from estimator.accuracy.review import Review, overall
+from estimator.faults.sentences import sentences
+from estimator.rig import Rig
 
 TITLES = {
     "filter": "filter",
@@ -27,7 +31,7 @@ SHORT = ("filter", "smoothed", "model", "polyline", "seven", "joined", "held")
 COLUMNS = ("reference - estimate, um", "lowest", "highest", "band", "rms", "cooldown", "in 2 sd")
 
 
-def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequence[bool]) -> None:
+def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequence[bool], rig: Rig) -> None:
     """A table for each of a few recordings, or a line for each of many; then all together, and those not fitted."""
     judged = any(map(_judged, reviews))
     many = judged and len(reviews) > 2
@@ -50,7 +54,9 @@ def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequenc
             "are the reference), 95 % when these are honest"
         )
         _print_reference(terminal, reviews)
-        _print_doubt(terminal, reviews)
+    print_use(terminal, [review.use for review in reviews], rig)
+    for sentence in doubts(reviews, rig):
+        terminal.say(sentence)
     _print_unused(terminal, reviews)
 
 
@@ -78,16 +84,6 @@ def _print_reference(terminal: Terminal, reviews: Sequence[Review]) -> None:
         terminal.say(
             "readings: at rest the direct reading joined at the stop, by its own scatter known to "
             f"+-{sd.min():.1f} .. {sd.max():.1f} um (1 sd): errors of that size may be its own"
-        )
-
-
-def _print_doubt(terminal: Terminal, reviews: Sequence[Review]) -> None:
-    """Said where the model makes the estimate worse than what needs no model."""
-    line, ours = overall(reviews, "polyline"), overall(reviews, "filter")
-    if ours.rms_um > line.rms_um:
-        terminal.say(
-            f"the filter ({ours.rms_um:.2f} um rms) is worse than the polyline ({line.rms_um:.2f}): the model lacks "
-            "something, or was fitted to another machine; `ballscrew diagnose` says where, `ballscrew fit` fits it"
         )
 
 
@@ -126,7 +122,7 @@ def _percent(a: Accuracy) -> str:
     return f"{a.coverage_2sigma:.1%}" if np.isfinite(a.coverage_2sigma) else ""
 
 
-def markdown(reviews: Sequence[Review]) -> str:
+def markdown(reviews: Sequence[Review], rig: Rig) -> str:
     """The summary page of the views: the overall table, the least-squares lines, and what was not used."""
     lines = ["# Elongation: reference minus estimate", "", *table(_rows(reviews))]
     lines += ["", "The least-squares line Y = aX + b of reference Y against estimate X, and the band around it:", ""]
@@ -140,6 +136,7 @@ def markdown(reviews: Sequence[Review]) -> str:
     for r in reviews:
         used = f"{r.recording.frames} frames, reference: {r.reference_name}, NIS {r.nis_mean:.2f}"
         lines += ["", f"**{r.recording.name}**: {duration(r.recording.time_s[-1])}, {used}"]
+        lines += [f"- {sentence}" for sentence in (*sentences([r.use], rig), *doubts([r], rig))]
         lines += [f"- not used: {count} x {reason}" for reason, count in r.recording.skipped.items()]
         lines += [f"- {note}" for note in r.recording.notes]
     return "\n".join(lines)
@@ -152,12 +149,18 @@ def as_json(reviews: Sequence[Review], fitted: Sequence[bool], seconds: Sequence
         recording = r.recording
         recordings.append({
             "name": recording.name, "reference": r.reference_name, **_errors([r]), "nis_mean": r.nis_mean,
-            "temperature_K": {"one_step": r.one_step_K, "open_loop": r.open_loop_K},
+            **_use(r), "temperature_K": {"one_step": r.one_step_K, "open_loop": r.open_loop_K},
             "ticks": len(recording), "frames": recording.frames, "skipped": dict(recording.skipped),
             "notes": list(recording.notes), "seconds": took,
         })  # fmt: skip
     rest = [r for r, was_fitted in zip(reviews, fitted, strict=True) if not was_fitted]
     return {"recordings": recordings, "overall": _errors(reviews), "held_out": _errors(rest) if rest else None}
+
+
+def _use(review: Review) -> dict[str, Any]:
+    told = as_json_of_use(review.use)
+    channels = {name: {**one, "nis": review.nis_of[name]} for name, one in told["channels"].items()}
+    return {**told, "channels": channels}
 
 
 def _errors(reviews: Sequence[Review]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ def save_views(path: Path, work: Workspace, loaded: Sequence[Loaded], reviews: S
     """Write the views, and open them if asked, at the first stop."""
     runs = [_run(one, review, work) for one, review in zip(loaded, reviews, strict=True)]
     with work.terminal.progress(f"writing {path}", len(runs)) as update:
-        save(path, runs, markdown(reviews), update)
+        save(path, runs, markdown(reviews, work.rig), update)
     work.terminal.show_views(path, view, runs[0].first_stop_s)
 
 

@@ -1,11 +1,17 @@
-"""Sections of a title, sentences and a table, as markdown or on the terminal."""
+"""Sections of a title, sentences and a table, as markdown or on the terminal; errors as its cells, and for programs."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from ballscrew.terminal import Rows, Terminal
+from estimator.accuracy.noise_floor import Error
+
+HORIZONS = {"one_step": "one tick ahead", "ahead": "10 minutes ahead", "open_loop": "model alone (open loop)"}
+KEYS = {"one_step": "one_step", "ahead": "ahead_10min", "open_loop": "open_loop"}
 
 
 @dataclass(frozen=True)
@@ -42,3 +48,18 @@ def print_sections(terminal: Terminal, sections: Sequence[Section]) -> None:
         terminal.table(section.rows)
     for sentence in first.said:
         terminal.say(sentence)
+
+
+def number(value: float, digits: int = 2) -> str:
+    """A number; nothing where there is none."""
+    return f"{value:.{digits}f}" if np.isfinite(value) else ""
+
+
+def cells(errors: Sequence[Error]) -> list[str]:
+    """K and um of each error."""
+    return [cell for e in errors for cell in (number(e.temperature_K, 3), number(e.elongation_um))]
+
+
+def by_horizon(errors: Mapping[str, Error]) -> dict[str, Mapping[str, float]]:
+    """Errors by horizon for programs."""
+    return {KEYS[key]: vars(error) for key, error in errors.items()}

@@ -11,6 +11,8 @@ from estimator.accuracy import displacement, polyline
 from estimator.accuracy.accuracy import Accuracy, accuracy, rms
 from estimator.batch.replay import Replay
 from estimator.errors import InputError
+from estimator.faults.fault import Fault
+from estimator.faults.use import Told, Use, use_of
 from estimator.inputs.phase import cooling
 from estimator.model import Model
 from estimator.record import Array, Recording
@@ -33,7 +35,9 @@ class Review:
     sigma         standard deviation of each error by its estimate's own word, of filter and smoothed
     smoothed_sd   (K,) um, of the smoothed estimate itself
     cooling       (K,) bool: within 60 min after a stop
-    one_step_K    rms of thermometer minus prediction before its use; open_loop_K: minus what the model alone says
+    one_step_K    rms of thermometer minus prediction before its use; open_loop_K: minus what the model alone says;
+                  without what was refused
+    use           what was used of the recording, channel by channel
     """
 
     recording: Recording
@@ -50,6 +54,7 @@ class Review:
     polyline_channels: int
     one_step_K: float
     open_loop_K: float
+    use: Use
 
     def accuracy(self, name: str) -> Accuracy:
         """Accuracy of one estimate on this recording."""
@@ -61,6 +66,14 @@ class Review:
         known = np.isfinite(self.track.nis)
         channels = self.track.nis_channels[known].sum()
         return float(self.track.nis[known].sum() / channels) if channels else float("nan")
+
+    @property
+    def nis_of(self) -> Mapping[str, float]:
+        """Mean square of each channel's innovations over their sd, of those fused after the start; NaN without any."""
+        track = self.track
+        fused = track.fused & (np.cumsum(track.begins) == track.begins.sum())[:, None] & ~track.begins[:, None]
+        z = np.where(fused, track.innovation / track.innovation_sd, np.nan)
+        return {name: rms(z[:, i]) ** 2 for i, name in enumerate(track.names)}
 
 
 def review(
@@ -82,7 +95,7 @@ def review(
     track, smoothed = replayed.track, replayed.smoothed()
     if (track.mode == Mode.INIT).all():
         raise InputError(f"{recording.name}: no thermometer was ever read; nothing to estimate from")
-    used, heat = list(channels or rig.thermometers), rig.is_thermometer
+    used = list(channels or rig.thermometers)
     began_um = track.open_loop_um[np.isfinite(track.open_loop_um)][:1].sum()  # counted from a zero_C; else 0
     line = polyline.elongation(recording, rig, used)
     estimates = {
@@ -108,8 +121,16 @@ def review(
     return Review(
         recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, readings_sd, sigma,
         smoothed.sigma_um, cooling(recording), len(polyline.along_screw(rig, used)),
-        rms(track.innovation[1:, heat]), rms((track.measured - track.open_loop)[1:, heat]),
+        _misfit_K(track, track.predicted, rig), _misfit_K(track, track.open_loop, rig),
+        use_of(recording.name, rig.names, Told.by(track)),
     )  # fmt: skip
+
+
+def _misfit_K(track: Track, expected: Array, rig: Rig) -> float:
+    """rms of what the thermometers read, but where they were refused, minus what was expected, (K, m)."""
+    after = slice(int(np.flatnonzero(track.begins)[-1]) + 1, None)
+    off = np.where(track.fault == Fault.NONE, track.measured - expected, np.nan)
+    return rms(off[after, rig.is_thermometer])
 
 
 def _reference_name(rig: Rig, truth_um: Array | None) -> str:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.alarms.window import FALSE_S, WINDOWS, WindowTest, place_of
+from estimator.alarms.window import FALSE_S, WINDOWS, WindowTest
 from estimator.faults.fault import Fault
+from estimator.faults.sentences import place_of
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Step

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.stats import chi2, norm
 
 from estimator.faults.fault import Fault
+from estimator.faults.sentences import place_of
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Step
@@ -88,10 +89,3 @@ class WindowTest:
         count = np.maximum(self._count, 1.0)
         limit = self.window.bias + norm.isf(self.share / 2) / np.sqrt(count)
         return np.asarray(np.abs(self._sum) / count > limit)
-
-
-def place_of(rig: Rig, i: int | np.intp) -> str:
-    """A channel with its place."""
-    name = rig.names[i]
-    at = rig.channels[name].at_mm
-    return name if at is None else f"{name} at {at:g} mm"

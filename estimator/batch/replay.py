@@ -97,6 +97,9 @@ def _estimates(posed: Posed, part: Judged) -> Iterator[tuple[slice, Estimates]]:
     """Ticks as far as the run goes on, some at a time."""
     run, offset, chunk, judgement = posed.run, posed.offset[1:], part.chunk, part.judgement
     last = chunk.ticks.stop - judgement.anew
+    jump = np.zeros(judgement.fault.shape)
+    if judgement.jump is not None:
+        jump[-1] = judgement.jump
     for k in range(0, last - chunk.ticks.start, ROWS):
         at = slice(chunk.ticks.start + k, min(chunk.ticks.start + k + ROWS, last))
         some = slice(k, k + at.stop - at.start)
@@ -111,5 +114,6 @@ def _estimates(posed: Posed, part: Judged) -> Iterator[tuple[slice, Estimates]]:
             grown_um=run.grown[at],
             fault=judgement.fault[some],
             since_s=judgement.since_s[some],
+            jump=jump[some],
         )
         yield at, estimates

@@ -15,6 +15,7 @@ UNIFORM_K = 0.1  # a rig whose thermometers agree so well at rest has been waiti
 WARM_K = 0.2  # ... and one whose thermometers differ by so much has not; between both it is partly so
 SENSOR_K = 1.5  # the most that other thermometers of a steady rig can differ from the screw's by their own error
 ODD_K = 10.0  # further from the median than any part of a screw gets: no temperature
+POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
 
 
 @dataclass(frozen=True)
@@ -34,10 +35,16 @@ class Start:
 
 
 def read_start(sample: Sample, rig: Rig, muted: Array | None = None) -> Start | None:
-    """Start from this sample, or None while no thermometer has been read. `muted` (m,) bool: channels to leave out."""
+    """Start from this sample, or None while no thermometer has been read. `muted` (m,) bool: channels to leave out.
+
+    Where more than one says exactly what thermometers say after power-on, these have not been read yet.
+    """
     muted = np.zeros(len(rig.names), dtype=bool) if muted is None else muted
     at = np.array([rig.index(name) for name in rig.thermometers], dtype=int)
     known = sample.channels[at][np.isfinite(sample.channels[at]) & ~muted[at]]
+    asleep = np.isin(known, POWER_ON_C)
+    if asleep.sum() > 1:
+        known = known[~asleep]
     if not len(known):
         return None
     level = float(np.median(known))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,7 +22,7 @@ class Estimates:
     fused      (K, m) bool;   nis (K,)
     alone      (K, m) readings by the model alone, from the first estimate of temperatures on
     grown_um   (K,)   growth of the span since the start by the model alone
-    fault, since_s  (K, m) of the channels, a Fault each and since when
+    fault, since_s  (K, m) of the channels, a Fault each and since when;   jump (K, m) of their zeros
     """
 
     x: Array
@@ -35,6 +35,7 @@ class Estimates:
     grown_um: Array
     fault: Array
     since_s: Array
+    jump: Array
 
     @classmethod
     def of_tick(cls, **tick: Array | float) -> Estimates:
@@ -66,8 +67,9 @@ class Reporter:
             grown_um=0.0,
             fault=run.fault,
             since_s=judged,
+            jump=np.zeros(len(judged)),
         )
-        return self.track(rows, estimate)
+        return replace(self.track(rows, estimate), begins=np.ones(1, dtype=bool))
 
     def track(self, rows: Recording, estimates: Estimates) -> Track:
         """The next ticks: what was measured, and what is estimated of it."""
@@ -99,6 +101,8 @@ class Reporter:
             fused=fused,
             fault=estimates.fault,
             since_s=estimates.since_s,
+            jump=estimates.jump,
+            begins=np.zeros(len(rows), dtype=bool),
             open_loop=estimates.alone + self._zeros,
             nis=estimates.nis,
             nis_channels=fused.sum(axis=1),

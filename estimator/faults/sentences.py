@@ -1,0 +1,99 @@
+"""What was not used of recordings, in plain sentences: broken channels, zeros that became others, readings refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from estimator.faults.fault import Fault
+from estimator.faults.use import NOT_MEASURED, ChannelUse, Jump, Use
+from estimator.rig import Rig
+
+FEW = 3  # channels that are named one by one
+GAPS = 0.01  # of the ticks, in which a thermometer is missing more often than the others: said
+
+
+def sentences(uses: Iterable[Use], rig: Rig) -> list[str]:
+    """What a person should know of the readings that were not used, recording by recording."""
+    return [f"{use.name}: {told}" for use in uses for told in _told(use, rig)]
+
+
+def place_of(rig: Rig, i: int | np.intp) -> str:
+    """A channel with its place: T06 at 559 mm."""
+    name = rig.names[i]
+    at = rig.channels[name].at_mm
+    return name if at is None else f"{name} at {at:g} mm"
+
+
+def _told(use: Use, rig: Rig) -> Iterator[str]:
+    if use.again:
+        yield f"begun again at {use.begun_s:.0f} s: what was read before were no temperatures"
+    for one in use.suspects:
+        yield broken(one, rig)
+    for jump in use.jumps:
+        yield _jumped(jump, rig)
+    if counts := list(_counts(use, rig)):
+        yield f"readings not used: {'; '.join(counts)}"
+
+
+def broken(one: ChannelUse, rig: Rig) -> str:
+    """T06 at 559 mm is stuck, since 1800 s: left out, check that sensor."""
+    return f"{place_of(rig, rig.index(one.channel))} {_how(one)}: left out, check that sensor"
+
+
+def _how(one: ChannelUse) -> str:
+    """Is stuck, since 1800 s; was loose, three times from 30 s on, the last until 700 s."""
+    first, last = one.spells[0], one.spells[-1]
+    lasts, fault = not np.isfinite(last.to_s), one.suspect
+    head = fault.said if lasts else PAST[fault]
+    if len(one.spells) > 1:
+        until = "still at the end" if lasts else f"the last until {last.to_s:.0f} s"
+        return f"{head}, {len(one.spells)} times from {first.from_s:.0f} s on, {until}"
+    return f"{head}, since {first.from_s:.0f} s" if lasts else f"{head} from {first.from_s:.0f} s to {last.to_s:.0f} s"
+
+
+PAST = {
+    Fault.STUCK: "was stuck",
+    Fault.JUMPED: "had jumped",
+    Fault.LOOSE: "was loose",
+    Fault.DRIFTING: "drifted away from its neighbours",
+    Fault.OFF: "was off from the start",
+}
+
+
+def _jumped(jump: Jump, rig: Rig) -> str:
+    """All thermometers jumped together by +1.02 K at 1800 s."""
+    sizes, unit = list(jump.sizes.values()), rig.channels[next(iter(jump.sizes))].unit
+    unit = "K" if unit == "degC" else unit
+    low, high = min(sizes), max(sizes)
+    by = f"{low:+.2f}" if high - low < 0.01 else f"{low:+.2f} .. {high:+.2f}"
+    what = "their zeros are others" if len(sizes) > 1 else "its zero is another one"
+    return f"{named(jump.sizes, rig)} jumped by {by} {unit} at {jump.time_s:.0f} s: {what} from then on"
+
+
+def named(channels: Iterable[str], rig: Rig) -> str:
+    """T01, T02; T01 ... T12 (12 channels); all thermometers."""
+    names = list(channels)
+    if names == list(rig.thermometers) and len(names) > FEW:
+        return "all thermometers"
+    return ", ".join(names) if len(names) <= FEW else f"{names[0]} ... {names[-1]} ({len(names)} channels)"
+
+
+def _counts(use: Use, rig: Rig) -> Iterator[str]:
+    """T06: 5759 x stuck, 10 x jumped; all thermometers: 3 x power-on value. Channels that tell the same together."""
+    alike: dict[str, list[str]] = {}
+    for one in use.channels:
+        if reasons := _reasons(one, use, rig):
+            alike.setdefault(", ".join(f"{count} x {reason}" for reason, count in reasons), []).append(one.channel)
+    for told, channels in alike.items():
+        yield f"{named(channels, rig)}: {told}"
+
+
+def _reasons(one: ChannelUse, use: Use, rig: Rig) -> list[tuple[str, int]]:
+    """Why a channel was not used, and how often; gaps only where it has more of them than other thermometers."""
+    heat = set(rig.thermometers)
+    least = min((other.why.get(NOT_MEASURED, 0) for other in use.channels if other.channel in heat), default=0)
+    gaps = one.why.get(NOT_MEASURED, 0) - least if one.channel in heat else 0
+    said = gaps > GAPS * (one.taken + gaps)
+    return [(reason, count) for reason, count in one.why.items() if reason != NOT_MEASURED or said]

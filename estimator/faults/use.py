@@ -1,0 +1,152 @@
+"""How far the readings of a recording were used: of each channel how many, why the others were not, and when it was
+broken."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.faults.fault import Fault
+from estimator.inputs.start import POWER_ON_C
+from estimator.record import Array
+from estimator.step import Track
+
+NOT_MEASURED, NO_MODEL, MUTED = "not measured", "no model", "muted"
+POWER_ON, EARLY = "power-on value", "before the start"
+
+
+@dataclass(frozen=True)
+class Told:
+    """K ticks of m channels, as a filter has left them.
+
+    time_s     (K,);   begins (K,) bool, where the run began, the last time for good
+    measured   (K, m) NaN: not measured;   modelled (m,) bool, which channels the model reads
+    fused      (K, m) bool
+    fault, since_s  (K, m) a Fault each, and since when;   jump (K, m) by how much zeros became others
+    """
+
+    time_s: Array
+    begins: Array
+    measured: Array
+    modelled: Array
+    fused: Array
+    fault: Array
+    since_s: Array
+    jump: Array
+
+    @classmethod
+    def by(cls, track: Track) -> Told:
+        """What a track tells."""
+        modelled = np.asarray(np.isfinite(track.innovation_sd).any(axis=0))
+        return cls(
+            track.time_s, track.begins, track.measured, modelled, track.fused, track.fault, track.since_s, track.jump
+        )
+
+    @property
+    def begin(self) -> int:
+        """The tick with which the run began."""
+        return int(np.flatnonzero(self.begins)[-1])
+
+
+@dataclass(frozen=True)
+class Spell:
+    """A time in which a channel was broken: how most of it, and from when to when, s; NaN where it lasts."""
+
+    fault: Fault
+    from_s: float
+    to_s: float
+
+
+@dataclass(frozen=True)
+class ChannelUse:
+    """One channel's readings: how many were taken and used, why others were not, and when it was broken."""
+
+    channel: str
+    taken: int
+    used: int
+    why: Mapping[str, int]
+    spells: tuple[Spell, ...]
+
+    @property
+    def refused(self) -> int:
+        """Readings that were taken, and not used."""
+        return self.taken - self.used
+
+    @property
+    def share(self) -> float:
+        """Of the readings taken, those used; NaN without any."""
+        return self.used / self.taken if self.taken else float("nan")
+
+    @property
+    def suspect(self) -> Fault:
+        """How the channel was broken for longest; NONE where it never was."""
+        broken = {fault: self.why.get(fault.why, 0) for fault in Fault if fault.word}
+        most = max(broken, key=lambda fault: broken[fault])
+        return most if broken[most] else Fault.NONE
+
+
+@dataclass(frozen=True)
+class Jump:
+    """Channels whose zeros became others at a time: by how much each, K or um."""
+
+    time_s: float
+    sizes: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Use:
+    """What was used of one recording. `again`: the run had begun before, with what were no temperatures."""
+
+    name: str
+    begun_s: float
+    again: bool
+    channels: tuple[ChannelUse, ...]
+    jumps: tuple[Jump, ...]
+
+    @property
+    def suspects(self) -> tuple[ChannelUse, ...]:
+        """Channels that were broken for a time."""
+        return tuple(one for one in self.channels if one.suspect)
+
+
+def use_of(name: str, channels: Sequence[str], told: Told) -> Use:
+    """What was used of a recording, and why the rest was not."""
+    why, taken = _why(told), np.isfinite(told.measured)
+    used = taken & (why == "")
+    found = []
+    for i, channel in enumerate(channels):
+        reasons = dict(Counter(why[:, i][why[:, i] != ""].tolist()).most_common())
+        found.append(ChannelUse(channel, int(taken[:, i].sum()), int(used[:, i].sum()), reasons, _spells(told, i)))
+    jumps = [Jump(float(told.time_s[k]), _sizes(told.jump[k], channels)) for k in np.flatnonzero(told.jump.any(axis=1))]
+    return Use(name, float(told.time_s[told.begin]), bool(told.begins.sum() > 1), tuple(found), tuple(jumps))
+
+
+def _sizes(jump: Array, channels: Sequence[str]) -> dict[str, float]:
+    return {channels[i]: float(jump[i]) for i in np.flatnonzero(jump).tolist()}
+
+
+def _why(told: Told) -> Array:
+    """Why each reading was not used, (K, m) str; empty where it was."""
+    early = np.arange(len(told.time_s))[:, None] < told.begin
+    words = np.array([fault.why or MUTED for fault in Fault], dtype=object)
+    why = np.where(told.fused & ~early, "", words[told.fault])
+    why = np.where(told.modelled, why, NO_MODEL)
+    why = np.where(early, np.where(np.isin(told.measured, POWER_ON_C), POWER_ON, EARLY), why)
+    return np.where(np.isfinite(told.measured), why, NOT_MEASURED)
+
+
+def _spells(told: Told, i: int) -> tuple[Spell, ...]:
+    """When channel i was broken; what was only held for a while was not."""
+    fault, since_s, time_s = told.fault[told.begin :, i], told.since_s[told.begin :, i], told.time_s[told.begin :]
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], fault != Fault.NONE, [0]])))
+    found = []
+    for first, end in edges.reshape(-1, 2):
+        broken = fault[first:end][fault[first:end] > Fault.JUDGED]
+        if len(broken):
+            most = Fault(int(np.bincount(broken).argmax()))
+            to_s = float(time_s[end]) if end < len(fault) else float("nan")
+            found.append(Spell(most, float(np.nanmin(since_s[first:end])), to_s))
+    return tuple(found)
