@@ -27,6 +27,7 @@ from drivers.bus.rig_time import FastTime, RigTime
 from drivers.decode.decode import Decoder
 from drivers.frames import Tally
 from drivers.received import Received
+from drivers.recorder.earlier import earlier
 from drivers.recorder.recorder import Recorder
 from estimator.rig import Rig
 
@@ -37,6 +38,7 @@ LATE_S = 0.5  # wall time that frames of a bus faster than the rig may be late
 @bus_options
 @rig_options
 @click.option("--record", type=click.Path(path_type=Path), metavar="DIR", help="Record every frame into this folder.")
+@click.option("--fresh", is_flag=True, help="Begin anew, though a recording in DIR ended less than an hour ago.")
 @click.option(
     "--view", type=click.Choice(["native", "web", "none"]), default="none", show_default=True,
     help="Show profile, elongation and residuals as they come: in the viewer's window, or on a page for a browser.",
@@ -50,7 +52,7 @@ LATE_S = 0.5  # wall time that frames of a bus faster than the rig may be late
 @terminal_options
 def command(
     terminal: Terminal, bus: BusAddress | None, rig_path: Path | None, model_path: Path | None, record: Path | None,
-    view: str, bind: str, rrd: Path | None, publish: bool, channels: str | None, no_displacement: bool,
+    fresh: bool, view: str, bind: str, rrd: Path | None, publish: bool, channels: str | None, no_displacement: bool,
     speed_up: float, seconds: float | None,
 ) -> int:  # fmt: skip
     """Listen to a rig on a CAN bus: profile, elongation and residuals as they come, alarms when rig and model part.
@@ -76,7 +78,10 @@ def command(
         late_s = LATE_S * max(speed_up - 1.0, 0.0)
         lines = open_parts.enter_context(json_lines(terminal.json_path))
         monitor = Monitor(model, rig, lambda time_s: never, late_s)
-        session = Session(monitor, receiver, clock, str(bus), screen.say, lines, recorder, publisher, views, views_at)
+        parts = earlier(record, about, time.time()) if record and not fresh and speed_up == 1.0 else []
+        session = Session(
+            monitor, receiver, clock, str(bus), screen.say, lines, recorder, publisher, views, views_at, parts
+        )
         open_parts.callback(receiver.stop)
         if publisher is not None:
             open_parts.callback(publisher.close)

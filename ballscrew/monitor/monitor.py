@@ -52,6 +52,7 @@ class Monitor:
     late_s  how late a frame may come, on the rig's clock, before that means anything
     tally   what was not used, by reason; its notes are to be taken by who tells them
     active  alarms that are on
+    resumed_s  the rig's time, s since the first frame, at which this monitor went on with an earlier recording
     """
 
     def __init__(self, model: Model, rig: Rig, mute: Mute | None = None, late_s: float = 0.0) -> None:
@@ -73,6 +74,13 @@ class Monitor:
         self._ahead: tuple[Ticker, Filter] | None = None
         self._undecided: list[Received] = []
         self._silent_s = self._before_s = 0.0
+        self.resumed_s: float | None = None
+
+    def forget_what_was_told(self) -> None:
+        """Alarms that are on begin anew, and what was noticed so far counts no more."""
+        self.active = {}
+        self.tally.skipped.clear()
+        self.tally.notes.clear()
 
     def feed(self, frame: Received) -> Iterator[Moment]:
         """Take one frame."""

@@ -8,9 +8,11 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ballscrew.monitor.monitor import Moment, Monitor
+from ballscrew.monitor.resume import resume
 from ballscrew.monitor.status import Status, defects, not_used
 from drivers.bus.publisher import Publisher
 from drivers.bus.receiver import Receiver
@@ -37,6 +39,7 @@ class Session:
 
     say   hears sentences for the person: text, level
     tick  hears of every tick; None: nobody asks
+    earlier  parts of the recording to go on with
     """
 
     monitor: Monitor
@@ -49,6 +52,7 @@ class Session:
     publisher: Publisher | None = None
     views: LiveViews | None = None
     views_at: str = ""
+    earlier: list[Path] = field(default_factory=list)
     latest: Moment | None = None
     _rate: deque[tuple[float, int]] = field(default_factory=deque)
     _looked: float = 0.0
@@ -65,6 +69,9 @@ class Session:
         self.receiver.start()
         if self.publisher is not None:
             self.publisher.start()
+        if self.earlier:
+            self._say(f"reads {len(self.earlier)} recorded parts from {self.earlier[0]} on, to go on with them", "INFO")
+            self._say(resume(self.monitor, self.earlier, goes_on), "INFO")
         while goes_on():
             self._take(self.receiver.take(WAIT_S))
             if self.receiver.failure is not None:
@@ -194,7 +201,7 @@ class Session:
         return Status(
             rig=self.monitor.rig, moment=self.latest, alarms=tuple(self.monitor.active.values()),
             bus=f"{self.bus} {self.receiver.state}{errors}", frames=self.receiver.frames,
-            frames_per_s=self._frames_per_s(), age_s=self.receiver.age_s,
+            frames_per_s=self._frames_per_s(), age_s=self.receiver.age_s, resumed_s=self.monitor.resumed_s,
             dropped=self.receiver.missed + self.receiver.dropped + lost + not_used(skipped), skipped=skipped,
             recording=(self.recorder.trouble or str(self.recorder.path)) if self.recorder else "none (--record DIR)",
             publishing=(publisher.trouble or sent) if publisher else "", views=self.views_at,

@@ -23,7 +23,8 @@ NO_DEFECT = ("unknown id", "not in the rig file", "held since before the log", "
 class Status:
     """The state of the monitor at one moment; `moment` is None before the first tick.
 
-    age_s  how old the latest frame was when it was taken
+    age_s      how old the latest frame was when it was taken
+    resumed_s  since when the estimate is this monitor's, s since the first frame; before that it was an earlier one's
     """
 
     rig: Rig
@@ -33,6 +34,7 @@ class Status:
     frames: int
     frames_per_s: float
     age_s: float
+    resumed_s: float | None
     dropped: int
     skipped: Mapping[str, int]
     recording: str
@@ -58,6 +60,8 @@ class Status:
 
     def _rows(self) -> list[tuple[str, str]]:
         rows = [*_estimate(self.moment, self.rig)] if self.moment else [("elongation", "waiting for the first tick")]
+        if self.resumed_s is not None:
+            rows.append(("resumed", f"after {duration(self.resumed_s)} of an earlier recording"))
         rows.append(("bus", f"{self.bus}, {self.frames} frames, {self.frames_per_s:.0f}/s, {self.dropped} dropped"))
         if defects := ", ".join(f"{count} x {reason}" for reason, count in self.skipped.items()):
             rows.append(("noticed", defects))
@@ -78,7 +82,8 @@ class Status:
             "alarms": [
                 {"kind": a.kind, "channel": a.channel, "since_s": a.since_s, "text": a.text} for a in self.alarms
             ],
-            "provisional": self.moment.provisional, "why_invalid": list(self.moment.trust.why),
+            "resumed_s": self.resumed_s, "provisional": self.moment.provisional,
+            "why_invalid": list(self.moment.trust.why),
         }  # fmt: skip
 
 

@@ -1,1 +1,1 @@
-"""Every frame of a bus, on the disk: recorder, part, folder_lock."""
+"""Every frame of a bus, on the disk, and what an earlier one left there: recorder, part, folder_lock, earlier."""

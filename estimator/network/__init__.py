@@ -1,1 +1,1 @@
-"""Terms into a thermal network, and that into one tick: mesh, sound, check, assemble, discretise, regime, forcing."""
+"""Terms into a thermal network, and one tick: mesh, sound, check, assemble, discretise, regime, unknown, forcing."""

@@ -7,7 +7,7 @@ bus tick by tick give the same numbers.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from estimator.network.check import checked_terms
 from estimator.network.discretise import Modes, Transition
 from estimator.network.regime import Regimes
 from estimator.network.sound import Sound
+from estimator.network.unknown import unknown_heat
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 
@@ -105,8 +106,9 @@ class Forcing:
     def read(self, chunk: Recording) -> Drive:
         """Inputs and regimes of a chunk, whatever the model; call in order of time."""
         u = self._reader.read(chunk)
-        pairs = zip(u.omega[:, 0], u.coverage, strict=True)
-        return Drive(u, np.array([self._regimes.index(float(omega), coverage) for omega, coverage in pairs]))
+        unknown = np.isnan(chunk.omega) & ("speed" in self.rig.inputs)
+        rows = zip(u.omega[:, 0], u.coverage, unknown, strict=True)
+        return Drive(u, np.array([self._regimes.index(float(w), coverage, bool(lost)) for w, coverage, lost in rows]))
 
     def ticks(self, drive: Drive) -> Ticks:
         """What the model makes of these inputs; an EffectError where an effect makes no number of them."""
@@ -151,7 +153,10 @@ class Forcing:
         network = assemble.network_of(terms, self.place, len(missing))
         for i, regime in enumerate(missing):
             modes = Modes(network, i, self.rig.tick_s)
-            self._solved[regime] = Solved(modes, modes.transition(), network.inflow[i])
+            move = modes.transition()
+            if self._regimes.unknown[regime]:
+                move = replace(move, Q=move.Q + unknown_heat(self.place, self.rig.tick_s))
+            self._solved[regime] = Solved(modes, move, network.inflow[i])
 
     def _forget(self, needed: Sequence[int]) -> None:
         """Let go of the regimes used longest ago."""

@@ -4,6 +4,8 @@ The nut's coverage changes every tick; heat follows it tick by tick. The conduct
 trailing mean of speed and coverage over the last minute of motion instead, and the coverage as it is when parked. A new
 regime begins when that mean has moved by 5 % in speed or by 2 % of the nut's length in coverage; what this costs is
 measured in the tests (below 0.04 um).
+
+While nothing is heard of the drive a regime of its own holds: the screw may stand or turn, so that its heat is unknown.
 """
 
 from __future__ import annotations
@@ -29,23 +31,25 @@ NOTHING: Array = np.empty(0)
 class Regimes:
     """The regimes met so far, and which one holds now. Causal: the same live and in review.
 
+    unknown  whether nothing was heard of the drive
     forgets  whether those that cannot hold again leave no coverage behind
     """
 
     tick_s: float
     omega: list[float] = field(default_factory=list)
     coverage: list[Array] = field(default_factory=list)
+    unknown: list[bool] = field(default_factory=list)
     forgets: bool = False
     _current: int = -1
     _recent: dict[int, None] = field(default_factory=dict)
     _moving: deque[tuple[float, Array]] = field(default_factory=deque)
     _sum: Array | float = 0.0
 
-    def index(self, omega: float, coverage: Array) -> int:
-        """Regime of the next tick, (omega rad/s, coverage (cells,))."""
-        mean_omega, mean_coverage = self._mean(omega, coverage)
-        if self._current < 0 or not self._fits(self._current, mean_omega, mean_coverage):
-            self._current = self._find(mean_omega, mean_coverage)
+    def index(self, omega: float, coverage: Array, unknown: bool = False) -> int:
+        """Regime of the next tick, (omega rad/s, coverage (cells,)); `unknown`: nothing was heard of the drive."""
+        mean = *self._mean(omega, coverage), unknown
+        if self._current < 0 or not self._fits(self._current, *mean):
+            self._current = self._find(*mean)
         self._recent.pop(self._current, None)
         self._recent[self._current] = None
         return self._current
@@ -61,16 +65,16 @@ class Regimes:
         self._sum = self._sum + coverage
         return float(np.mean([speed for speed, _ in self._moving])), self._sum / len(self._moving)
 
-    def _fits(self, regime: int, omega: float, coverage: Array) -> bool:
+    def _fits(self, regime: int, omega: float, coverage: Array, unknown: bool) -> bool:
         held = self.omega[regime]
-        if (held == 0.0) != (omega == 0.0) or abs(held - omega) > SPEED_STEP * omega:
+        if self.unknown[regime] != unknown or (held == 0.0) != (omega == 0.0) or abs(held - omega) > SPEED_STEP * omega:
             return False
         moved = np.abs(self.coverage[regime] - coverage).sum() / 2
         return bool(moved <= COVERAGE_STEP * max(float(coverage.sum()), 1.0))
 
-    def _find(self, omega: float, coverage: Array) -> int:
+    def _find(self, omega: float, coverage: Array, unknown: bool) -> int:
         for regime in sorted(self._recent):
-            if self._fits(regime, omega, coverage):
+            if self._fits(regime, omega, coverage, unknown):
                 return regime
         if len(self._recent) >= REMEMBERED:
             oldest = next(iter(self._recent))
@@ -79,4 +83,5 @@ class Regimes:
                 self.coverage[oldest] = NOTHING
         self.omega.append(omega)
         self.coverage.append(np.array(coverage))
+        self.unknown.append(unknown)
         return len(self.omega) - 1

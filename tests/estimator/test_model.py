@@ -131,7 +131,11 @@ def test_a_missing_or_malformed_file_is_named(tmp_path):
         ("other.py:Jet", OWN, 'other.py: no such effect file; write use = "effects.py:ClassName"'),
         ("effects.py", OWN, 'effects.py: no such effect file; write use = "effects.py:ClassName"'),
         ("effects.py:CoolantJett", OWN, "effects.py has no effect 'CoolantJett'; did you mean 'CoolantJet'?"),
-        ("effects.py:Path", "from pathlib import Path\n", "effects.py has no effect 'Path'; known: "),
+        (
+            "effects.py:Path",
+            "from pathlib import Path\n",
+            "effects.py has no effect 'Path'; it has none: write a class that is an Effect",
+        ),
         ("effects.py:Jet", "1 / 0\n", "effects.py: ZeroDivisionError: division by zero"),
         ("effects.py:Jet", "import sys\nsys.exit(3)\n", "effects.py: SystemExit: 3"),
         (
@@ -194,7 +198,9 @@ def test_an_own_effect_that_fails_is_named_with_its_file(tmp_path, small, driven
     text = (tmp_path / "model.toml").read_text() + '\n[coolant_jet]\nuse = "effects.py:CoolantJet"\n'
     model = load_model(written(tmp_path, text, broken))
     recording = live(small_model, small, driven(small, 3)).recording
-    with pytest.raises(SetupError, match=r"^model.toml: coolant_jet \(effects.py:CoolantJet\): AttributeError: .*pwer"):
+    with pytest.raises(
+        SetupError, match=r"^model.toml: coolant_jet \(effects.py:CoolantJet\): line 15: AttributeError: .*pwer"
+    ):
         stepped(Filter(model, small), recording)
 
 

@@ -15,15 +15,17 @@ import can
 import numpy as np
 import pytest
 
+from ballscrew.monitor.monitor import Monitor
 from drivers.budget import Budget
 from drivers.frames import Tally
 from drivers.logs.candump import read_candump
+from drivers.recorder.recorder import Recorder
 from drivers.recordings import read_recording
 from estimator.batch.replay import replay
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from tests.hub_fake import hub_running
-from tests.live_fake import Frames, dropped, rig_frames
+from tests.live_fake import Frames, dropped, rig_frames, since
 from tests.processes import PATIENCE_S, ended, started, until
 
 RECORDINGS = Path(__file__).parents[3] / "recordings"
@@ -185,3 +187,35 @@ def test_wrong_usage_is_one_line(options, says):
     assert done.returncode == 2
     assert says in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_started_again_it_goes_on_with_the_recording_and_fresh_does_not(tmp_path):
+    """Recorded until a moment ago; what comes now is what the rig sends after a gap of a few seconds."""
+    frames, folder = rig_frames(112.0), tmp_path / "rec"
+    whole = Monitor(load_model(RECORDINGS / "model.toml"), load_rig(RECORDINGS))
+    usual = [moment.step for frame in frames for moment in whole.feed(frame)][-1]
+    before = [frame for frame in frames if since(frames, frame) < 100.0]
+    later = time.time() - before[-1].time_s
+    with hub_running() as port:
+        bus_name = f"socketcand can0 host=127.0.0.1 port={port}"
+        about = {"bus": bus_name, "rig": whole.rig.name, "model": "model.toml", "speed_up": 1.0}
+        with Recorder(folder, about) as recorder:
+            for frame in before:
+                recorder.write(frame._replace(time_s=round(frame.time_s + later, 6)))
+        with live(port, tmp_path) as process:
+            said(tmp_path, "goes on with")
+            said(tmp_path, "listening on can0")
+            send(port, [frame for frame in frames if since(frames, frame) > 104.0], 1.0)
+            process.send_signal(signal.SIGTERM)
+            assert process.wait(PATIENCE_S) == 0
+        told = lines(tmp_path)
+        assert all(98.0 < line["resumed_s"] < 101.0 for line in told)
+        last = next(line for line in reversed(told) if not line["provisional"])
+        assert abs(last["elongation_um"] - usual.elongation_um) < 0.2 + 2 * last["sigma_um"]
+        with live(port, tmp_path, "--fresh") as process:
+            said(tmp_path, "listening on can0")
+            send(port, frames[:100], 1.0)
+            process.send_signal(signal.SIGTERM)
+            assert process.wait(PATIENCE_S) == 0
+        assert {line["resumed_s"] for line in lines(tmp_path)} == {None}
+        assert lines(tmp_path)[0]["t"] < 3.0
