@@ -14,7 +14,7 @@ HIDDEN := recordings/hidden/amber
 MODEL := recordings/base.toml
 SHOWN := FS-20
 
-.PHONY: demo live review test check bench bench-engine bench-search bench-live study-fit study-hidden pictures pictures-improve recordings model tuning tuning-test clean
+.PHONY: demo live review test check bench bench-engine bench-search bench-live bench-faults study-fit study-hidden pictures pictures-improve recordings model tuning tuning-test clean
 
 demo: $(READY)
 	$(BIN)/ballscrew diagnose $(HIDDEN) --model $(MODEL)
@@ -50,6 +50,10 @@ bench-search: $(LOGS)
 
 bench-live: $(READY)
 	$(BIN)/python -m benchmarks live
+
+# thermometers that fail, one by one and together: some 20 minutes; goes on where it was stopped
+bench-faults: $(READY)
+	$(BIN)/python -m benchmarks faults
 
 bench-engine: $(PEERS) $(FITTED:%=recordings/%.blf)
 	$(BIN)/python -m benchmarks engine

@@ -8,15 +8,14 @@ from __future__ import annotations
 import datetime
 import importlib
 import re
-import subprocess
 import sys
 from pathlib import Path
 
-from benchmarks.measure import alone, machine
+from benchmarks.measure import alone, commit, machine
 
 RESULTS = Path(__file__).parent / "RESULTS.md"
 STUDIES = ("accuracy", "mesh", "speed", "engine")
-LONG = ("recovery", "search", "hidden", "live")
+LONG = ("faults", "recovery", "search", "hidden", "live")
 ALONE = ("engine", *LONG)  # in a process that computes in one thread
 
 
@@ -28,17 +27,7 @@ def main(names: list[str]) -> None:
         study = alone(name) if name in ALONE else importlib.import_module(f"benchmarks.{name}").markdown()
         tables = study.strip()
         print(tables, flush=True)
-        _keep(name, f"*{datetime.date.today():%Y-%m-%d}, {_commit()}, {machine()}*\n\n{tables}")
-
-
-def _commit() -> str:
-    """What was measured: the commit, and whether anything but the results has been changed since."""
-    git = ["git", "-C", str(RESULTS.parents[1])]
-    done = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True)
-    if done.returncode:
-        return "no commit"
-    changed = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", ".", ":(exclude)benchmarks/RESULTS.md"]).returncode
-    return f"commit {done.stdout.strip()}{' and changes' if changed else ''}"
+        _keep(name, f"*{datetime.date.today():%Y-%m-%d}, {commit()}, {machine()}*\n\n{tables}")
 
 
 def _keep(name: str, text: str) -> None:

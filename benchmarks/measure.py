@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -123,6 +124,16 @@ def machine() -> str:
             model = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), model)
     load = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
     return f"{model} ({platform.machine()}, {os.cpu_count()} cores{load}), Python {platform.python_version()}"
+
+
+def commit() -> str:
+    """What was measured: the commit, and whether anything but the results has been changed since."""
+    git = ["git", "-C", str(Path(__file__).parents[1])]
+    done = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True)
+    if done.returncode:
+        return "no commit"
+    changed = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", ".", ":(exclude)benchmarks/RESULTS.md"]).returncode
+    return f"commit {done.stdout.strip()}{' and changes' if changed else ''}"
 
 
 def alone(study: str, *words: str, what: str = "markdown") -> str:

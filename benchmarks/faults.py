@@ -1,0 +1,251 @@
+"""One bad thermometer never becomes an estimate: recordings with failures put in, and healthy ones in which none is.
+
+An error is measured against the same run with the failing channels muted from then on: what the failure has added. Each
+case leaves a line in a file, so that a study that was stopped goes on where it was. Thresholds of the judge were set on
+rigs of seed 101; none of those judges here.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks import paper_rig
+from benchmarks.handed_over import record
+from benchmarks.injected import FAILURES, NAMED, failing, shifted
+from benchmarks.measure import Row, commit, say, section, table
+from drivers.virtual_rig import simulate
+from estimator.batch.replay import replay
+from estimator.faults.fault import Fault
+from estimator.model import Model
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+from estimator.step import Track
+
+LINES = Path(__file__).parent / "faults.jsonl"
+SEED = 311
+RUNS = ("FS-20", "FS-10", "FS-5", "FS-2.5", "CS-20", "CS-10", "CS-5", "CS-2.5", "ES-20", "ES-10", "ES-5", "ES-2.5")
+WHEN = {"at rest": ("FS-20", 1800.0), "driving": ("FS-5", 400.0)}
+SEVEN = "seven channels, "
+SOON_S = 60.0
+WRONG = 0.2  # by which share every physical parameter is off
+NOT_PHYSICAL = ("sd", "noise", "zero_sd", "zero_walk", "lag_noise")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A failure of some channels at a time of a run; `row` is the row of the table, `seed` that of dice and rig."""
+
+    row: str
+    run: str
+    at_s: float
+    kind: str
+    channels: tuple[int, ...]
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """What makes it this case in the file of lines."""
+        return json.dumps(asdict(self))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a case.
+
+    um        most that the failure has added to the error of the elongation
+    in_2sd    share of ticks in which the truth is within 2 sd
+    named_s   when all of its channels had been named with a right word, NaN: never
+    accused   how many others were
+    lost_s    longest time that the estimate was off by more than 5 sd and 0.5 um
+    band_um   how much wider the band of the error is than that of the healthy run
+    """
+
+    um: float
+    in_2sd: float
+    named_s: float
+    accused: int
+    lost_s: float
+    band_um: float = 0.0
+
+
+def cases() -> Iterator[Case]:
+    """All cases, those that count most first."""
+    rig = paper_rig.rig()
+    heat = np.flatnonzero(rig.is_thermometer).tolist()
+    seven = [rig.index(name) for name in rig.subset_7]
+    for seven_only, channels in (("", heat), (SEVEN, seven)):
+        for when, (run, at_s) in WHEN.items():
+            for kind in (*FAILURES, "swapped"):
+                for n, i in enumerate(channels):
+                    both = (i, channels[(n + len(channels) // 3) % len(channels)]) if kind == "swapped" else (i,)
+                    yield Case(f"{seven_only}{when}", run, at_s, kind, both, SEED)
+    for run in RUNS:
+        for seed in range(SEED, SEED + 3):
+            yield Case("healthy", run, 0.0, "", (), seed)
+            yield Case("wrong model", run, 0.0, "", (), seed)
+    for n in range(20):
+        dice = np.random.default_rng(n)
+        kind, pair = list(FAILURES)[n % len(FAILURES)], sorted(dice.choice(heat, 2, replace=False).tolist())
+        run, at_s = list(WHEN.values())[n % 2]
+        yield Case("two at once", run, at_s, kind, tuple(pair), SEED)
+        yield Case("all zeros", run, at_s, ("board", "each")[n // 2 % 2], tuple(heat), SEED + n)
+
+
+@lru_cache(maxsize=2)
+def simulated(run: str, seed: int) -> tuple[Recording, Array]:
+    """A run of the rig as ticks, and the elongation that is true at each."""
+    made, rig = simulate(run, seed=seed), paper_rig.rig()
+    recording = record(made, rig)
+    return recording, np.interp(recording.time_s, made.truth.time_s, made.truth.elongation_um)
+
+
+@lru_cache(maxsize=4)
+def without(run: str, seed: int, at_s: float, channels: tuple[int, ...]) -> Track:
+    """The run with channels muted from a time on."""
+    rig, silent = paper_rig.rig(), np.zeros(len(paper_rig.rig().names), dtype=bool)
+    silent[list(channels)] = True
+    return replay(paper_rig.model(), rig, simulated(run, seed)[0], lambda t: silent & (t >= at_s))
+
+
+def wrong(model: Model, seed: int) -> Model:
+    """A model of which every physical parameter is off."""
+    dice, values = np.random.default_rng(seed), {}
+    for path in model.values:
+        if path.partition(".")[2] not in NOT_PHYSICAL and isinstance(model[path], float) and model[path] > 0.0:
+            param, factor = model.param(path), (1.0 + WRONG) ** dice.choice([-1.0, 1.0])
+            values[path] = float(np.clip(model[path] * factor, param.lo, param.hi))
+    return model.with_values(values)
+
+
+def study(case: Case) -> Outcome:
+    """One case."""
+    rig, model = paper_rig.rig(), paper_rig.model()
+    recording, true_um = simulated(case.run, case.seed)
+    if not case.channels:
+        track = replay(wrong(model, case.seed) if case.row == "wrong model" else model, rig, recording)
+        return _outcome(case, rig, track, track, true_um)
+    missing = tuple(np.flatnonzero(_left_out(case, rig)).tolist())
+    recording = _with(recording, rig, case)
+    base = without(case.run, case.seed, case.at_s, case.channels if case.row != "all zeros" else ())
+    if missing:
+        silent = _left_out(case, rig)
+        base = replay(model, rig, recording, lambda t: silent | (_of(case.channels, rig) & (t >= case.at_s)))
+        return _outcome(case, rig, replay(model, rig, recording, lambda t: silent), base, true_um)
+    return _outcome(case, rig, replay(model, rig, recording), base, true_um)
+
+
+def _with(recording: Recording, rig: Rig, case: Case) -> Recording:
+    """The recording with the failure of the case."""
+    if case.row != "all zeros":
+        return failing(recording, case.kind, case.channels, case.at_s, case.seed + case.channels[0])
+    dice = np.random.default_rng(case.seed)
+    size = (
+        1.0 if case.kind == "board" else dice.uniform(0.3, 2.0, len(rig.names)) * dice.choice([-1, 1], len(rig.names))
+    )
+    return shifted(recording, np.where(rig.is_thermometer, size, 0.0), case.at_s)
+
+
+def _of(channels: Sequence[int], rig: Rig) -> Array:
+    return np.isin(np.arange(len(rig.names)), channels)
+
+
+def _left_out(case: Case, rig: Rig) -> Array:
+    """Channels that the run does without from the start on, (m,) bool."""
+    seven = np.isin(rig.names, rig.subset_7) | ~rig.is_thermometer
+    return ~seven if case.row.startswith(SEVEN) else np.zeros(len(seven), dtype=bool)
+
+
+def _outcome(case: Case, rig: Rig, track: Track, base: Track, true_um: Array) -> Outcome:
+    now = np.isfinite(track.elongation_um) & np.isfinite(base.elongation_um) & (track.time_s >= case.at_s)
+    error, sd = np.abs(true_um - track.elongation_um)[now], track.sigma_um[now]
+    added = np.abs(track.elongation_um - base.elongation_um)[now]
+    fault, tick_s = track.fault[now], rig.tick_s
+    own = _of(case.channels, rig) if case.row != "all zeros" else np.zeros(len(rig.names), dtype=bool)
+    healthy = rig.is_thermometer & ~own
+    words = NAMED.get(case.kind, ())
+    right = np.isin(fault, [each for each in Fault if each.word in words])
+    named = [np.flatnonzero(right[:, i]) for i in np.flatnonzero(own)]
+    named_s = max((float(rows[0]) * tick_s if len(rows) else np.inf for rows in named), default=0.0)
+    lost = error > np.maximum(5.0 * sd, 0.5)
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], lost, [0]]).astype(int)))
+    return Outcome(
+        um=float(added.max()),
+        in_2sd=float((error <= 2.0 * sd).mean()),
+        named_s=named_s,
+        accused=int((fault[:, healthy] > Fault.JUDGED).any(axis=0).sum()),
+        lost_s=float(np.max(ends[1::2] - ends[::2], initial=0)) * tick_s,
+        band_um=float(np.ptp(error)),
+    )
+
+
+def measured() -> dict[Case, Outcome]:
+    """Every case and its outcome, those of the file of lines not again."""
+    found, of = {}, commit()
+    if LINES.exists():
+        lines = [json.loads(line) for line in LINES.read_text().splitlines()]
+        found = {line["case"]: Outcome(**line["outcome"]) for line in lines if line["commit"] == of}
+    todo = [case for case in cases() if case.key not in found]
+    with ProcessPoolExecutor(os.cpu_count()) as workers, LINES.open("a") as file:
+        for n, (case, outcome) in enumerate(zip(todo, workers.map(study, todo, chunksize=5))):
+            found[case.key] = outcome
+            file.write(json.dumps({"commit": of, "case": case.key, "outcome": asdict(outcome)}) + "\n")
+            file.flush()
+            say(f"  {n + 1} of {len(todo)}: {case.row}, {case.kind}, {case.run}: {outcome.um:.2f} um")
+    return {case: found[case.key] for case in cases()}
+
+
+def markdown() -> str:
+    """Run all cases; the table."""
+    found = measured()
+    rows = [row for when in WHEN for row in _cells(found, when, (0.95, 0.1))]
+    rows += [row for when in WHEN for row in _cells(found, SEVEN + when, (0.95, 0.5))]
+    for name in ("two at once", "all zeros"):
+        some = [outcome for case, outcome in found.items() if case.row == name]
+        rows.append(Row(f"{name}: share of cases with <= 0.5 um", *_share([o.um <= 0.5 for o in some]), 1.0, True))
+    for name in ("healthy", "wrong model"):
+        some = [outcome for case, outcome in found.items() if case.row == name]
+        accused = sum(o.accused for o in some)
+        rows.append(Row(f"{name}, {len(some)} runs: channels accused", str(accused), accused, 0))
+    says = [f"Runs of {', '.join(run for run, _ in WHEN.values())} with a failure at {SEED} and later seeds."]
+    return "\n".join([table("Thermometers that fail", rows, says), *_by_kind(found)])
+
+
+def _share(good: Sequence[bool]) -> tuple[str, float]:
+    return f"{sum(good)} of {len(good)}: {np.mean(good):.1%}", float(np.mean(good))
+
+
+def _cells(found: dict[Case, Outcome], name: str, must: tuple[float, float]) -> Iterator[Row]:
+    """The rows of one failing channel, for 15 or seven of them."""
+    some = {case: outcome for case, outcome in found.items() if case.row == name}
+    share, small = must
+    yield Row(
+        f"{name}: share of cells with <= {small:g} um", *_share([o.um <= small for o in some.values()]), share, True
+    )
+    worst = max(outcome.um for outcome in some.values())
+    yield Row(f"{name}: largest, um", f"{worst:.2f}", worst, 0.5)
+    inside = float(np.mean([outcome.in_2sd for outcome in some.values()]))
+    yield Row(f"{name}: truth in 2 sd, share of ticks", f"{inside:.1%}", inside, 0.93, True)
+    soon = [outcome.named_s <= SOON_S for outcome in some.values()]
+    yield Row(f"{name}: named with its kind within {SOON_S:.0f} s", *_share(soon), 0.98, True)
+    accused = sum(outcome.accused for outcome in some.values()) / (len(some) * (len(paper_rig.rig().thermometers) - 1))
+    yield Row(f"{name}: healthy channels accused", f"{accused:.1%}", accused, 0.01)
+    lost = max(outcome.lost_s for outcome in some.values())
+    yield Row(f"{name}: off by more than 5 sd and 0.5 um, longest, s", f"{lost:.0f}", lost, 2.0)
+
+
+def _by_kind(found: dict[Case, Outcome]) -> list[str]:
+    """Of each failure: error and time to its name, median and worst."""
+    rows = [["", "um, median", "worst", "named after s, median", "worst"]]
+    for kind in (*FAILURES, "swapped"):
+        some = [outcome for case, outcome in found.items() if case.row in WHEN and case.kind == kind]
+        um, s = [o.um for o in some], [o.named_s for o in some]
+        rows.append([kind, f"{np.median(um):.2f}", f"{max(um):.2f}", f"{np.median(s):.0f}", f"{max(s):.0f}"])
+    return [section("Failures one by one, fifteen channels", rows, level=3)]
