@@ -15,7 +15,7 @@ import numpy as np
 from estimator.faults.fault import Fault, Judgement, Seen, Tick
 from estimator.faults.jumps import Deviations, Jumps
 from estimator.faults.neighbours import Neighbours
-from estimator.faults.recovery import Recovery
+from estimator.faults.recovery import Progress, Recovery
 from estimator.faults.standstill import Standstill
 from estimator.faults.suspects import STILL, STUCK, Suspects
 from estimator.record import Array
@@ -58,18 +58,19 @@ class Judge:
         seen = replace(seen, value=np.where(seen.muted | ~np.isfinite(seen.sd), np.nan, seen.value))
         jumps = self._jumps.compare(seen, self.well)
         repeats = self._standstill.compare(np.where(self._heat & np.isfinite(seen.value), seen.reading, np.nan))
-        ticks = self._quiet(seen, jumps, repeats.count)
+        progress = self._recovery.compare(seen.time_s, jumps, repeats.count, self.fault)
+        ticks = self._quiet(seen, jumps, repeats.count, progress)
         asked = self.well & self._heat & np.isfinite(seen.value[0])
         ticks, drifting = self._neighbours.add(seen.first(ticks), asked)
         fault, since_s = np.tile(self.fault, (ticks, 1)), np.tile(self.since_s, (ticks, 1))
         last = ticks - 1
         if last:
             self._jumps.learn(jumps, last, self.well)
-            self._recovery.pass_by(jumps.value[:last], self.fault)
         read = np.isfinite(seen.value[last])
         of_last = (a[last] for a in (jumps.value, jumps.limit, jumps.beyond, repeats.count))
         tick = Tick(float(seen.time_s[last]), read, self._jumps.known, *of_last)
-        jump, anew = self._decide(tick)
+        self._recovery.learn(progress, ticks)
+        jump, anew = self._decide(tick, progress.back[last])
         if drifting is not None and self.fault[drifting] == Fault.NONE:
             self._set(drifting, Fault.DRIFTING, tick)
         self._jumps.learn(jumps, ticks, self.well)
@@ -82,23 +83,21 @@ class Judge:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
         return Judgement(fault, since_s, jump, anew)
 
-    def _quiet(self, seen: Seen, jumps: Deviations, repeats: Array) -> int:
+    def _quiet(self, seen: Seen, jumps: Deviations, repeats: Array, progress: Progress) -> int:
         """How many ticks there are up to the first in which something happens; one while a channel is being judged."""
         if (self.fault == Fault.JUDGED).any():
             return 1
-        still = repeats >= STILL
-        wrong = jumps.beyond | still | ((jumps.count > 0) & (self._silence(seen.value) >= self._silent_ticks))
-        other = (np.isfinite(seen.value) & ~jumps.beyond & ~still) | self._stands(repeats)
-        event = np.where(self.well, wrong, other).any(axis=1)
+        silent = (jumps.count > 0) & (self._silence(seen.value) >= self._silent_ticks)
+        wrong = jumps.beyond | (repeats >= STILL) | silent
+        event = np.where(self.well, wrong, progress.back | self._stands(repeats)).any(axis=1)
         return int(np.argmax(event)) + 1 if event.any() else event.size
 
     def _stands(self, repeats: Array) -> Array:
         """Thermometers (..., m) that jumped to where they stand still."""
         return (self.fault == Fault.JUMPED) & (repeats >= STUCK)
 
-    def _decide(self, tick: Tick) -> tuple[Array | None, bool]:
+    def _decide(self, tick: Tick, back: Array) -> tuple[Array | None, bool]:
         """By how much zeros jumped, and whether the run begins anew; `fault` and `since_s` are as of this tick."""
-        back = self._recovery.recovered(tick, self.fault)
         free = (self.fault <= Fault.JUDGED) & tick.read
         out = free & tick.beyond
         hot = out & self._heat
