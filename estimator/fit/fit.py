@@ -46,10 +46,10 @@ class Fitted:
     path: str
     before: float
     value: float
-    sd: float
     unit: str
-    at_bound: bool
-    determined: bool
+    sd: float = float("nan")
+    at_bound: bool = False
+    determined: bool = False
     like: str = ""
 
 
@@ -96,21 +96,17 @@ def fit(model: Model, runs: Runs) -> Fit:
         raise SetupError(f"{model.name}: every parameter is fixed; nothing to fit")
     noise = Posterior(model, trials_of(model, runs), paths).noise
     mean = [path for path, level in zip(paths, noise, strict=True) if not level]
-    followed = follow(model, runs, mean) if mean else None
-    start = followed.model if followed else model
-    left = dict(followed.left) if followed else {}
+    followed = follow(model, runs, mean)
+    left = followed.left
     if len(left) == len(paths):
         raise InputError(f"these recordings say nothing of {', '.join(left)}: free others, or record a longer drive")
-    paths = [path for path in paths if path not in left]
-    trials = trials_of(start, runs)
-    optimiser = Optimiser(Posterior(start, trials, paths), told(runs.progress, "likelihood"))
-    if followed is not None and followed.stopped:
-        optimiser.stopped = True
-    else:
+    told_of = [path for path in paths if path not in left]
+    posterior = Posterior(followed.model, trials_of(followed.model, runs), told_of)
+    optimiser = Optimiser(posterior, told(runs.progress, "likelihood"))
+    optimiser.stopped = followed.stopped
+    if not optimiser.stopped:
         optimiser.run()
-    found = [_likely(optimiser)]
-    if followed is not None and followed.paths:
-        found.append(_followed(followed, optimiser))
+    found = [_likely(optimiser), *([_followed(followed, optimiser)] if followed.paths else [])]
     return _outcome(model, found, left, optimiser, runs)
 
 
@@ -161,7 +157,9 @@ def _outcome(model: Model, found: Sequence[Optimum], left: Mapping[str, str], op
     kept = found[at]
     fitted = tuple(_fitted(model, kept, i) for i in range(len(kept.paths)))
     values = {f.path: Value(f.value, f.sd if np.isfinite(f.sd) else None) for f in fitted}
-    fitted += tuple(_left(model, path, like) for path, like in left.items())
+    fitted += tuple(
+        Fitted(path, model[path], model[path], model.param(path).unit, like=like) for path, like in left.items()
+    )
     fitted = tuple(sorted(fitted, key=lambda f: list(model.values).index(f.path)))
     about = {"rig": runs.rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in runs.recordings}}
     better, raised = _raised(model.with_values(values), trials)
@@ -174,8 +172,7 @@ def _outcome(model: Model, found: Sequence[Optimum], left: Mapping[str, str], op
 
 def _raised(model: Model, trials: Trials) -> tuple[Model, float]:
     """The model with its process noise raised to what ten blind minutes show, and the factor (1: it was enough)."""
-    process = noise_levels(model, trials)["process"]
-    fixed = [path for path in process if model.values[path].fixed]
+    fixed = [path for path in noise_levels(model, trials)["process"] if model.values[path].fixed]
     louder, factor = scaled(model, trials, fixed)
     return (louder, factor) if factor > 1 else (model, 1.0)
 
@@ -194,12 +191,7 @@ def _fitted(before: Model, kept: Optimum, i: int) -> Fitted:
     bound = min(value - param.lo, param.hi - value) < AT_BOUND * (width if np.isfinite(width) else abs(value))
     sd = float(np.sqrt(max(kept.covariance[i, i], 0.0))) if np.isfinite(kept.alone[i]) or param.sd else float("nan")
     known = kept.alone[i] < (param.sd or 0.5 * width)
-    return Fitted(path, before[path], value, sd, param.unit, bool(bound), bool(known))
-
-
-def _left(model: Model, path: str, like: str) -> Fitted:
-    param = model.param(path)
-    return Fitted(path, model[path], model[path], float("nan"), param.unit, False, False, like)
+    return Fitted(path, before[path], value, param.unit, sd, bool(bound), bool(known))
 
 
 def alike(kept: Optimum) -> tuple[tuple[str, str, float], ...]:

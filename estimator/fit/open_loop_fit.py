@@ -92,7 +92,7 @@ def follow(model: Model, runs: Runs, paths: Sequence[str]) -> Followed:
     """The model with these parameters fitted open loop."""
     objective = Objective(model, runs)
     prior = prior_roots(map(model.param, paths))
-    left = untold(np.vstack([objective.slopes(model, paths), np.diag(prior)]), paths)
+    left = untold(np.vstack([objective.slopes(model, paths), np.diag(prior)]), paths) if paths else {}
     paths = [path for path in paths if path not in left]
     if not paths:
         return Followed(model, (), left, *np.zeros((3, 0, 0)))
