@@ -10,7 +10,9 @@ from ballscrew.own_effect.named import Named, named_effects
 from ballscrew.workspace import Workspace
 from estimator.accuracy.horizon import open_loop_error
 from estimator.accuracy.noise_floor import Error
+from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
+from estimator.faults.use import Use
 from estimator.missing_effect.candidates import unfit
 from estimator.missing_effect.next_run import NextRun, next_run
 from estimator.missing_effect.suggestion import Suggestion
@@ -22,11 +24,13 @@ class Verdict:
     """A suggestion with what it says of recordings held out, and of a run to make.
 
     held_out  open-loop error of the model as given, fitted again, then of all `found`; empty without such recordings
+    uses      what was used of each recording, those held out too
     """
 
     suggestion: Suggestion
     held_out: Sequence[Error]
     next_run: NextRun | None
+    uses: Sequence[Use]
 
 
 def effects_to_try(work: Workspace, own: Sequence[str]) -> list[Named]:
@@ -51,5 +55,7 @@ def verdict_of(suggestion: Suggestion, runs: Runs, held_out: Runs) -> Verdict:
         rivals = [h for h in suggestion.found if h.names[0] in suggestion.tie][:2]
         if len(rivals) == 2:
             run = next_run(rivals[0], rivals[1], runs)
-    listed = (suggestion.as_given, suggestion.again, *suggestion.found) if held_out.recordings else ()
-    return Verdict(suggestion, [open_loop_error(h.model, held_out) for h in listed], run)
+    held = slow_trials_of(suggestion.as_given.model, held_out)
+    listed = (suggestion.as_given, suggestion.again, *suggestion.found) if len(held) else ()
+    errors = [open_loop_error(h.model, held) for h in listed]
+    return Verdict(suggestion, errors, run, suggestion.uses + held.uses)

@@ -9,6 +9,7 @@ import click
 from ballscrew.options import NEAREST_RIG, PATH, logs_argument, rig_option, save_option, terminal_options
 from ballscrew.report.comparison_report import as_json, sections
 from ballscrew.report.sections import print_sections
+from ballscrew.report.use_report import print_use
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_model, open_workspace
 from estimator.accuracy.compare import compare
@@ -45,6 +46,7 @@ def command(
             runs.progress(model.name, done)
             comparisons.append(compare(model, runs, truths))
     print_sections(terminal, tables := sections(comparisons))
+    print_use(terminal, comparisons[0].uses, work.rig)
     terminal.json({"models": [as_json(one) for one in comparisons]})
     if rrd is not None:
         from ballscrew.report.comparison_views import save_views  # rerun takes half a second to import

@@ -8,6 +8,7 @@ import click
 
 from ballscrew.options import model_output, workspace_options
 from ballscrew.report.fit_report import as_json, print_fit
+from ballscrew.report.use_report import print_use
 from ballscrew.terminal import INTERRUPTED
 from ballscrew.workspace import Workspace
 from estimator.fit.fit import fit
@@ -32,6 +33,7 @@ def command(work: Workspace, out: Path) -> int:
         fitted = fit(work.model, runs)
     save_model(fitted.model, out)
     print_fit(work.terminal, fitted)
+    print_use(work.terminal, fitted.uses, work.rig)
     work.terminal.say(f"model: {out}")
     work.terminal.json(as_json(fitted))
     return INTERRUPTED if fitted.stopped else work.status

@@ -11,6 +11,7 @@ import click
 from ballscrew.options import model_output, output_file, search_options, view_option, workspace_options
 from ballscrew.own_effect.named import Named
 from ballscrew.report.improvement_report import Outcome, as_json, print_steps, report, steps_section, titles
+from ballscrew.report.use_report import print_use
 from ballscrew.search import effects_to_try, verdict_of
 from ballscrew.terminal import INTERRUPTED
 from ballscrew.workspace import Workspace, runs_of, threads
@@ -48,6 +49,7 @@ def command(
         improvement = improve(work.model, runs, kept_apart, [one.effect for one in effects])
     after = _kept(improvement, effects, work, out.name)
     save_model(after, out)
+    print_use(work.terminal, improvement.uses, work.rig)
     print_steps(work.terminal, improvement)
     work.terminal.say(f"model: {out}")
     work.terminal.json({**as_json(improvement), "model": str(out)})

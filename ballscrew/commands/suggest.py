@@ -9,6 +9,7 @@ import click
 
 from ballscrew.options import save_option, search_options, workspace_options
 from ballscrew.report.search_report import as_json, print_verdict, ranked, section_of
+from ballscrew.report.use_report import print_use
 from ballscrew.search import Verdict, effects_to_try, verdict_of
 from ballscrew.workspace import Workspace, runs_of
 from estimator.missing_effect.suggest import suggest
@@ -29,6 +30,7 @@ def command(work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], r
     work.read(held_out)
     with work.runs("looking for what is missing") as runs:
         verdict = verdict_of(suggest(work.model, runs, effects), runs, runs_of(work.rig, work.held_out, runs.workers))
+    print_use(work.terminal, verdict.uses, work.rig)
     print_verdict(work.terminal, verdict, work.rig)
     work.terminal.json(as_json(verdict, work.rig))
     if rrd is not None:

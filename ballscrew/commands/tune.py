@@ -9,6 +9,7 @@ import click
 from ballscrew.options import model_output, output_file, workspace_options
 from ballscrew.report.sections import print_sections
 from ballscrew.report.tune_report import as_json, save_views, sections
+from ballscrew.report.use_report import print_use
 from ballscrew.workspace import Workspace
 from estimator.fit.tune import tune
 from estimator.rig_folder.model_toml import save_model
@@ -30,6 +31,7 @@ def command(work: Workspace, out: Path, rrd: Path | None) -> int:
         tuned = tune(work.model, runs)
     save_model(tuned.model, out)
     print_sections(work.terminal, sections(tuned))
+    print_use(work.terminal, tuned.uses, work.rig)
     work.terminal.say(f"model: {out}")
     work.terminal.json(as_json(tuned))
     if rrd is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ballscrew.report.sections import HORIZONS, KEYS, Section, by_horizon, cells, number
+from ballscrew.report.use_report import recordings_json
 from estimator.accuracy.compare import Comparison
 from estimator.accuracy.noise_floor import Error
 from estimator.inputs.phase import PHASES
@@ -58,6 +59,7 @@ def as_json(comparison: Comparison) -> dict[str, object]:
     by_channel = comparison.by_channel.items()
     return {
         "name": comparison.name,
+        "recordings": recordings_json(comparison.uses),
         **by_horizon(comparison.whole),
         "held_out": vars(_held_out(comparison)) if comparison.held_out else None,
         "by_channel": {name: {KEYS[key]: error for key, error in errors.items()} for name, errors in by_channel},

@@ -12,6 +12,7 @@ from ballscrew.workspace import Loaded, Workspace, threads
 from estimator.accuracy.displacement import joined
 from estimator.accuracy.noise_floor import Error
 from estimator.batch.replay import replay
+from estimator.batch.trials import slow_trials_of
 from estimator.missing_heat.misfit import misfit
 from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
 from estimator.model import Model
@@ -113,7 +114,8 @@ def _rms(runs: Sequence[ComparedRun], shown: Array) -> list[BarSeries]:
 
 def _sides(model: Model, runs: Runs) -> list[Side]:
     tracks = runs.each(lambda recording: _kept(replay(model, runs.rig, recording)))
-    heats = missing_heat(runs.each(lambda recording: misfit(model, runs.rig, recording)), runs.workers)
+    trials = slow_trials_of(model, runs)
+    heats = missing_heat(trials.each(lambda trial: misfit(model, trial)), runs.workers)
     return [Side(**track, **_missed(heat)) for track, heat in zip(tracks, heats, strict=True)]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ballscrew.report.sections import HORIZONS, Section, by_horizon, cells, number, print_sections
+from ballscrew.report.use_report import recordings_json
 from ballscrew.terminal import Terminal
 from estimator.accuracy.quality import overall
 from estimator.inputs.phase import PHASES
@@ -64,6 +65,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, object]:
     """The diagnosis for programs."""
     return {
         "adequate": diagnosis.adequate,
+        "recordings": recordings_json(diagnosis.uses),
         "where": [_told(heat, "from_mm", "to_mm", "node", "phase", "heat_W", "sd_W") for heat in diagnosis.where],
         "readings": [_told(wrong, "channel", "offset", "sd", "unit", "rms") for wrong in diagnosis.readings],
         "sentences": list(diagnosis.sentences),

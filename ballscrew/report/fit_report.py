@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ballscrew.report.sections import HORIZONS, cells
+from ballscrew.report.use_report import recordings_json
 from ballscrew.terminal import Terminal
 from estimator.fit.fit import Fit, Fitted
 
@@ -75,6 +76,7 @@ def as_json(fit: Fit) -> dict[str, object]:
         key: {"before": vars(fit.before[key]), "after": vars(fit.after[key])} for key in HORIZONS
     }
     return {
+        "recordings": recordings_json(fit.uses),
         "parameters": parameters, **errors, "kept": fit.kept, "process_noise_raised": fit.raised,
         "correlated": [{"parameters": [a, b], "correlation": rho} for a, b, rho in fit.alike],
         "log_likelihood": {"open_loop": fit.loglike[0], "best": fit.loglike[1]},

@@ -9,6 +9,7 @@ from typing import Any
 
 from ballscrew.report.comparison_report import sections
 from ballscrew.report.sections import Section, cells, markdown
+from ballscrew.report.use_report import recordings_json
 from ballscrew.report.verdict import sentence
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
@@ -112,7 +113,8 @@ def as_json(improvement: Improvement) -> dict[str, Any]:
         }
         for new, step in zip(added(improvement.steps), improvement.steps, strict=True)
     ]
-    return {"steps": steps, "verdict": improvement.last.verdict if improvement.last else "stopped"}
+    verdict = improvement.last.verdict if improvement.last else "stopped"
+    return {"steps": steps, "verdict": verdict, "recordings": recordings_json(improvement.uses)}
 
 
 def report(out: Outcome, pictures: dict[str, Path], workers: Workers) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ballscrew.report.sections import Section, cells
+from ballscrew.report.use_report import recordings_json
 from ballscrew.report.verdict import place_of, sentence
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
@@ -65,6 +66,7 @@ def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
     held = list(verdict.held_out)
     wrong = suggestion.wrong_input
     return {
+        "recordings": recordings_json(verdict.uses),
         "verdict": suggestion.verdict,
         "effects": [
             _effect(suggestion.without(h), h, held[h.refit : h.refit + 1], held[i : i + 1])

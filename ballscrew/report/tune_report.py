@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ballscrew.report.sections import Section, markdown
+from ballscrew.report.use_report import recordings_json
 from ballscrew.terminal import Rows
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.quality import ChannelQuality, innovations, overall
@@ -72,6 +73,7 @@ def as_json(tuned: Tuned) -> dict[str, object]:
     }
     errors = {key: vars(error) for key, error in tuned.errors.items()}
     return {
+        "recordings": recordings_json(tuned.uses),
         "levels": levels, "channels": channels, "errors": errors, "noise_floor": vars(tuned.floor),
         "process_factor": tuned.factor, "missing_physics": tuned.missing, "sentences": sentences(tuned),
     }  # fmt: skip

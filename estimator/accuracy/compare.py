@@ -17,6 +17,7 @@ from estimator.accuracy.horizon import HORIZONS, Horizons, horizons, overall
 from estimator.accuracy.noise_floor import FAR, Error, noise_floor
 from estimator.batch.trial import Trial
 from estimator.batch.trials import trials_of
+from estimator.faults.use import Use
 from estimator.inputs.phase import PHASES, phase_of, speed_of
 from estimator.model import Model
 from estimator.record import Array
@@ -33,6 +34,7 @@ class Comparison:
     by_speed    by mean speed in m/min, of the drive that a tick belongs to or follows
     floor       what the sensors alone would leave
     truths      of how many recordings the true elongation was known, of `recordings`
+    uses        what was used of each recording by the model's filter
     """
 
     name: str
@@ -45,6 +47,7 @@ class Comparison:
     warnings: tuple[str, ...]
     truths: int
     recordings: int
+    uses: tuple[Use, ...]
 
 
 def compare(model: Model, runs: Runs, truths: Sequence[Array | None] | None = None) -> Comparison:
@@ -78,6 +81,7 @@ def compare(model: Model, runs: Runs, truths: Sequence[Array | None] | None = No
         _warnings(whole, floor),
         sum(truth is not None for truth in truths),
         len(recordings),
+        trials.uses,
     )
 
 

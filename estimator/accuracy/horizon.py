@@ -15,10 +15,9 @@ from estimator.accuracy.noise_floor import Error, rms_by_family
 from estimator.batch import batch
 from estimator.batch.open_loop import open_loop_misfit
 from estimator.batch.trial import Trial
-from estimator.batch.trials import slow_trials_of
+from estimator.batch.trials import Trials
 from estimator.model import Model
 from estimator.record import Array
-from estimator.work import Runs
 
 AHEAD_S = 600.0
 EVERY_S = 60.0
@@ -85,10 +84,9 @@ def horizons(trial: Trial, model: Model) -> Horizons:
     return Horizons(one_step, ahead, open_loop_misfit(trial, posed), thermometers, elongation, unknown)
 
 
-def open_loop_error(model: Model, runs: Runs) -> Error:
+def open_loop_error(model: Model, trials: Trials) -> Error:
     """rms by the model alone over several recordings together."""
-    trials = slow_trials_of(model, runs)
-    return rms_by_family([open_loop_misfit(trial, trial.pose(model)) for trial in trials], runs.rig)
+    return rms_by_family(trials.each(lambda trial: open_loop_misfit(trial, trial.pose(model))), trials[0].rig)
 
 
 def overall(found: Sequence[Horizons], horizon: str) -> Error:

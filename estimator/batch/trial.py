@@ -13,6 +13,7 @@ from estimator.batch.nominal import Nominal, nominal
 from estimator.batch.system import System
 from estimator.errors import InputError
 from estimator.faults.fault import Fault
+from estimator.faults.use import Told, Use, use_of
 from estimator.model import Model
 from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording
@@ -62,8 +63,10 @@ class Trial:
     Two things are asked once, of the model that the trial is made with, or likelihoods could not be compared: which
     channels are broken when (unless `gated` is off), and how large the lags are by which readings scatter more (`lag`).
 
-    run           the run as it began;  begin: the first tick after that, with which `rest` begins
-    fault         (T, m) of the ticks of `rest`, a Fault each; since_s likewise. A zero that jumped is taken off `rest`
+    run           the run as it began;  begin: the first tick after that, with which `rest` begins;  begun: every tick
+                  with which it has, for what a run began with may turn out to be no temperatures
+    fault         (T, m) of the ticks of `rest`, a Fault each; since_s likewise, and jump, by which zeros became others:
+                  from then on that is taken off `rest`
     floating      channels whose zero has no meaning: open loop it is the mean of the misfit
     unread_zeros  channels whose unknown zero the first sample did not tell
     """
@@ -78,6 +81,7 @@ class Trial:
         since: int = 0,
     ) -> None:
         self.rig, self.recording = rig, recording
+        self.begun: list[int] = []
         self._begin(model, mute or unmuted(rig), since)
         if gated:
             self._judge(model, mute or unmuted(rig))
@@ -91,21 +95,21 @@ class Trial:
         if run.tick + 1 == len(recording):
             raise InputError(f"{recording.name}: nothing was recorded after the first thermometer reading")
         self.run, self.begin = run, run.tick + 1
+        self.begun.append(run.tick)
         self.rest = recording.rows(slice(self.begin, None))
         self._forcing = Forcing(model, rig, run.start)
         self.drive = self._forcing.read(recording.rows(slice(run.tick, None)))
-        self.muted = np.array([mute(t) for t in self.rest.time_s])
         readings = self._forcing.readings
+        self.muted = np.array([mute(t) for t in self.rest.time_s]) | ~np.isfinite(readings.sd)
         self.floating = np.flatnonzero(readings.zero_sd > FLOATING * readings.sd)
         self.unread_zeros = [i for i in np.flatnonzero(readings.zero_sd) if not run.fuse[i]]
         self.lag = np.zeros_like(self.rest.channels)
         self.lag = self.pose(model).run.lag
         self.fault = np.zeros(self.rest.channels.shape, dtype=np.int8)
-        self.since_s = np.full(self.fault.shape, np.nan)
+        self.since_s, self.jump = np.full(self.fault.shape, np.nan), np.zeros(self.fault.shape)
 
     def _judge(self, model: Model, mute: Mute) -> None:
         """Leave out what is broken, and take off readings what their zeros jumped by."""
-        jumped = np.zeros_like(self.rest.channels)
         for part in self.filtered(self.pose(model)):
             judgement, at = part.judgement, part.chunk.ticks
             if judgement.anew:
@@ -114,9 +118,40 @@ class Trial:
                 return
             self.fault[at], self.since_s[at] = judgement.fault, judgement.since_s
             if judgement.jump is not None:
-                jumped[at.stop :] += judgement.jump
-        self.muted |= (self.fault != Fault.NONE) | ~np.isfinite(self._forcing.readings.sd)
-        self.rest = replace(self.rest, channels=self.rest.channels - jumped)
+                self.jump[at.stop - 1] = judgement.jump
+        self.muted |= self.fault != Fault.NONE
+        off = np.vstack([np.zeros(len(self.rig.names)), np.cumsum(self.jump, axis=0)[:-1]])
+        self.rest = replace(self.rest, channels=self.rest.channels - off)
+
+    @property
+    def use(self) -> Use:
+        """What was used of the recording, channel by channel."""
+        run, K = self.run, len(self.recording)
+        fused = np.isfinite(self.rest.channels) & ~self.muted
+        told = Told(
+            self.recording.time_s,
+            np.isin(np.arange(K), self.begun),
+            self.recording.channels,
+            np.isfinite(self._forcing.readings.sd),
+            self._whole(run.fuse, fused),
+            self._whole(run.fault, self.fault),
+            self._whole(np.where(run.fault, run.sample.time_s, np.nan), self.since_s),
+            self._whole(np.zeros(len(run.fault)), self.jump),
+        )
+        return use_of(self.recording.name, self.rig.names, told)
+
+    def _whole(self, first: Array, rest: Array) -> Array:
+        """The first tick of the run (m,) and the rest (T, m), after ticks of nothing."""
+        return np.vstack([np.zeros((self.run.tick, len(first)), rest.dtype), first[None], rest])
+
+    @property
+    def heard(self) -> Recording:
+        """The recording without what was refused, and without the time before the run began."""
+        refused = self._whole(self.run.fault, self.fault) != Fault.NONE
+        refused[: self.run.tick] = True
+        channels = self.recording.channels.copy()
+        channels[self.begin :] = self.rest.channels
+        return replace(self.recording, channels=np.where(refused, np.nan, channels))
 
     def pose(self, model: Model) -> Posed:
         """The model as a linear system."""

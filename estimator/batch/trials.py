@@ -8,6 +8,7 @@ from typing import Any
 
 from estimator.batch.coarse import coarse, serves
 from estimator.batch.trial import Trial
+from estimator.faults.use import Use
 from estimator.model import Model
 from estimator.record import Recording
 from estimator.rig import Rig
@@ -16,10 +17,11 @@ from estimator.work import Runs, Workers
 
 @dataclass(frozen=True)
 class Trials:
-    """Trials of some recordings, and the workers that share them."""
+    """Trials of some recordings, the workers that share them, and what is used of each."""
 
     trials: Sequence[Trial]
     workers: Workers = map
+    uses: tuple[Use, ...] = ()
 
     def __iter__(self) -> Iterator[Trial]:
         return iter(self.trials)
@@ -37,15 +39,32 @@ class Trials:
 
 def trials_of(model: Model, runs: Runs) -> Trials:
     """Recordings made ready for the filter, tick by tick."""
-    return Trials([Trial(model, runs.rig, recording) for recording in runs.recordings], runs.workers)
+    trials = runs.each(lambda recording: Trial(model, runs.rig, recording))
+    return Trials(trials, runs.workers, tuple(trial.use for trial in trials))
 
 
 def slow_trials_of(model: Model, runs: Runs) -> Trials:
     """Recordings made ready for open-loop runs."""
-    return Trials([slow_trial(model, runs.rig, recording) for recording in runs.recordings], runs.workers)
+
+    def made_ready(recording: Recording) -> tuple[Trial, Use]:
+        trial = Trial(model, runs.rig, recording)
+        return slowed(trial, model), trial.use
+
+    found = runs.each(made_ready)
+    return Trials([trial for trial, _ in found], runs.workers, tuple(use for _, use in found))
 
 
-def slow_trial(model: Model, rig: Rig, recording: Recording, gated: bool = True) -> Trial:
-    """One recording made ready for open-loop runs, at a tick that serves for slow heat."""
+def slow_trial(model: Model, rig: Rig, recording: Recording) -> Trial:
+    """One recording made ready for open-loop runs, after the filter's judge has heard it tick by tick."""
+    return slowed(Trial(model, rig, recording), model)
+
+
+def slowed(trial: Trial, model: Model) -> Trial:
+    """A trial's recording, without what was refused, at a tick that serves for slow heat."""
+    return unjudged(model, trial.rig, trial.heard)
+
+
+def unjudged(model: Model, rig: Rig, recording: Recording) -> Trial:
+    """The same of a recording as it is."""
     short, slow = coarse(recording, rig, serves(rig))
-    return Trial(model, slow, short, gated=gated)
+    return Trial(model, slow, short, gated=False)

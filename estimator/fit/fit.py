@@ -21,6 +21,7 @@ from estimator.accuracy.horizon import errors
 from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import Trials, trials_of
 from estimator.errors import InputError, SetupError
+from estimator.faults.use import Use
 from estimator.fit.noise import noise_levels
 from estimator.fit.open_loop_fit import Followed, follow, sandwich
 from estimator.fit.optimiser import Optimiser, positive, told
@@ -63,6 +64,7 @@ class Fit:
     loglike        log posterior of the open-loop parameters and of the likelihood's
     before, after  errors by horizon of the model as it came and as it left
     converged      whether the search came to its end; `stopped`: by the user
+    uses           what was used of each recording
     """
 
     model: Model
@@ -76,6 +78,7 @@ class Fit:
     converged: bool
     stopped: bool
     steps: int
+    uses: tuple[Use, ...]
 
 
 @dataclass(frozen=True)
@@ -166,7 +169,7 @@ def _outcome(model: Model, found: Sequence[Optimum], left: Mapping[str, str], op
     better = replace(better, about={**model.about, **about})
     return Fit(
         better, fitted, kept.name, raised, alike(kept), (optimiser.first, optimiser.value), errors(trials, model),
-        errors(trials, better), optimiser.converged, optimiser.stopped, optimiser.steps,
+        errors(trials, better), optimiser.converged, optimiser.stopped, optimiser.steps, trials.uses,
     )  # fmt: skip
 
 

@@ -26,6 +26,7 @@ from estimator.accuracy.noise_floor import Error, missing_physics, noise_floor
 from estimator.accuracy.quality import ChannelQuality, quality
 from estimator.batch.trials import Trials, trials_of
 from estimator.errors import SetupError
+from estimator.faults.use import Use
 from estimator.fit.noise import channels_of, coloured, noise_levels
 from estimator.fit.optimiser import Optimiser, told
 from estimator.fit.posterior import Posterior
@@ -53,7 +54,7 @@ class Level:
 class Tuned:
     """Outcome: the model, its levels, each channel's quality, errors by horizon, and the noise floor of its sensors.
 
-    factor   by which process noise was scaled
+    factor   by which process noise was scaled;  uses: what was used of each recording
     missing  open-loop error over the noise floor, where that is far: noise stands in for physics then; else NaN
     """
 
@@ -65,6 +66,7 @@ class Tuned:
     errors: dict[str, Error]
     floor: Error
     missing: float
+    uses: tuple[Use, ...]
 
 
 def tune(model: Model, runs: Runs) -> Tuned:
@@ -84,7 +86,7 @@ def tune(model: Model, runs: Runs) -> Tuned:
     found, floor = errors(trials, better), noise_floor(better, trials[0])
     return Tuned(
         better, levels, factor, quality(trials, model), quality(trials, better), found, floor,
-        missing_physics(found["open_loop"], floor),
+        missing_physics(found["open_loop"], floor), trials.uses,
     )  # fmt: skip
 
 

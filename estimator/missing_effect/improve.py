@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 
 from estimator.accuracy.horizon import open_loop_error
 from estimator.accuracy.noise_floor import Error
-from estimator.batch.trials import slow_trials_of
+from estimator.batch.trials import Trials, slow_trials_of
 from estimator.effect import Effect
+from estimator.faults.use import Use
 from estimator.missing_effect.hypothesis import Hypothesis, refined
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import MATERIAL, Suggestion
@@ -42,10 +43,14 @@ class ImprovedModel:
 
 @dataclass(frozen=True)
 class Improvement:
-    """All steps, from the model as given to the best, and the last verdict; None: stopped by Ctrl-C before it."""
+    """All steps, from the model as given to the best, and the last verdict; None: stopped by Ctrl-C before it.
+
+    uses  what was used of each recording, those held out too, by the model as given
+    """
 
     steps: tuple[ImprovedModel, ...]
     last: Suggestion | None
+    uses: tuple[Use, ...]
 
     @property
     def model(self) -> Model:
@@ -55,7 +60,8 @@ class Improvement:
 
 def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Effect]]) -> Improvement:
     """Improve a model. Ctrl-C keeps the best so far."""
-    steps = [_step("", (), refined(model, slow_trials_of(model, runs), [], False), held_out)]
+    trials, held = slow_trials_of(model, runs), slow_trials_of(model, held_out)
+    uses, steps = trials.uses + held.uses, [_step("", (), refined(model, trials, [], False), held)]
     try:
         while True:
             found = suggest(steps[-1].model, _heard(runs, len(steps)), effects, [step.added for step in steps])
@@ -63,13 +69,13 @@ def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Eff
             if taken is None:
                 break
             name = taken.names[0] if taken.names else ""
-            steps.append(_step(name, tuple(n for n in found.tie if n != name), taken, held_out))
+            steps.append(_step(name, tuple(n for n in found.tie if n != name), taken, held))
         last = _fitted(found)
         if last is not None:
-            steps.append(_step("", (), last, held_out))
+            steps.append(_step("", (), last, held))
     except KeyboardInterrupt:
-        return Improvement(tuple(steps), None)
-    return Improvement(tuple(steps), found)
+        return Improvement(tuple(steps), None, uses)
+    return Improvement(tuple(steps), found, uses)
 
 
 def _heard(runs: Runs, step: int) -> Runs:
@@ -93,7 +99,7 @@ def _fitted(found: Suggestion) -> Hypothesis | None:
     return found.before if found.before.misfit < MATERIAL * found.as_given.misfit else None
 
 
-def _step(added: str, tie: tuple[str, ...], h: Hypothesis, held_out: Runs) -> ImprovedModel:
+def _step(added: str, tie: tuple[str, ...], h: Hypothesis, held_out: Trials) -> ImprovedModel:
     model = h.model.with_values(dict(h.parameters()))  # with the sd of what was fitted
-    held = open_loop_error(model, held_out) if held_out.recordings else None
+    held = open_loop_error(model, held_out) if len(held_out) else None
     return ImprovedModel(added, tie, model, h.judged.error, held)

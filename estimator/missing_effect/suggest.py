@@ -161,7 +161,8 @@ class Search:
         verdict = "tie" if len(tie) > 1 else verdict
         rest = [h for h in fitted if h.names[0] not in {each.names[0] for each in found}]
         tied = tie if verdict == "tie" else ()
-        return Suggestion(verdict, (*found, *rest), tied, self.as_given, self.again, two, wrong, unexplained, far)
+        uses = self.trials.uses
+        return Suggestion(verdict, (*found, *rest), tied, self.as_given, self.again, uses, two, wrong, unexplained, far)
 
     def _far(self, error: Error) -> bool:
         """Whether a model is so far off that something must be missing."""

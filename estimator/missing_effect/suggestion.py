@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.faults.use import Use
 from estimator.missing_effect.hypothesis import Hypothesis
 from estimator.missing_effect.screening import Screened
 from estimator.missing_effect.wrong_input import Mislabel
@@ -30,6 +31,7 @@ class Suggestion:
     found    hypotheses with an effect each, best first;  tie: names that these recordings cannot tell apart
     as_given, again  the model without them, as it is and fitted again
     pair     two effects together, where they explain clearly more than one
+    uses     what was used of each recording
     far      the model, with a wrong input set right, is so far off that something is missing
     """
 
@@ -38,6 +40,7 @@ class Suggestion:
     tie: tuple[str, ...]
     as_given: Hypothesis
     again: Hypothesis
+    uses: tuple[Use, ...]
     pair: tuple[str, ...] = ()
     wrong_input: Mislabel | None = None
     unexplained: Screened | None = None

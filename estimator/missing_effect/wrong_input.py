@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from estimator.batch.trials import Trials, slow_trial
+from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials, slow_trial, unjudged
 from estimator.inputs.inputs import nothing
 from estimator.missing_effect.moments import Column, moments, moments_of
 from estimator.missing_effect.panel import Explanation, Panel
@@ -60,11 +61,11 @@ def mislabel(model: Model, runs: Runs, trials: Trials, moving: Sequence[str]) ->
     recording, others = recordings[odd], [*found[:odd], *found[odd + 1 :]]
     suited = Panel(free, others)
     by_others = model.with_values(suited.values(suited.judge()))
-    wrong: list[Mislabel] = []
+    heard, wrong = Trial(by_others, rig, recording).heard, list[Mislabel]()
     for signal in signals(model, rig):
         if signal in rig.inputs and not np.nan_to_num(recording.inputs[signal]).any():
             continue
-        size, shift = _best(by_others, rig, recording, signal), _is_shift(rig, signal)
+        size, shift = _best(by_others, rig, heard, signal), _is_shift(rig, signal)
         if abs(size) >= (SURE_K if shift else SURE):
             right = slow_trial(model, rig, corrected(recording, rig, signal, size))
             judged = Panel(free, [*others, moments_of(right, model, free)]).judge()
@@ -114,7 +115,7 @@ def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> float:
     """Logarithm of the ratio, or shift in K, with which a model suits a run best."""
 
     def misfit(size: float) -> float:
-        trial = slow_trial(model, rig, corrected(recording, rig, signal, size), gated=False)
+        trial = unjudged(model, rig, corrected(recording, rig, signal, size))
         return Panel([], [moments_of(trial, model, [])]).cost
 
     widest = SHIFT_K if _is_shift(rig, signal) else WIDEST

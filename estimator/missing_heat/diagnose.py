@@ -14,7 +14,9 @@ import numpy as np
 from estimator.accuracy.horizon import errors
 from estimator.accuracy.noise_floor import Error, noise_floor, rms_by_family
 from estimator.accuracy.quality import ChannelQuality, quality
-from estimator.batch.trials import trials_of
+from estimator.batch.trials import slowed, trials_of
+from estimator.faults.sentences import sentences as not_used
+from estimator.faults.use import Use
 from estimator.inputs.phase import turns
 from estimator.missing_heat.misfit import Misfit, misfit
 from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
@@ -33,10 +35,10 @@ class Diagnosis:
     """The answer and what it rests on.
 
     adequate  the model alone follows thermometers and displacement within `limits`, which are good enough
-    errors    rms by horizon, "open_loop" with readings that the filter would refuse;  floor: what sensors leave
+    errors    rms by horizon;  floor: what sensors leave
     quality   of the filter, channel by channel
     where, readings  missing heat and wrong readings that are sure and matter, largest first
-    maps      the missing heat of each recording
+    maps      the missing heat of each recording;  uses: what was used of it
     """
 
     adequate: bool
@@ -48,6 +50,7 @@ class Diagnosis:
     readings: tuple[Wrong, ...]
     sentences: tuple[str, ...]
     maps: tuple[MissingHeat, ...]
+    uses: tuple[Use, ...]
 
 
 def diagnose(model: Model, runs: Runs) -> Diagnosis:
@@ -58,7 +61,7 @@ def diagnose(model: Model, runs: Runs) -> Diagnosis:
     judged = quality(trials, model)
     found = errors(trials, model)
     progress("running the model alone", 0.3)
-    misfits: list[Misfit] = runs.each(lambda recording: misfit(model, rig, recording))
+    misfits: list[Misfit] = trials.each(lambda trial: misfit(model, slowed(trial, model)))
     progress("looking for missing heat", 0.7)
     maps = missing_heat(misfits, runs.workers)
     progress("asking what it follows", 0.9)
@@ -67,8 +70,10 @@ def diagnose(model: Model, runs: Runs) -> Diagnosis:
     heat, wrong = without_shadows(where(maps, limits), wrong_readings(maps, limits))
     adequate = not (alone.temperature_K > limits.temperature_K or alone.elongation_um > limits.elongation_um)
     moves = any(bool(turns(recording.omega).any()) for recording in runs.recordings)
-    told = sentences(adequate, alone, floor, heat, wrong, moves)
-    return Diagnosis(adequate, {**found, "open_loop": alone}, floor, limits, judged, heat, wrong, told, tuple(maps))
+    broken = any(use.suspects for use in trials.uses)
+    told = (*not_used(trials.uses, rig), *sentences(adequate, alone, floor, heat, wrong, moves, broken))
+    found["open_loop"] = alone
+    return Diagnosis(adequate, found, floor, limits, judged, heat, wrong, told, tuple(maps), trials.uses)
 
 
 def good_enough(floor: Error) -> Error:

@@ -14,13 +14,11 @@ import numpy as np
 
 from estimator.batch.open_loop import open_loop_misfit
 from estimator.batch.trial import Posed, Trial
-from estimator.batch.trials import slow_trial
 from estimator.missing_heat.blocks import Blocks, blocks
 from estimator.missing_heat.zones import Zone, heat_of, zones
 from estimator.model import Model
 from estimator.network.assemble import Network
-from estimator.record import Array, Recording
-from estimator.rig import Rig
+from estimator.record import Array
 from estimator.sensitivity.sensitivity import nominal_column
 from estimator.sensitivity.tangent import Tangent
 
@@ -50,9 +48,8 @@ class Misfit:
     A: Array
 
 
-def misfit(model: Model, rig: Rig, recording: Recording) -> Misfit:
-    """Run the model alone beside a recording. The filter's gate has no say: it would hide a sensor that is far off."""
-    trial = slow_trial(model, rig, recording, gated=False)
+def misfit(model: Model, trial: Trial) -> Misfit:
+    """Run the model alone beside a recording, at a tick that serves for slow heat."""
     posed, tick_s = trial.pose(model), trial.rig.tick_s
     cut = blocks(trial.rest, tick_s)
     rest = open_loop_misfit(trial, posed)
@@ -66,7 +63,7 @@ def misfit(model: Model, rig: Rig, recording: Recording) -> Misfit:
     def mean(values: Array) -> Array:
         return np.asarray(np.bincount(row, values[known]) / count)
 
-    places = zones(rig, posed.forcing.place)
+    places = zones(trial.rig, posed.forcing.place)
     A = np.empty((len(rows), len(cut) * len(places)))
     for k, column in enumerate(_columns(trial, posed, cut, places)):
         A[:, k] = mean(column)

@@ -15,15 +15,20 @@ from estimator.missing_heat.where import Deficit, together
 from estimator.missing_heat.wrong_reading import Wrong
 
 NOTHING = "Nothing: what is left is as large as the sensors' own errors."
+NOTHING_ELSE = NOTHING.replace("Nothing", "Nothing else")
 FINDINGS = 2
 
 
 def sentences(
-    adequate: bool, alone: Error, floor: Error, heat: Sequence[Deficit], wrong: Sequence[Wrong], moves: bool = True
-) -> tuple[str, ...]:
-    """How far the model is off, and the two findings that matter most; without phases on a rig that never moves."""
+    adequate: bool, alone: Error, floor: Error, heat: Sequence[Deficit], wrong: Sequence[Wrong], moves: bool = True,
+    broken: bool = False,
+) -> tuple[str, ...]:  # fmt: skip
+    """How far the model is off, and the two findings that matter most; without phases on a rig that never moves.
+
+    broken  channels were left out, and that has been said
+    """
     if adequate and not heat and not wrong:
-        return (NOTHING,)
+        return (NOTHING_ELSE if broken else NOTHING,)
     first = _size(alone, floor) + (" That is good enough; still:" if adequate else "")
     found = [(max(h.effect for h in same), _heat(same, moves)) for same in together(heat)]
     found += [(each.effect, _reading(each, moves)) for each in wrong]

@@ -50,7 +50,7 @@ def found(model: Model, verdict: str, effect: type[Effect] | None = None, tie: t
     """A verdict, with one effect added where there is one."""
     plain = hypothesis(model)
     best = (hypothesis(model + effect, (effect.name,), 0.1),) if effect else ()
-    return Suggestion(verdict, best, tie, plain, plain)
+    return Suggestion(verdict, best, tie, plain, plain, uses=())
 
 
 @pytest.fixture

@@ -20,22 +20,17 @@ ALL = [f"TC{i}" for i in range(1, 9)]
 Rows = dict[str, np.ndarray]
 
 
-@pytest.fixture
-def rod(tmp_path) -> Callable[[Callable[[Rows], None]], Path]:
-    """rod(break_): the rod's recording after `break_` has changed its columns, in a rig folder."""
+def written(break_: Callable[[Rows], None], folder: Path) -> Path:
+    """The rod's recording after `break_` has changed its columns, in a rig folder."""
     for name in ("rig.toml", "model.toml", "effects.py"):
-        shutil.copy(ROD / name, tmp_path)
-
-    def broken(break_: Callable[[Rows], None]) -> Path:
-        names, *cells = csv.reader((ROD / "check.csv").read_text().splitlines())
-        rows = dict(zip(names, np.array(cells, dtype=float).T, strict=True))
-        break_(rows)
-        lines = [",".join(f"{x:.2f}" for x in row) for row in zip(*rows.values(), strict=True)]
-        path = tmp_path / "run.csv"
-        path.write_text("\n".join([",".join(names), *lines]) + "\n")
-        return path
-
-    return broken
+        shutil.copy(ROD / name, folder)
+    names, *cells = csv.reader((ROD / "check.csv").read_text().splitlines())
+    rows = dict(zip(names, np.array(cells, dtype=float).T, strict=True))
+    break_(rows)
+    lines = [",".join(f"{x:.2f}" for x in row) for row in zip(*rows.values(), strict=True)]
+    path = folder / "run.csv"
+    path.write_text("\n".join([",".join(names), *lines]) + "\n")
+    return path
 
 
 def powered_on_again(rows: Rows) -> None:
@@ -79,8 +74,8 @@ def test_nothing_is_said_of_a_rod_that_is_well():
     assert (recording["jumps"], recording["begun"]) == ([], {"at_s": 0.0, "again": False})
 
 
-def test_a_review_names_a_thermometer_that_restarted_and_counts_what_it_refused(rod):
-    recording, said = reviewed(rod(powered_on_again))
+def test_a_review_names_a_thermometer_that_restarted_and_counts_what_it_refused(tmp_path):
+    recording, said = reviewed(written(powered_on_again, tmp_path))
     one = recording["channels"]["TC4"]
     assert one["suspect"] == "stuck"
     assert TO - FROM <= one["refused"] <= TO - FROM + 13
@@ -95,22 +90,22 @@ def test_a_review_names_a_thermometer_that_restarted_and_counts_what_it_refused(
     assert recording["temperature_K"]["open_loop"] == pytest.approx(0.051, abs=0.002)
 
 
-def test_a_review_says_that_a_thermometer_is_broken_to_the_end(rod):
-    recording, said = reviewed(rod(wire_off))
+def test_a_review_says_that_a_thermometer_is_broken_to_the_end(tmp_path):
+    recording, said = reviewed(written(wire_off, tmp_path))
     assert recording["channels"]["TC4"]["spells"] == [{"fault": "stuck", "from_s": 1500.0, "to_s": None}]
     assert "TC4 at 170 mm is stuck, since 1500 s: left out, check that sensor" in said
 
 
-def test_values_after_power_on_are_no_start(rod):
-    recording, said = reviewed(rod(not_converted_yet))
+def test_values_after_power_on_are_no_start(tmp_path):
+    recording, said = reviewed(written(not_converted_yet, tmp_path))
     assert recording["begun"] == {"at_s": 3.0 * TICK_S, "again": False}
     assert all(recording["channels"][name]["why"] == {"power-on value": 3} for name in ALL)
     assert "all thermometers: 3 x power-on value" in said
     assert recording["temperature_K"]["open_loop"] == pytest.approx(0.051, abs=0.002)
 
 
-def test_a_run_that_began_with_no_temperatures_is_said_to_have_begun_again(rod):
-    recording, said = reviewed(rod(began_elsewhere))
+def test_a_run_that_began_with_no_temperatures_is_said_to_have_begun_again(tmp_path):
+    recording, said = reviewed(written(began_elsewhere, tmp_path))
     begun = recording["begun"]
     assert begun["again"]
     assert 3 * TICK_S <= begun["at_s"] <= 60
@@ -119,11 +114,57 @@ def test_a_run_that_began_with_no_temperatures_is_said_to_have_begun_again(rod):
     assert recording["temperature_K"]["open_loop"] < 0.08
 
 
-def test_all_thermometers_that_jump_together_are_said_to_have_other_zeros(rod):
-    recording, said = reviewed(rod(another_reference))
+def test_all_thermometers_that_jump_together_are_said_to_have_other_zeros(tmp_path):
+    recording, said = reviewed(written(another_reference, tmp_path))
     (jump,) = recording["jumps"]
     assert FROM * TICK_S <= jump["at_s"] <= (FROM + 6) * TICK_S
     assert sorted(jump["sizes"]) == ALL
     assert list(jump["sizes"].values()) == pytest.approx([3.0] * 8, abs=0.3)
     assert "all thermometers jumped by" in said
     assert f"K at {jump['at_s']:.0f} s: their zeros are others from then on" in said
+
+
+@pytest.fixture(scope="module")
+def dead(tmp_path_factory) -> Path:
+    """The rod's recording with a wire off, in its rig folder."""
+    return written(wire_off, tmp_path_factory.mktemp("dead"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["compare"],
+        ["diagnose"],
+        ["fit", "-o", "m.toml"],
+        ["tune", "-o", "m.toml"],
+        ["suggest"],
+        ["improve", "-o", "m.toml"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_every_offline_command_leaves_it_out_and_says_so(words, dead, tmp_path):
+    words = [tmp_path / word if word == "m.toml" else word for word in words]
+    status, out, said = run(*words, dead, "--json")
+    assert status == 0, said
+    told = json.loads(out)
+    told = told["models"][0] if words[0] == "compare" else told
+    (recording,) = told["recordings"]
+    assert recording["name"] == "run.csv"
+    assert {name for name, one in recording["channels"].items() if one["suspect"]} == {"TC4"}
+    assert recording["channels"]["TC4"]["refused"] == 781 - FROM
+    assert "run.csv: TC4 at 170 mm is stuck, since 1500 s: left out, check that sensor" in said
+    assert "readings not used: TC4: " in said
+
+
+def test_parameters_are_those_of_the_other_thermometers(dead, tmp_path):
+    """What a dead thermometer read for most of the run bends no parameter."""
+    ours = parameters(dead, tmp_path / "a.toml")
+    theirs = parameters(ROD / "check.csv", tmp_path / "b.toml")
+    for path, one in theirs.items():
+        assert abs(ours[path]["value"] - one["value"]) < 4 * one["sd"], path
+
+
+def parameters(log: Path, out: Path) -> dict[str, dict]:
+    status, said, err = run("fit", log, "-o", out, "--json")
+    assert status == 0, err
+    return {path: one for path, one in json.loads(said)["parameters"].items() if one["sd"]}

@@ -91,9 +91,9 @@ def test_all_channels_together_count_every_reading_alike() -> None:
 def test_what_a_person_should_know_is_said() -> None:
     levels = Level("displacement.sd", "measurement", 0.15, 0.15, "um"), Level("conduction.noise", "process", 1, 4, "W")
     off = {"open_loop": Error(0.9, 1.0)}
-    missing, louder, stays = sentences(Tuned(None, levels, 4.0, (), (), off, Error(0.1, 0.1), 9.0))
+    missing, louder, stays = sentences(Tuned(None, levels, 4.0, (), (), off, Error(0.1, 0.1), 9.0, ()))
     assert missing.startswith("noise stands in for missing physics here: the model alone is 0.90 K off, 9.0 times")
     assert louder.startswith("process noise rose 4.0 times")
     assert stays.startswith("not lowered: displacement.sd; innovations there are not white")
     fine = Level("displacement.sd", "measurement", 0.15, 0.1, "um"), Level("conduction.noise", "process", 1, 2, "W")
-    assert sentences(Tuned(None, fine, 2.0, (), (), off, Error(0.1, 0.1), float("nan"))) == []
+    assert sentences(Tuned(None, fine, 2.0, (), (), off, Error(0.1, 0.1), float("nan"), ())) == []

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from estimator.batch.coarse import coarse
+from estimator.batch.trials import slow_trial
 from estimator.effect import Effect, Param
 from estimator.missing_heat.blocks import LONGEST_S, blocks
 from estimator.missing_heat.misfit import misfit
@@ -65,7 +66,7 @@ def lived(drive, small_model, live):
 
 
 def judged(model, rig, *recordings):
-    return missing_heat([misfit(model, rig, recording) for recording in recordings])
+    return missing_heat([misfit(model, slow_trial(model, rig, recording)) for recording in recordings])
 
 
 def test_blocks_share_the_ticks_out_and_none_is_long(drive):
@@ -86,7 +87,7 @@ def test_short_drives_and_stops_share_blocks(small, driven):
 
 def test_columns_are_what_heat_does(drive, small_model, lived):
     rig = drive[1]
-    plain, heated = (misfit(small_model, rig, lived(power, seed=1)) for power in (0.0, 3.0))
+    plain, heated = (misfit(small_model, slow_trial(small_model, rig, lived(power, seed=1))) for power in (0.0, 3.0))
     zone = next(i for i, z in enumerate(heated.zones) if z.from_mm == 100.0)
     put = np.zeros((len(heated.blocks), len(heated.zones)))
     put[heated.blocks.phase == "drive", zone] = 3.0 / 0.05
@@ -137,7 +138,7 @@ def test_a_sensor_that_the_filter_would_refuse_is_still_seen(drive, small_model,
 def test_a_spike_does_not_count(drive, small_model, lived):
     run = lived(0.0, seed=4)
     run.channels[233, 2] += 30.0
-    assert not np.any(np.nan_to_num(misfit(small_model, drive[1], run).open_loop[:, 2]) > 1.0)
+    assert not np.any(np.nan_to_num(misfit(small_model, slow_trial(small_model, drive[1], run)).open_loop[:, 2]) > 1.0)
 
 
 def test_zones_of_a_rig_without_a_screw_are_its_bodies():
@@ -159,7 +160,8 @@ def test_zones_of_a_rig_without_a_screw_are_its_bodies():
 
 def test_zones_cover_the_screw(drive, small_model):
     rig = drive[1]
-    posed = misfit(small_model, rig, replace(drive[0], channels=np.full_like(drive[0].channels, 22.0)))
+    run = replace(drive[0], channels=np.full_like(drive[0].channels, 22.0))
+    posed = misfit(small_model, slow_trial(small_model, rig, run))
     places = zones(rig, posed.trial.pose(small_model).forcing.place)
     assert (places[0].from_mm, places[-1].to_mm) == (0.0, 200.0)
     assert sum(zone.length_m for zone in places) == pytest.approx(0.2)
