@@ -21,6 +21,8 @@ from estimator.model import Model
 from estimator.record import Sample
 from estimator.rig import Rig
 from estimator.state.gate import Mute
+from estimator.state.run import Run
+from estimator.state.warmth import Warmth, warmth
 from estimator.step import Mode, Step
 
 LATE_TICKS = 2.5  # a bus that brings no frame for so long is silent
@@ -52,6 +54,7 @@ class Monitor:
     late_s  how late a frame may come, on the rig's clock, before that means anything
     tally   what was not used, by reason; its notes are to be taken by who tells them
     active  alarms that are on
+    start   how warm the screw was when the run began, where that is known
     resumed_s  the rig's time, s since the first frame, at which this monitor went on with an earlier recording
     """
 
@@ -75,6 +78,8 @@ class Monitor:
         self._undecided: list[Received] = []
         self._silent_s = self._before_s = 0.0
         self.resumed_s: float | None = None
+        self.start: Warmth | None = None
+        self._run: Run | None = None
 
     def forget_what_was_told(self) -> None:
         """Alarms that are on begin anew, and what was noticed so far counts no more."""
@@ -141,7 +146,8 @@ class Monitor:
         return self._sure(self.watch.trust(self.ticker.clock.now + max(0.0, silent_s - self.late_s)))
 
     def _sure(self, trust: Trust) -> Trust:
-        """Nothing is to be relied on where there is no estimate."""
+        """Nothing is to be relied on where there is no estimate; and whether it counts from a warm screw."""
+        trust = replace(trust, began_warm=self.start is not None and self.start.warm and not self.start.counted)
         return replace(trust, why=(self.left_out.why,)) if self.left_out.why else trust
 
     def _silence(self, silent_s: float) -> float:
@@ -152,11 +158,24 @@ class Monitor:
     def _moment(self, sample: Sample) -> Moment:
         step = self.left_out.step(self.filter, sample)
         self.model = self.filter.model
+        if self.filter.run is not None:
+            self._began(self.filter.run)
         self.tests.step(step)
         self.watch.tick(sample, step, self.tests.diverged)
         absent = {alarm.key: alarm for alarm in self._absent(step.time_s)}
         changed = self._changed(absent | self.left_out.alarms | self.tests.active)
         return Moment(sample, step, self._sure(self.watch.trust(step.time_s)), *changed)
+
+    def _began(self, run: Run) -> None:
+        """Where a run has begun anew: was the screw cold?"""
+        if self._run is None or run.x is not self._run.x:
+            self._run, self.start = run, warmth(run)
+            self.note_start()
+
+    def note_start(self) -> None:
+        """Tell where the run began warm."""
+        if self.start is not None and self.start.warm:
+            self.tally.note(self.start.sentence)
 
     def _absent(self, now_s: float) -> Iterator[Alarm]:
         missing = list(self.missing.since(now_s))

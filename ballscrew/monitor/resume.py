@@ -31,6 +31,7 @@ def resume(monitor: Monitor, parts: list[Path], goes_on: Callable[[], bool]) -> 
         monitor.begin()
         return f"cannot go on with {parts[0].name}, and begins anew: {why}"
     monitor.resumed_s = monitor.ticker.clock.now
+    monitor.note_start()
     step, length = latest.step, duration(monitor.resumed_s)
     return (
         f"goes on with {parts[0].name} after {length}, at {step.elongation_um:+.2f} ± {2 * step.sigma_um:.2f} um (2 sd)"

@@ -17,6 +17,7 @@ from estimator.accuracy.doubts import doubts
 from estimator.accuracy.review import Review, overall
 from estimator.faults.sentences import sentences
 from estimator.rig import Rig
+from estimator.state.warmth import Warmth
 
 TITLES = {
     "filter": "filter",
@@ -57,7 +58,15 @@ def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequenc
     print_use(terminal, [review.use for review in reviews], rig)
     for sentence in doubts(reviews, rig):
         terminal.say(sentence)
+    _print_warm(terminal, reviews)
     _print_unused(terminal, reviews)
+
+
+def _print_warm(terminal: Terminal, reviews: Sequence[Review]) -> None:
+    """Which recordings do not begin with a cold screw."""
+    for review in reviews:
+        if review.start is not None and review.start.warm:
+            terminal.say(f"{review.recording.name} {review.start.sentence}")
 
 
 def _print_one(terminal: Terminal, review: Review) -> None:
@@ -142,6 +151,10 @@ def markdown(reviews: Sequence[Review], rig: Rig) -> str:
     return "\n".join(lines)
 
 
+def _start(start: Warmth | None) -> dict[str, Any] | None:
+    return start and {"warm": start.warm, "grown_um": start.grown_um, "sd_um": start.sd_um}
+
+
 def as_json(reviews: Sequence[Review], fitted: Sequence[bool], seconds: Sequence[float]) -> dict[str, Any]:
     """The figures for programs."""
     recordings = []
@@ -151,7 +164,7 @@ def as_json(reviews: Sequence[Review], fitted: Sequence[bool], seconds: Sequence
             "name": recording.name, "reference": r.reference_name, **_errors([r]), "nis_mean": r.nis_mean,
             **_use(r), "temperature_K": {"one_step": r.one_step_K, "open_loop": r.open_loop_K},
             "ticks": len(recording), "frames": recording.frames, "skipped": dict(recording.skipped),
-            "notes": list(recording.notes), "seconds": took,
+            "notes": list(recording.notes), "start": _start(r.start), "seconds": took,
         })  # fmt: skip
     rest = [r for r, was_fitted in zip(reviews, fitted, strict=True) if not was_fitted]
     return {"recordings": recordings, "overall": _errors(reviews), "held_out": _errors(rest) if rest else None}

@@ -96,7 +96,8 @@ class Publisher:
         known = bool(np.isfinite(step.error_at_table_um) and np.isfinite(position_mm))
         compensation = {
             "CmpCrc": 0, "CmpCounter": self._count, "CmpValid": trust.valid and known,
-            "CmpError": _int24(step.error_at_table_um), "CmpPosition": _int24(position_mm, 1e4),
+            "CmpBeganWarm": trust.began_warm, "CmpError": _int24(step.error_at_table_um),
+            "CmpPosition": _int24(position_mm, 1e4),
         }  # fmt: skip
         self._count = (self._count + 1) % COUNTS
         return [_frame(m, values) for m, values in zip(self._messages, (estimate, compensation), strict=True)]

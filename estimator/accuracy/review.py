@@ -18,6 +18,7 @@ from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.state.gate import Mute
+from estimator.state.warmth import Warmth, warmth
 from estimator.step import Mode, Track
 
 OURS = ("filter", "smoothed", "open_loop")  # what counts from the rig's zero_C; all else from the first sample
@@ -38,6 +39,7 @@ class Review:
     one_step_K    rms of thermometer minus prediction before its use; open_loop_K: minus what the model alone says;
                   without what was refused
     use           what was used of the recording, channel by channel
+    start         how warm the screw was at the start; None where nothing tells
     """
 
     recording: Recording
@@ -55,6 +57,7 @@ class Review:
     one_step_K: float
     open_loop_K: float
     use: Use
+    start: Warmth | None
 
     def accuracy(self, name: str) -> Accuracy:
         """Accuracy of one estimate on this recording."""
@@ -96,7 +99,7 @@ def review(
     if (track.mode == Mode.INIT).all():
         raise InputError(f"{recording.name}: no thermometer was ever read; nothing to estimate from")
     used = list(channels or rig.thermometers)
-    began_um = track.open_loop_um[np.isfinite(track.open_loop_um)][:1].sum()  # counted from a zero_C; else 0
+    began_um = replayed.run.began_um if replayed.run else 0.0
     line = polyline.elongation(recording, rig, used)
     estimates = {
         "filter": track.elongation_um,
@@ -122,7 +125,7 @@ def review(
         recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, readings_sd, sigma,
         smoothed.sigma_um, cooling(recording), len(polyline.along_screw(rig, used)),
         _misfit_K(track, track.predicted, rig), _misfit_K(track, track.open_loop, rig),
-        use_of(recording.name, rig.names, Told.by(track)),
+        use_of(recording.name, rig.names, Told.by(track)), warmth(replayed.run) if replayed.run else None,
     )  # fmt: skip
 
 

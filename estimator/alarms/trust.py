@@ -59,12 +59,16 @@ class Watch:
 
 @dataclass(frozen=True)
 class Trust:
-    """Why the estimate is not to be relied on; empty where it is. The rest are the flags of the frame Estimate."""
+    """Why the estimate is not to be relied on; empty where it is. The rest are flags of the frames that are sent.
+
+    began_warm  the elongation counts from a warm screw
+    """
 
     why: tuple[str, ...] = ("no estimate yet",)
     displacement_stale: bool = True
     telemeter_stale: bool = True
     diverged: bool = False
+    began_warm: bool = False
 
     @property
     def valid(self) -> bool:

@@ -18,7 +18,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.state.gate import Mute, unmuted
 from estimator.state.report import Estimates, Reporter
-from estimator.state.run import begin
+from estimator.state.run import Run, begin
 from estimator.step import Track
 
 ROWS = 2048  # ticks whose profiles are worked out at a time
@@ -42,6 +42,7 @@ def replay(
 class Replay:
     """A recording as the filter leaves it, the `track`, and what the smoother makes of it.
 
+    run  as it began; None where no thermometer was ever read
     Where a run began with what were no temperatures, it begins again; the smoother has the last of the runs.
     """
 
@@ -51,6 +52,7 @@ class Replay:
         self._model, self._rig, self._recording, self._mute = model, rig, recording, mute or unmuted(rig)
         self._posed: Posed | None = None
         self._jumped = np.zeros((0, len(rig.names)))
+        self.run: Run | None = None
         parts, at = [], 0
         while at < len(recording):
             run = begin(model, rig, recording, self._mute, since=at)
@@ -58,7 +60,7 @@ class Replay:
             parts.append(Track.waiting(rig.names, recording.rows(slice(at, first))))
             at = first + 1
             if run is not None:
-                reporter = Reporter(run)
+                self.run, reporter = run, Reporter(run)
                 parts.append(reporter.first(recording.rows(slice(first, at))))
                 for part in self._rest(reporter, first):
                     parts.append(part)

@@ -1,1 +1,1 @@
-"""What is estimated, how a run begins, and how a person reads it: state, run, prior, gate, open_loop, view, report."""
+"""What is estimated, how a run begins, how it is read: state, run, warmth, prior, gate, open_loop, view, report."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from ballscrew.monitor.resume import resume
 from drivers.recorder.recorder import Recorder
 from drivers.recordings import read_joined
 from estimator.batch.replay import replay
+from tests.ballscrew.monitor.test_left_out import sent
 from tests.live_fake import Frames, rig_frames, since
 
 END_S = 200.0
@@ -108,3 +110,25 @@ def test_a_silence_of_an_hour_ends_it(paper, frames, tmp_path):
     assert monitor.resumed_s is None
     assert np.isfinite(anew[-1].step.elongation_um)
     assert anew[-1].step.time_s < moments[-1].step.time_s
+
+
+def test_a_start_with_a_warm_screw_is_said_once_and_marked(paper, frames, tmp_path):
+    rig, model = paper
+    late = [frame for frame in frames if since(frames, frame) > 150.0]
+    monitor = Monitor(model, rig)
+    moments = lived(monitor, late)
+    assert [note for note in monitor.tally.notes if note.startswith("began warm: about ")] == [monitor.start.sentence]
+    assert all(moment.trust.began_warm for moment in moments)
+    _, compensation = sent(rig, moments[-1].step, moments[-1].trust)
+    assert compensation["CmpBeganWarm"] == 1
+    resume(again := Monitor(model, rig), [recorded(tmp_path, late)], lambda: True)
+    assert again.start.sentence in again.tally.notes
+
+
+def test_a_cold_screw_and_one_counted_from_a_zero_are_not_marked(paper, frames):
+    rig, model = paper
+    assert not lived(Monitor(model, rig), frames[:500])[-1].trust.began_warm
+    late = [frame for frame in frames if since(frames, frame) > 190.0]
+    monitor = Monitor(model, replace(rig, zero_C=20.0))
+    assert not lived(monitor, late)[-1].trust.began_warm
+    assert monitor.start.warm
