@@ -204,7 +204,7 @@ def test_fit_says_in_a_table_what_changed_and_as_json_all_it_knows(folder):
         ]  # fmt: skip
     assert set(told) == {
         "parameters", "one_step", "ahead", "open_loop", "kept", "process_noise_raised", "correlated", "log_likelihood",
-        "converged", "stopped", "steps",
+        "converged", "stopped", "steps", "recordings",
     }  # fmt: skip
     assert told["log_likelihood"]["best"] >= told["log_likelihood"]["open_loop"]
     assert told["ahead"]["after"]["temperature_K"] is None  # seven minutes
