@@ -101,6 +101,7 @@ class Filter:
             fault=fault,
             since_s=judged.since_s[0],
             jump=np.zeros(len(fuse)) if judged.jump is None else judged.jump,
+            input_fault=run.forcing.input_fault,
         )
         return self._reporter.track(rows, estimates).step(0, compared.why(fault, muted))
 

@@ -35,6 +35,7 @@ class Step:
     measured, predicted, innovation, innovation_sd, fused, why   (m,) for each channel
     fault, since_s    (m,) what is wrong with each channel, a Fault, and since when
     jump              (m,) by how much its zero has become another one with this tick; 0 where it has not
+    input_fault       (p,) why each input of the rig is held, a Fault, NONE: it is not
     begins            whether the run began with this tick; again, where what it had begun with were no temperatures
     open_loop         (m,) what the channels would read by the model alone
     nis, nis_channels e' S^-1 e over the fused channels, and how many they are
@@ -60,6 +61,7 @@ class Step:
     fault: Array
     since_s: Array
     jump: Array
+    input_fault: Array
     begins: bool
     why: tuple[str, ...]
     open_loop: Array
@@ -98,6 +100,7 @@ class Track:
     fault: Array
     since_s: Array
     jump: Array
+    input_fault: Array
     begins: Array
     open_loop: Array
     nis: Array
@@ -113,6 +116,7 @@ class Track:
         said |= {name: np.empty((K, 0)) for name in ("profile_C", "profile_sd_K", "bodies_C")}
         said |= {"time_s": rows.time_s, "measured": rows.channels, "fused": np.zeros((K, m), dtype=bool)}
         said |= {"fault": np.zeros((K, m), dtype=np.int8), "jump": np.zeros((K, m)), "begins": np.zeros(K, dtype=bool)}
+        said |= {"input_fault": np.zeros((K, len(rows.inputs)), dtype=np.int8)}
         said |= {"mode": np.full(K, Mode.INIT), "nis_channels": np.zeros(K, dtype=int)}
         return cls(np.empty(0), (), names, **said)
 

@@ -17,12 +17,12 @@ TYPES = {"record", "rig", "step", "errors", "alarms"}  # what an estimator is to
 FLOORS = {  # of each package, the ground first: a wing, or a file beside the wings, imports from its own and lower ones
     "estimator": (
         "errors record terms rig step work",
+        "faults",
         "inputs",
         "effect",
         "effects model",
         "network",
         "rig_folder",
-        "faults",
         "state",
         "filter batch battery alarms",
         "sensitivity accuracy",

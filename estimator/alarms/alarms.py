@@ -21,7 +21,7 @@ SILENT_TICKS = 10
 class Alarm:
     """What is wrong, with which channel ("": all of them), and since when, s since the first frame.
 
-    kind    "bias", "nis", "rejected", "silent", or the word of a Fault
+    kind    "bias", "nis", "rejected", "silent", or the word of a Fault, of a channel or an input
     over_s  of a test, how long the readings were looked at; 0: as they come
     """
 
@@ -47,6 +47,7 @@ class Alarms:
         self.rig = rig
         self.active: dict[tuple[str, str, float], Alarm] = {}
         self._tests = [WindowTest(rig, window, false_s) for window in WINDOWS]
+        self._inputs_since: dict[tuple[str, Fault], float] = {}
         self._heat = rig.is_thermometer
         self._silent = np.full(len(rig.names), -1)  # ticks since the last reading, -1: never read
 
@@ -58,7 +59,7 @@ class Alarms:
     def step(self, step: Step) -> tuple[list[Alarm], list[Alarm]]:
         """Take one tick; returns the alarms that begin with it, and those that end."""
         heat = self._heat & (np.array(step.why, dtype=object) != "muted")
-        found, judged = [*self._silences(step, heat), *self._faults(step, heat)], {0.0}
+        found, judged = [*self._silences(step, heat), *self._faults(step, heat), *self._inputs(step)], {0.0}
         for test in self._tests:
             if test.add(step):
                 judged.add(test.over_s)
@@ -91,3 +92,14 @@ class Alarms:
             at = f" at {step.measured[i]:.2f} degC" if fault == Fault.STUCK and np.isfinite(step.measured[i]) else ""
             text = f"{place_of(self.rig, i)} {fault.said}{at}"
             yield Alarm(fault.word, self.rig.names[i], float(step.since_s[i]), text)
+
+    def _inputs(self, step: Step) -> Iterator[Alarm]:
+        """Inputs that are held; what is stuck may be as it was, and stays as it is."""
+        for name, code in zip(self.rig.inputs, step.input_fault):
+            fault = Fault(code)
+            if fault > Fault.JUDGED:
+                since_s = self._inputs_since.setdefault((name, fault), step.time_s)
+                held = "; its last temperature is held" if fault == Fault.JUMPED else ""
+                yield Alarm(fault.word, name, since_s, f"input {name} {fault.said}{held}")
+        on = {(name, Fault(code)) for name, code in zip(self.rig.inputs, step.input_fault)}
+        self._inputs_since = {key: since_s for key, since_s in self._inputs_since.items() if key in on}

@@ -75,7 +75,7 @@ class Replay:
         self._posed, self._jumped = trial.pose(self._model), np.zeros_like(trial.rest.channels)
         for part in trial.filtered(self._posed):
             judgement, ticks = part.judgement, part.chunk.ticks
-            for rows, estimates in _estimates(self._posed, part):
+            for rows, estimates in _estimates(self._posed, part, trial.drive.inputs.fault[1:]):
                 yield reporter.track(trial.rest.rows(rows), estimates)
             if judgement.jump is not None:
                 self._jumped[ticks.stop :] += judgement.jump
@@ -95,7 +95,7 @@ class Replay:
         return SmoothedElongation(um, sigma)
 
 
-def _estimates(posed: Posed, part: Judged) -> Iterator[tuple[slice, Estimates]]:
+def _estimates(posed: Posed, part: Judged, input_fault: Array) -> Iterator[tuple[slice, Estimates]]:
     """Ticks as far as the run goes on, some at a time."""
     run, offset, chunk, judgement = posed.run, posed.offset[1:], part.chunk, part.judgement
     last = chunk.ticks.stop - judgement.anew
@@ -117,5 +117,6 @@ def _estimates(posed: Posed, part: Judged) -> Iterator[tuple[slice, Estimates]]:
             fault=judgement.fault[some],
             since_s=judgement.since_s[some],
             jump=jump[some],
+            input_fault=input_fault[at],
         )
         yield at, estimates

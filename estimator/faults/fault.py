@@ -7,6 +7,8 @@ from enum import IntEnum
 
 from estimator.record import Array
 
+POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
+
 
 class Fault(IntEnum):
     """Why a channel is not fused. One that is judged has just jumped, alone or with others: soon more will be known."""

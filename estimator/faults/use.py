@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.faults.fault import Fault
-from estimator.inputs.start import POWER_ON_C
+from estimator.faults.fault import POWER_ON_C, Fault
 from estimator.record import Array
 from estimator.step import Track
 

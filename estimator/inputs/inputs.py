@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from estimator.errors import SetupError, nearest
+from estimator.inputs.gate import InputGate
 from estimator.inputs.motion import Motion, MotionReader
 from estimator.inputs.start import Start
 from estimator.record import Array, Recording
@@ -28,6 +29,7 @@ class Inputs:
     rises     their changes since they were first seen; 0 before that
     motion    time since the start, and what the motion so far leaves behind
     unevenness  mean of speed^2 over the square of the mean speed, within each tick
+    fault     (ticks, p) in the order of Rig.inputs: why an input is held, a Fault each
     """
 
     omega: Array
@@ -36,6 +38,7 @@ class Inputs:
     rises: Mapping[str, Array]
     motion: Motion
     unevenness: Array | float = 1.0
+    fault: Array = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int8))
 
     def __post_init__(self) -> None:
         """No effect may write into what others read."""
@@ -73,14 +76,14 @@ class Inputs:
 
 
 class InputReader:
-    """Recordings into inputs: gaps held at the last known value, temperatures zeroed at a steady start.
+    """Recordings into inputs: gaps and what the gate refuses held at the last known value, zeroed at a steady start.
 
     Before an input was ever seen a temperature is at the level of the thermometers, anything else at zero.
     """
 
     def __init__(self, rig: Rig, start: Start) -> None:
         self._rig, self._start = rig, start
-        self._motion = MotionReader(rig.tick_s)
+        self._motion, self.gate = MotionReader(rig.tick_s), InputGate(rig, start)
         self._last: dict[str, float] = {}
         self._first: dict[str, float] = {}
         self._coverage = np.zeros(rig.screw.cells if rig.screw else 0)
@@ -88,8 +91,9 @@ class InputReader:
     def read(self, chunk: Recording) -> Inputs:
         """Inputs of the next ticks; call in order of time."""
         values, rises = {}, {}
+        passed, fault = self.gate.passed(chunk)
         for name in self._rig.inputs:
-            column = _held(chunk.inputs[name] - self._start.zero_K[name], self._last.get(name, np.nan))
+            column = _held(passed[name] - self._start.zero_K[name], self._last.get(name, np.nan))
             seen = column[np.isfinite(column)]
             if name not in self._first and len(seen):
                 self._first[name] = float(seen[0])
@@ -104,7 +108,8 @@ class InputReader:
         self._coverage = coverage[-1].copy()
         omega = np.nan_to_num(chunk.omega)
         uneven = np.where(np.isfinite(chunk.unevenness), chunk.unevenness, 1.0)
-        return Inputs(omega[:, None], coverage, values, rises, self._motion.read(omega), uneven[:, None])
+        motion = self._motion.read(omega)
+        return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], fault)
 
 
 def nothing(rig: Rig) -> Inputs:

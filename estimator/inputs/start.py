@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.faults.fault import POWER_ON_C
 from estimator.inputs.phase import turns
 from estimator.record import Array, Sample
 from estimator.rig import Rig
@@ -15,7 +16,6 @@ UNIFORM_K = 0.1  # a rig whose thermometers agree so well at rest has been waiti
 WARM_K = 0.2  # ... and one whose thermometers differ by so much has not; between both it is partly so
 SENSOR_K = 1.5  # the most that other thermometers of a steady rig can differ from the screw's by their own error
 ODD_K = 10.0  # further from the median than any part of a screw gets: no temperature
-POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
 
 
 @dataclass(frozen=True)

@@ -95,6 +95,11 @@ class Forcing:
         return other
 
     @property
+    def input_fault(self) -> Array:
+        """Why each input was held at the last tick read, (p,), a Fault each."""
+        return self._reader.gate.fault
+
+    @property
     def modes(self) -> list[Modes]:
         """Modes of all regimes met so far."""
         return [self._solved[regime].modes for regime in range(len(self._regimes.omega))]

@@ -23,6 +23,7 @@ class Estimates:
     alone      (K, m) readings by the model alone, from the first estimate of temperatures on
     grown_um   (K,)   growth of the span since the start by the model alone
     fault, since_s  (K, m) of the channels, a Fault each and since when;   jump (K, m) of their zeros
+    input_fault     (K, p) of the inputs
     """
 
     x: Array
@@ -36,6 +37,7 @@ class Estimates:
     fault: Array
     since_s: Array
     jump: Array
+    input_fault: Array
 
     @classmethod
     def of_tick(cls, **tick: Array | float) -> Estimates:
@@ -68,6 +70,7 @@ class Reporter:
             fault=run.fault,
             since_s=judged,
             jump=np.zeros(len(judged)),
+            input_fault=run.forcing.input_fault,
         )
         return replace(self.track(rows, estimate), begins=np.ones(1, dtype=bool))
 
@@ -102,6 +105,7 @@ class Reporter:
             fault=estimates.fault,
             since_s=estimates.since_s,
             jump=estimates.jump,
+            input_fault=estimates.input_fault,
             begins=np.zeros(len(rows), dtype=bool),
             open_loop=estimates.alone + self._zeros,
             nis=estimates.nis,

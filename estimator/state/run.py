@@ -10,6 +10,7 @@ import numpy as np
 from estimator.errors import SetupError
 from estimator.faults.fault import Fault
 from estimator.faults.judge import Judge
+from estimator.inputs.gate import believable
 from estimator.inputs.start import Start, read_start
 from estimator.model import Model
 from estimator.network.assemble import Layout, Readings
@@ -103,6 +104,7 @@ def begin(
         return None
     tick, start = begun
     sample, forcing = recording.sample(tick), Forcing(model, rig, start, keep=keep)
+    sample = replace(sample, inputs=believable(sample.inputs, rig, start))
     readings, place = forcing.readings, forcing.place
     if not np.isfinite(readings.sd[rig.is_thermometer]).any():
         raise SetupError(f"{model.name}: no effect reads a thermometer; add [thermometers] or one with a Read")

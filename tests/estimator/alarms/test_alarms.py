@@ -24,7 +24,8 @@ def step_of(rig: Rig, k: int, innovation: np.ndarray, nis: float, measured: np.n
         names=tuple(rig.names),
         measured=innovation if measured is None else measured, predicted=np.zeros(m), innovation=innovation,
         innovation_sd=np.full(m, SD), fused=fused,
-        fault=np.zeros(m, dtype=int), since_s=np.full(m, np.nan), jump=np.zeros(m), begins=False,
+        fault=np.zeros(m, dtype=int), input_fault=np.zeros(len(rig.inputs), dtype=int),
+        since_s=np.full(m, np.nan), jump=np.zeros(m), begins=False,
         why=tuple("" if f else "not measured" for f in fused),
         open_loop=np.zeros(m), nis=nis, nis_channels=int(fused.sum()),
     )  # fmt: skip

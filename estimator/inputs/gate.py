@@ -1,0 +1,78 @@
+"""Temperature inputs that cannot be: refused, so that what was known before them is held.
+
+A thermometer of the air, the base, the board or the probe has no model to be compared with, but it is slow: what jumps
+from one tick to the next, further than it scatters, is not its temperature, for as long as it stays away. One that is
+far from the screw at the start has nothing before it, and is not taken. Inputs of other names may be quick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from estimator.faults.fault import Fault
+from estimator.faults.standstill import Standstill
+from estimator.faults.suspects import STUCK
+from estimator.inputs.start import Start
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+
+SLOW = ("ambient", "base", "board", "probe", "bar", "nut", "anchor_bracket", "free_bracket")
+FAR_K = 25.0  # from the screw at the start: no place around a machine that has just been switched on
+LEAST_K, LEAST_K_S = 0.5, 0.02  # of a jump, and more where ticks are long
+SCATTERS = 6.5
+TICKS = 8.0  # over which level and scatter are learnt
+
+
+class InputGate:
+    """What is known of each input of a rig.
+
+    fault  (p,) in the order of Rig.inputs, a Fault each, as of the last tick; of slow temperatures only
+    """
+
+    def __init__(self, rig: Rig, start: Start) -> None:
+        self._names, self._start = list(rig.inputs), start
+        self._slow, p = np.array([slow(name, rig) for name in self._names], dtype=bool), len(self._names)
+        self._least = LEAST_K + LEAST_K_S * rig.tick_s
+        self.fault = np.zeros(p, dtype=np.int8)
+        self._level, self._last = np.full((2, p), np.nan)
+        self._variance, self._standstill = np.zeros(p), Standstill(p)
+
+    def passed(self, chunk: Recording) -> tuple[dict[str, Array], Array]:
+        """The inputs of the next ticks, by name, NaN where they are refused, and the faults (K, p) that they have."""
+        given = np.array([chunk.inputs[name] for name in self._names]).reshape(-1, len(chunk)).T
+        repeats = self._standstill.compare(np.where(self._slow, given, np.nan))
+        self._standstill.learn(repeats, len(given))
+        jumped = np.array([self._jumped(row) for row in given]).reshape(given.shape)
+        stuck = repeats.count >= STUCK
+        fault = np.where(jumped, Fault.JUMPED, np.where(stuck, Fault.STUCK, Fault.NONE)).astype(np.int8)
+        self.fault = fault[-1] if len(fault) else self.fault
+        return dict(zip(self._names, np.where(jumped, np.nan, given).T)), fault
+
+    def _jumped(self, row: Array) -> Array:
+        """Which of the inputs (p,) of one tick are refused; the others are learnt."""
+        read = np.isfinite(row) & self._slow
+        known = np.isfinite(self._level)
+        off = np.abs(row - np.where(known, self._level, self._start.level_C))
+        limit = np.maximum(SCATTERS * np.sqrt(self._variance), self._least)
+        sudden = np.abs(row - self._last) > 0.7 * limit
+        jumped = read & np.where(known, (off > limit) & sudden, off > FAR_K)
+        good = read & ~jumped
+        gain = np.where(good, 1.0 / TICKS, 0.0)
+        difference = np.where(good & known, row - self._last, 0.0)
+        self._variance += gain * (difference**2 / 2.0 - self._variance)
+        self._level = np.where(good & ~known, row, self._level + gain * (np.where(good, row, 0.0) - self._level))
+        self._last = np.where(good, row, self._last)
+        return jumped
+
+
+def slow(name: str, rig: Rig) -> bool:
+    """Whether an input is a temperature that cannot jump."""
+    return name in SLOW and rig.inputs[name].unit == "degC"
+
+
+def believable(inputs: Mapping[str, float], rig: Rig, start: Start) -> dict[str, float]:
+    """The inputs of the first sample, NaN where they are too far from the screw's temperature."""
+    far = {name for name, value in inputs.items() if slow(name, rig) and abs(value - start.level_C) > FAR_K}
+    return {name: float("nan") if name in far else value for name, value in inputs.items()}
