@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 _GAP = 1.5  # ticks: a longer silence needs a decision
 _TRUSTED_SCANS = 60
+_UNCONFIRMED = 60.0  # ticks of silence that are believed of the last frames of a log
 _UNEVEN = 0.05  # share by which scans may differ in their number of frames
 
 
@@ -74,7 +75,9 @@ class RigClock:
         return bool(self._waiting)
 
     def flush(self) -> list[tuple[Any, float]]:
-        """Decide on what still waits: no more frames come."""
+        """Decide on what still waits: no more frames come, and a stamp far ahead is never confirmed."""
+        if self._waiting and self._waiting[0][1] - self._stamp > _UNCONFIRMED * self.tick_s:
+            self._drop()
         return self._decide() if self._waiting else []
 
     @property
@@ -158,15 +161,19 @@ class RigClock:
         from_old, from_new = stamp - self._stamp, stamp - self._waiting[-1][1]
         near_new = -self.tick_s / 2 <= from_new <= _GAP * self.tick_s
         if len(self._waiting) == 1 and -self.tick_s / 2 <= from_old <= _GAP * self.tick_s and not near_new:
-            self.tally.skip("stray time stamp")
-            self.tally.note(f"stray time stamp at {self.now:.3f} s ({self.where(first[0])}): frame dropped")
-            self._waiting = []
+            self._drop()
             return self.step(*item)
         if not near_new:
             return [*self._decide(), *self.step(*item)]
         self._waiting.append(item)
         known = item[2] or self._scan is None or self._scan[2] < 0 or stamp - first[1] > _GAP * self.tick_s
         return self._decide() if known else []
+
+    def _drop(self) -> None:
+        where = self.where(self._waiting[0][0])
+        self.tally.skip("stray time stamp", len(self._waiting))
+        self.tally.note(f"stray time stamp at {self.now:.3f} s ({where}): frame dropped")
+        self._waiting = []
 
     def _decide(self) -> list[tuple[Any, float]]:
         frame, stamp = self._waiting[0][:2]

@@ -22,6 +22,7 @@ from drivers.recorder.part import Part, utc
 
 _RETRY_S = 1.0
 _MOST_NOTES = 50
+_MOST_STRAYS = 5
 _FULL = {errno.ENOSPC, errno.EDQUOT}
 
 
@@ -51,7 +52,7 @@ class Recorder:
         self._about, self._size_bytes, self._span_s = dict(about), size_bytes, hours * 3600.0
         self._part: Part | None = None
         self._parts = 0
-        self._own, self._rig_s = own, math.inf
+        self._own, self._rig_s, self._strays = own, math.inf, 0
         self._finished: list[Part] = []
         self._not_taken = self._not_synced = ""
         self._retry_at = 0.0
@@ -109,11 +110,15 @@ class Recorder:
             part = self._next(time_s)
         part.append(line, time_s)
         if rigs:
+            self._strays += math.inf > self._rig_s > time_s + Budget().gap_s
             self._rig_s = time_s
 
     def _is_full(self, part: Part, more: int, time_s: float) -> bool:
-        """What comes after a long silence is another recording, and has a file of its own."""
-        silent = time_s - self._rig_s > Budget().gap_s
+        """What comes after a long silence is another recording, and has a file of its own.
+
+        Stamps that come back from the future again and again must not begin a file each.
+        """
+        silent = time_s - self._rig_s > Budget().gap_s and self._strays < _MOST_STRAYS
         return silent or part.size + more > self._size_bytes or time_s - part.first_s >= self._span_s
 
     def _next(self, time_s: float) -> Part:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import time
@@ -17,6 +18,7 @@ import pytest
 
 from ballscrew.monitor.monitor import Monitor
 from drivers.budget import Budget
+from drivers.bus.hub import Hub
 from drivers.frames import Tally
 from drivers.logs.candump import read_candump
 from drivers.recorder.recorder import Recorder
@@ -25,7 +27,7 @@ from estimator.batch.replay import replay
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from tests.hub_fake import hub_running
-from tests.live_fake import Frames, dropped, rig_frames, since
+from tests.live_fake import DRIVE, Frames, dropped, rig_frames, since
 from tests.processes import PATIENCE_S, ended, started, until
 
 RECORDINGS = Path(__file__).parents[3] / "recordings"
@@ -134,6 +136,38 @@ def test_kill_9_loses_nothing_that_is_estimated(frames, tmp_path):
     found = recorded(tmp_path)
     assert found == [(f.id, f.data) for f in sent][: len(found)]
     assert len(found) >= len(sent) - 200  # less than two seconds of the rig: its last ticks
+
+
+class Stamps:
+    """A hub's stamps: those that the frames have."""
+
+    def __init__(self, frames: Frames) -> None:
+        self.left = [b"%.6f" % frame.time_s for frame in frames]
+
+    def next(self) -> bytes:
+        return self.left.pop(0)
+
+
+@pytest.mark.parametrize("ahead_s", [3000.0, 5.7e9])
+def test_after_a_stamp_that_is_ahead_and_a_silence_it_still_ends(frames, tmp_path, ahead_s):
+    end = next(k for k in range(1500, len(frames)) if frames[k].id == DRIVE)
+    hub = Hub()
+    hub.stamp = Stamps([*frames[:end], frames[end]._replace(time_s=frames[end].time_s + ahead_s)])
+    with hub_running(hub) as port, live(port, tmp_path) as process:
+        said(tmp_path, "listening on can0")
+        send(port, frames[: end + 1], 1000.0)
+        until(lambda: sum(line["provisional"] for line in lines(tmp_path)) >= 2, "the model never went on alone")
+        size_kB = memory_kB(process.pid)
+        until(lambda: sum(line["provisional"] for line in lines(tmp_path)) >= 4, "the model stopped going on")
+        assert memory_kB(process.pid) < size_kB + 20_000
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(PATIENCE_S) == 0
+    assert len(lines(tmp_path)) < 100
+    assert "ended: time" in (tmp_path / "said.txt").read_text()
+
+
+def memory_kB(pid: int) -> int:
+    return int(re.search(r"VmRSS:\s+(\d+) kB", Path(f"/proc/{pid}/status").read_text())[1])
 
 
 def test_a_second_instance_is_refused(tmp_path, frames):

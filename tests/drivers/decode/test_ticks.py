@@ -294,6 +294,17 @@ def test_too_many_ticks_end_the_recording(tmp_path: Path) -> None:
     assert record.notes == ("longer than 7 ticks: the recording ends at 7.0 s",)
 
 
+@pytest.mark.parametrize("ahead_s", [100.0, 3000.0, 1e6])
+def test_a_log_whose_last_stamp_is_far_ahead_is_no_longer_for_it(tmp_path: Path, ahead_s: float) -> None:
+    """Nothing confirms it; a short silence before the last frames is believed."""
+    drive = BASE[-40]._replace(time=BASE[-1].time + ahead_s)
+    record = recorded(tmp_path, [*BASE, drive])
+    assert len(record) == len(recorded(tmp_path, BASE))
+    assert record.skipped["stray time stamp"] == 1
+    late = recorded(tmp_path, [*BASE, drive._replace(time=BASE[-1].time + 10.0)])
+    assert len(late) == len(record) + 10
+
+
 def clocked(modulus: int, jump_s: float, at: int, lost: int = 0) -> tuple[float, list[str]]:
     """Where the rig's clock ends after 120 scans of 11 frames, 1 s each, and its notes.
 

@@ -132,6 +132,14 @@ def test_what_comes_after_a_night_has_a_file_of_its_own(tmp_path: Path) -> None:
     assert [len(lines(path)) for path in sorted(tmp_path.glob("*.log"))] == [4, 4]
 
 
+def test_stamps_that_stray_into_the_future_do_not_fill_the_folder_with_files(tmp_path: Path) -> None:
+    with Recorder(tmp_path, {}) as recorder:
+        for k in range(1000):
+            recorder.write(frame(k, time_s=START + k + (1e6 if k % 10 == 5 else 0.0)))
+    assert recorder.frames == 1000
+    assert len([*tmp_path.glob("*.log")]) < 10
+
+
 def test_a_file_that_is_there_stays_as_it_is(tmp_path: Path) -> None:
     """The clock was set back over a recording, and of another one only the sidecar is left."""
     (tmp_path / f"{STEM}.log").write_text("kept\n")
