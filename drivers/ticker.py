@@ -14,6 +14,8 @@ from drivers.frames import FRAME, LATEST_S, PACKED, Frames, Tally, plausible
 from estimator.record import Sample
 from estimator.rig import Rig
 
+MOST_OPEN = 500_000  # frames of one tick: a minute of a full bus
+
 
 class Ticker:
     """Feed frames as they come; a sample comes out when its tick closes.
@@ -63,7 +65,10 @@ class Ticker:
     def _placed(self, placed: list[tuple[tuple[int, bytes, bool], float]]) -> Iterator[Sample]:
         for (number, packed, closes), now in placed:
             yield from self._timed(self.ticks.due(now))
-            self._open.append((number, packed, now))
+            if len(self._open) < MOST_OPEN:
+                self._open.append((number, packed, now))
+            else:
+                self.tally.skip("too many frames in one tick")
             if closes and self.ticks.close(now):
                 yield from self._close(now)
             elif closes:

@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 _GAP = 1.5  # ticks: a longer silence needs a decision
 _TRUSTED_SCANS = 60
+_MOST_WAITING = 100_000  # frames whose stamps stand still after a jump
 _UNCONFIRMED = 60.0  # ticks of silence that are believed of the last frames of a log
 _UNEVEN = 0.05  # share by which scans may differ in their number of frames
 
@@ -167,7 +168,7 @@ class RigClock:
             return [*self._decide(), *self.step(*item)]
         self._waiting.append(item)
         known = item[2] or self._scan is None or self._scan[2] < 0 or stamp - first[1] > _GAP * self.tick_s
-        return self._decide() if known else []
+        return self._decide() if known or len(self._waiting) > _MOST_WAITING else []
 
     def _drop(self) -> None:
         where = self.where(self._waiting[0][0])

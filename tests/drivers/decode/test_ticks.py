@@ -10,7 +10,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from drivers import ticker as live
 from drivers.budget import Budget
+from drivers.decode import clock
 from drivers.decode.clock import RigClock
 from drivers.frames import Tally
 from drivers.logs.logs import read_log
@@ -257,6 +259,22 @@ def test_a_live_bus_that_falls_silent(tmp_path: Path) -> None:
     assert sample.channels[0] == 20
 
 
+def test_frames_whose_stamps_stand_still_do_not_pile_up(monkeypatch) -> None:
+    """Without a scan that would close a tick; before a jump of the clock, and after it."""
+    monkeypatch.setattr(live, "MOST_OPEN", 300)
+    monkeypatch.setattr(clock, "_MOST_WAITING", 200)
+    ticker = Ticker(RIG)
+    for row in BASE[:87]:
+        list(ticker.feed(row.time, row.id, row.extended, row.data))
+    drive = next(row for row in BASE if row.id != STATUS)
+    for at, count in ((BASE[86].time, 1000), (BASE[86].time + 500.0, 1000)):
+        for _ in range(count):
+            list(ticker.feed(at, drive.id, drive.extended, drive.data))
+            assert len(ticker._open) <= 300
+            assert len(ticker.clock._waiting) <= 201
+    assert ticker.tally.skipped["too many frames in one tick"] > 700
+
+
 def test_the_timer_closes_ticks_of_a_rig_without_a_closing_message(tmp_path: Path) -> None:
     rig = replace(RIG, log=Log(dbc="rig.dbc"))
     path = log_fake.write(tmp_path / "a.log", BASE)
@@ -315,8 +333,7 @@ def clocked(modulus: int, jump_s: float, at: int, lost: int = 0) -> tuple[float,
     closes = number % 11 == 10
     scan = np.where(closes, (number // 11 + 200) % modulus, -1)
     tally = Tally()
-    clock = RigClock(1.0, modulus, tally, str, Budget())
-    now = clock.run(stamps, closes, scan)
+    now = RigClock(1.0, modulus, tally, str, Budget()).run(stamps, closes, scan)
     slow = RigClock(1.0, modulus, Tally(), str, Budget())
     steps = zip(stamps.tolist(), closes.tolist(), scan.tolist(), strict=True)
     placed = [pair for k, row in enumerate(steps) for pair in slow.step(k, *row)]
