@@ -181,6 +181,14 @@ def test_a_rig_without_screw_has_no_profile(run: ReviewedRun, tmp_path: Path) ->
     assert not [name for name in view_names(tmp_path / "bare.rrd") if "screw" in name.lower()]
 
 
+def test_a_thermometer_on_a_body_is_in_no_profile_and_neither_is_its_truth(run: ReviewedRun, tmp_path: Path) -> None:
+    channels = {**run.rig.channels, "T15": replace(run.rig.channels["T15"], at_mm=None, node="nut")}
+    save(tmp_path / "body.rrd", [replace(run, rig=replace(run.rig, channels=channels))], "")
+    for what in ("measured", "truth"):
+        points = rows(tmp_path / "body.rrd", f"/FS-20/profile/{what}", "Points2D:positions")[1]
+        assert max(map(len, points)) == 14
+
+
 def test_a_run_without_reference_is_saved_all_the_same(run: ReviewedRun, tmp_path: Path) -> None:
     nothing = np.full(len(run.track), np.nan)
     errors = dict.fromkeys(run.errors_um, nothing)

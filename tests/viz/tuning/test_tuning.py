@@ -122,6 +122,17 @@ def test_bars_go_from_one_to_nis(saved: Path) -> None:
     assert (drawn[4 * ROW :] == paths.BACKGROUND).all()
 
 
+def test_values_stand_beside_their_bars_and_inside_the_view(saved: Path) -> None:
+    labels = fixed(saved, "/bars/0/values", "Points2D:labels")
+    assert labels == ["4.000 / 1.000", "0.250 / 0.900", "1.000 / 1.100", "2.000 / 1.000"]
+    x = np.array(fixed(saved, "/bars/0/values", "Points2D:positions"))[:, 0]
+    right, half = NIS.across([4.0, 1.0, 1.1, 2.0]), 7.0 * len(labels[0])
+    assert (x[1:] - half > right[1:]).all()  # beyond the longest bar
+    assert x[0] + half < NIS.across(1.0)  # where that would be outside, on the other side
+    assert NIS.frame.bounds[0][0] < (x - half).min()
+    assert (x + half).max() < NIS.frame.bounds[0][1]
+
+
 def test_bars_of_nothing_and_of_too_much_still_have_a_scale() -> None:
     nothing = [np.nan] * 3
     assert ratios(nothing, nothing).ticks.tolist() == [0.5, 1, 2]
