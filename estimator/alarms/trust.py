@@ -7,6 +7,7 @@ from math import ceil
 
 import numpy as np
 
+from estimator.faults.travel import Travel
 from estimator.inputs.phase import turns
 from estimator.record import Sample
 from estimator.rig import Rig
@@ -28,6 +29,7 @@ class Watch:
         self._heat = rig.is_thermometer
         self._enough = self._displacement = self._drive = -np.inf
         self._moving = self._started = self._diverged = False
+        self._travel = Travel(rig)
 
     def drive(self, now_s: float) -> None:
         """A frame of the drive has come."""
@@ -37,6 +39,7 @@ class Watch:
         """A tick has closed."""
         self._started, self._diverged = step.mode != Mode.INIT, diverged
         self._moving = bool(turns(sample.omega))
+        self._travel.step(sample.inputs.get("position", np.nan), sample.omega)
         if step.fused[self._heat].sum() >= self.least:
             self._enough = step.time_s
         if step.fused[~self._heat].any():
@@ -52,6 +55,8 @@ class Watch:
             why.append(f"fewer than {self.least} thermometers for {FEW_S:g} s")
         if self.needs_drive and now_s - self._drive > DRIVE_S[self._moving]:
             why.append("no news of the drive")
+        if self._travel.why:
+            why.append(self._travel.why)
         if self._diverged:
             why.append("rig and model part")
         return Trust(tuple(why), now_s - self._displacement > DISPLACEMENT_S, few, self._diverged)

@@ -1,0 +1,47 @@
+"""Whether position and speed go together: a table moves no further than the screw turns, and moves while it turns.
+
+path  speed x time x lead: the most that the position can change by in a tick
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from estimator.rig import Rig
+
+SLACK_MM, SLACK = 5.0, 0.1  # of the path: both are read at slightly other times
+STANDS_MM = 1e-3  # less is no motion
+IN_A_ROW = 3  # ticks
+
+
+class Travel:
+    """Takes position and speed tick by tick; `why` says what is wrong with them, empty: nothing."""
+
+    def __init__(self, rig: Rig) -> None:
+        given = rig.screw is not None and "position" in rig.inputs and "speed" in rig.inputs
+        self._path = rig.screw.lead_mm / (2 * np.pi) * rig.tick_s if given and rig.screw else np.nan
+        self._last, self._offset, self._slips, self._stands = np.nan, 0.0, 0, 0
+
+    @property
+    def why(self) -> str:
+        """What is wrong; a jump stays so until the position is back where it must be."""
+        if self._slips >= IN_A_ROW:
+            return "the position moves further than the speed says"
+        if self._stands >= IN_A_ROW:
+            return "the position stands still though the speed says that the screw turns"
+        return f"the position jumped by {self._offset:+.1f} mm" if self._offset else ""
+
+    def step(self, position_mm: float, omega: float) -> None:
+        """One tick: the position at its close, and the mean of |speed| over it, rad/s."""
+        path, moved = self._path * omega, position_mm - self._last
+        self._last = position_mm
+        if not np.isfinite(path + moved):
+            return
+        most = (1.0 + SLACK) * path + SLACK_MM
+        slips = abs(moved) > most
+        self._slips = self._slips + 1 if slips else 0
+        if slips:
+            self._offset += moved
+        if abs(self._offset) <= most:
+            self._offset = 0.0
+        self._stands = self._stands + 1 if path > SLACK_MM and abs(moved) < STANDS_MM else 0
