@@ -1,6 +1,8 @@
 """Whether position and speed go together: a table moves no further than the screw turns, and moves while it turns.
 
 path  speed x time x lead: the most that the position can change by in a tick
+
+A table that turns back within a tick moves less: a jump that is shorter than the path of a tick is not seen.
 """
 
 from __future__ import annotations
@@ -41,7 +43,6 @@ class Travel:
         slips = abs(moved) > most
         self._slips = self._slips + 1 if slips else 0
         if slips:
-            self._offset += moved
-        if abs(self._offset) <= most:
-            self._offset = 0.0
+            offset = self._offset + moved
+            self._offset = offset if abs(offset) > most else 0.0
         self._stands = self._stands + 1 if path > SLACK_MM and abs(moved) < STANDS_MM else 0
