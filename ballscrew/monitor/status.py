@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ from rich.text import Text
 from ballscrew.monitor.monitor import Moment
 from ballscrew.terminal import duration
 from estimator.alarms.alarms import Alarm
+from estimator.faults.fault import Fault
 from estimator.rig import Rig
 
 NO_DEFECT = ("unknown id", "not in the rig file", "held since before the log", "sent by us")
@@ -83,8 +84,14 @@ class Status:
                 {"kind": a.kind, "channel": a.channel, "since_s": a.since_s, "text": a.text} for a in self.alarms
             ],
             "resumed_s": self.resumed_s, "provisional": self.moment.provisional,
-            "why_invalid": list(self.moment.trust.why),
+            "why_invalid": list(self.moment.trust.why), "suspects": _suspects(self.alarms),
         }  # fmt: skip
+
+
+def _suspects(alarms: Sequence[Alarm]) -> list[dict[str, Any]]:
+    """Channels and inputs that are left out, how and since when."""
+    words = {fault.word for fault in Fault if fault.word}
+    return [{"channel": a.channel, "suspect": a.kind, "since_s": a.since_s} for a in alarms if a.kind in words]
 
 
 def defects(skipped: Mapping[str, int]) -> dict[str, int]:

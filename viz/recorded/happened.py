@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from estimator.faults.fault import Fault
 from viz.drawing.scale import Flags
 from viz.drawing.series import Event
 from viz.recorded.run import ReviewedRun
@@ -56,7 +57,9 @@ def _stretches(run: ReviewedRun, i: int, steady: bool) -> Iterator[tuple[float, 
             yield float(track.time_s[first]), f"not measured for {count} ticks"
     read = np.flatnonzero(known)
     for first, count in _blocks(~track.fused[read, i]):
-        yield float(track.time_s[read[first]]), f"not fused for {count} readings"
+        worst = Fault(track.fault[read[first : first + count], i].max())
+        said = f"{worst.said}: " if worst.said else ""
+        yield float(track.time_s[read[first]]), f"{said}not fused for {count} readings"
 
 
 def _blocks(flags: Flags) -> Iterator[tuple[int, int]]:

@@ -245,7 +245,9 @@ def test_the_panel_has_everything_with_its_unit(session, frames):
     told = ticks[-1].json()
     assert set(told) >= {
         "t", "elongation_um", "sigma_um", "error_at_table_um", "mode", "channels", "nis", "frames", "dropped", "alarms",
+        "suspects",
     }  # fmt: skip
+    assert told["suspects"] == []
 
 
 def test_json_lines_on_a_full_disk_cost_lines_and_nothing_else(session, frames):
