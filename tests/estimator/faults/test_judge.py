@@ -1,0 +1,129 @@
+"""One bad thermometer never becomes an estimate: each failure by its name, live as after the fact; no healthy one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from estimator.batch.replay import replay
+from estimator.batch.trial import Trial
+from estimator.faults.fault import Fault
+from estimator.faults.neighbours import Neighbours
+from estimator.filter import Filter
+from tests.conftest import stepped
+
+SECONDS, AT, ONE, OTHER = 1500, 700, 5, 12
+
+
+@pytest.fixture(scope="module")
+def lived(rig, full, driven, live):
+    """A drive of five minutes and twenty minutes of rest, process noise and unknown zeros included."""
+    return live(full, rig, driven(rig, SECONDS, (20, 320)), seed=2, process=True)
+
+
+def changed(lived, change):
+    """The recording with thermometer ONE as `change` makes it of its readings and the seconds since, from AT on."""
+    readings = lived.recording.channels.copy()
+    readings[AT:, ONE] = change(readings[AT:, ONE], np.arange(SECONDS - AT))
+    return replace(lived.recording, channels=readings)
+
+
+def noise(since):
+    return np.random.default_rng(0).uniform(-30.0, 30.0, len(since))
+
+
+FAILURES = {
+    "+0.25 K": (lambda y, s: y + 0.25, Fault.JUMPED, 10, 0.02),
+    "-20 K": (lambda y, s: y - 20.0, Fault.JUMPED, 10, 0.02),
+    "85 degC": (lambda y, s: 0 * y + 85.0, Fault.STUCK, 20, 0.02),
+    "stuck": (lambda y, s: 0 * y + y[0], Fault.STUCK, 20, 0.05),
+    "loose": (lambda y, s: y + np.where(s % 40 < 12, noise(s), 0.0), Fault.LOOSE, 60, 0.05),
+    "spikes": (lambda y, s: y + np.where(s % 23 == 5, 6.0, 0.0), Fault.LOOSE, 60, 0.05),
+    "drift": (lambda y, s: y + 3.0 / 3600 * s, Fault.DRIFTING, 400, 0.4),
+}
+
+
+@pytest.mark.parametrize("name", FAILURES)
+def test_a_failure_is_named_left_out_and_adds_nothing(name, lived, rig, full):
+    change, fault, within_s, um = FAILURES[name]
+    log = changed(lived, change)
+    track = replay(full, rig, log)
+    without = replay(full, rig, lived.recording, lambda t: (np.arange(len(rig.names)) == ONE) & (t > AT))
+    named = np.flatnonzero(track.fault[:, ONE] == fault)
+    assert named[0] - AT <= within_s
+    assert abs(track.elongation_um - without.elongation_um)[AT:].max() < um
+    assert not (np.delete(track.fault, ONE, axis=1) > Fault.JUDGED).any()
+    assert (track.fault[:AT] == Fault.NONE).all()
+    live = stepped(Filter(full, rig), log)
+    np.testing.assert_array_equal(live.fault, track.fault)
+    np.testing.assert_allclose(live.elongation_um, track.elongation_um, rtol=0, atol=1e-9)
+    trial = Trial(full, rig, log)
+    np.testing.assert_array_equal(trial.fault, track.fault[1:])
+    assert trial.muted[track.fault[1:] > Fault.NONE].all()
+
+
+def test_nothing_is_said_of_healthy_thermometers(lived, rig, full):
+    assert not replay(full, rig, lived.recording).fault.any()
+
+
+def test_two_that_are_swapped_do_not_hide_each_other(lived, rig, full):
+    readings = lived.recording.channels.copy()
+    readings[AT:, [ONE, OTHER]] = readings[AT:, [OTHER, ONE]]
+    track = replay(full, rig, replace(lived.recording, channels=readings))
+    assert (track.fault[AT + 300 :, [ONE, OTHER]] > Fault.JUDGED).all()
+    assert not (np.delete(track.fault, [ONE, OTHER], axis=1) > Fault.JUDGED).any()
+
+
+def test_one_that_jumps_back_is_taken_back_after_a_minute_and_after_two(lived, rig, full):
+    log = changed(lived, lambda y, s: y + np.where((s < 50) | ((s > 200) & (s < 250)), 2.0, 0.0))
+    fused = replay(full, rig, log).fused[AT:, ONE]
+    left = np.flatnonzero(~fused)
+    assert left[0] == 0
+    assert np.flatnonzero(np.diff(left) > 1).size == 1
+    first, second = np.split(left, np.flatnonzero(np.diff(left) > 1) + 1)
+    assert first[-1] == pytest.approx(50 + 60, abs=2)
+    assert (second[0], second[-1]) == (201, pytest.approx(250 + 120, abs=2))
+
+
+def test_one_that_the_model_comes_near_to_is_not_taken_back(lived, rig, full):
+    """It stands 0.3 K off while the screw cools down by more than that."""
+    log = changed(lived, lambda y, s: 0 * y + y[:5].mean() + np.where(s < 5, 0.0, 0.3) + 0.02 * noise(s) / 30)
+    assert (replay(full, rig, log).fault[AT + 40 :, ONE] > Fault.JUDGED).all()
+
+
+def test_a_board_that_shifts_all_by_a_kelvin_gives_them_other_zeros(lived, rig, full):
+    readings = lived.recording.channels.copy()
+    readings[AT:, rig.is_thermometer] += 1.0
+    track = replay(full, rig, replace(lived.recording, channels=readings))
+    healthy = replay(full, rig, lived.recording)
+    assert abs(track.elongation_um - healthy.elongation_um).max() < 0.3
+    jumped = np.flatnonzero(track.jump[:, ONE])
+    assert (len(jumped), jumped[0] - AT) == (1, pytest.approx(4, abs=1))
+    assert track.jump[jumped[0], ONE] == pytest.approx(1.0, abs=0.15)
+    live = stepped(Filter(full, rig), replace(lived.recording, channels=readings))
+    np.testing.assert_allclose(live.elongation_um, track.elongation_um, rtol=0, atol=1e-9)
+
+
+def test_a_displacement_that_jumps_has_another_zero(lived, rig, full):
+    readings = lived.recording.channels.copy()
+    readings[AT:, ~rig.is_thermometer] += 20.0
+    track = replay(full, rig, replace(lived.recording, channels=readings))
+    healthy = replay(full, rig, lived.recording)
+    assert abs(track.elongation_um - healthy.elongation_um).max() < 0.3
+    assert track.fused[AT + 20 :, -1].any()
+
+
+@given(st.lists(st.booleans(), min_size=15, max_size=15), st.integers(0, 14), st.floats(-5.0, 5.0))
+def test_the_one_outlier_is_the_one_that_is_off_by_most_sd(read, wrong, size):
+    """Whatever the others have in common, and whichever of them are read."""
+    x = np.arange(15) * 62.0
+    at = np.flatnonzero(np.array(read) | (np.arange(15) == wrong))
+    if abs(size) < 0.5 or len(at) < 4:
+        return
+    change = 3.0 + 0.001 * x
+    change[wrong] += size
+    assert Neighbours(x, 1.0)._furthest(change, at) == wrong
