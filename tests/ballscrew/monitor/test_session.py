@@ -83,8 +83,9 @@ def frames() -> Frames:
 
 
 @pytest.fixture
-def session(paper):
-    """session(items): all parts of it, with what was said and each status."""
+def session(paper, monkeypatch):
+    """session(items): all parts of it, with what was said and each status; a busy machine takes its time at the end."""
+    monkeypatch.setattr(loop, "DRAIN_S", 1000.0)
 
     def of(items: list) -> tuple[Session, list[str], list[Status]]:
         said, ticks = [], []
