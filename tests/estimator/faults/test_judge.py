@@ -43,7 +43,7 @@ FAILURES = {
     "stuck": (lambda y, s: 0 * y + y[0], Fault.STUCK, 20, 0.05),
     "loose": (lambda y, s: y + np.where(s % 40 < 12, noise(s), 0.0), Fault.LOOSE, 60, 0.05),
     "spikes": (lambda y, s: y + np.where(s % 23 == 5, 6.0, 0.0), Fault.LOOSE, 60, 0.05),
-    "drift": (lambda y, s: y + 3.0 / 3600 * s, Fault.DRIFTING, 400, 0.4),
+    "drift": (lambda y, s: y + 3.0 / 3600 * s, Fault.DRIFTING, 400, 0.6),
 }
 
 
