@@ -13,6 +13,7 @@ from estimator.batch.nominal import Nominal, nominal
 from estimator.batch.system import System
 from estimator.errors import InputError
 from estimator.faults.fault import Fault
+from estimator.faults.heat import may_be_heat
 from estimator.faults.use import Told, Use, use_of
 from estimator.model import Model
 from estimator.network.forcing import Forcing
@@ -109,8 +110,12 @@ class Trial:
         self.since_s, self.jump = np.full(self.fault.shape, np.nan), np.zeros(self.fault.shape)
 
     def _judge(self, model: Model, mute: Mute) -> None:
-        """Leave out what is broken, and take off readings what their zeros jumped by."""
-        for part in self.filtered(self.pose(model)):
+        """Leave out what is broken, and take off readings what their zeros jumped by.
+
+        What drifts as it would next to heat that the model lacks is not left out: else nobody would find that heat.
+        """
+        posed, side = self.pose(model), np.zeros(len(self.rig.names))
+        for part in self.filtered(posed):
             judgement, at = part.judgement, part.chunk.ticks
             if judgement.anew:
                 self._begin(model, mute, since=self.begin + at.stop - 1)
@@ -119,6 +124,10 @@ class Trial:
             self.fault[at], self.since_s[at] = judgement.fault, judgement.since_s
             if judgement.jump is not None:
                 self.jump[at.stop - 1] = judgement.jump
+            off = posed.system.y[at] - part.chunk.predicted
+            side += np.where(judgement.fault == Fault.DRIFTING, np.nan_to_num(off), 0.0).sum(axis=0)
+        well = (self.fault == Fault.DRIFTING) & may_be_heat(side, self.rig)
+        self.fault[well], self.since_s[well] = Fault.NONE, np.nan
         self.muted |= self.fault != Fault.NONE
         off = np.vstack([np.zeros(len(self.rig.names)), np.cumsum(self.jump, axis=0)[:-1]])
         self.rest = replace(self.rest, channels=self.rest.channels - off)
