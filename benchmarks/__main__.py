@@ -15,7 +15,7 @@ from benchmarks.measure import alone, commit, machine
 
 RESULTS = Path(__file__).parent / "RESULTS.md"
 STUDIES = ("accuracy", "mesh", "speed", "engine")
-LONG = ("faults", "recovery", "search", "hidden", "live")
+LONG = ("faults", "restarts", "recovery", "search", "hidden", "live")
 ALONE = ("engine", *LONG)  # in a process that computes in one thread
 
 

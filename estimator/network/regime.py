@@ -5,7 +5,8 @@ trailing mean of speed and coverage over the last minute of motion instead, and 
 regime begins when that mean has moved by 5 % in speed or by 2 % of the nut's length in coverage; what this costs is
 measured in the tests (below 0.04 um).
 
-While nothing is heard of the drive a regime of its own holds: the screw may stand or turn, so that its heat is unknown.
+While nothing is heard of the drive, and until the lags of the thermometers are those of what it does now, other regimes
+hold: the screw may have stood or turned, so that its heat is unknown.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from estimator.inputs.phase import turns
 from estimator.record import Array
 
 WINDOW_S = 60.0
+SETTLED_S = 60.0  # after the drive is heard again
 SPEED_STEP = 0.05
 COVERAGE_STEP = 0.02
 REMEMBERED = 500  # that may hold again; a machine that never does the same twice meets more in a day
@@ -31,7 +33,7 @@ NOTHING: Array = np.empty(0)
 class Regimes:
     """The regimes met so far, and which one holds now. Causal: the same live and in review.
 
-    unknown  whether nothing was heard of the drive
+    unknown  whether nothing is or has just been heard of the drive
     forgets  whether those that cannot hold again leave no coverage behind
     """
 
@@ -44,10 +46,12 @@ class Regimes:
     _recent: dict[int, None] = field(default_factory=dict)
     _moving: deque[tuple[float, Array]] = field(default_factory=deque)
     _sum: Array | float = 0.0
+    _unsettled_s: float = 0.0
 
     def index(self, omega: float, coverage: Array, unknown: bool = False) -> int:
         """Regime of the next tick, (omega rad/s, coverage (cells,)); `unknown`: nothing was heard of the drive."""
-        mean = *self._mean(omega, coverage), unknown
+        self._unsettled_s = SETTLED_S if unknown else self._unsettled_s - self.tick_s
+        mean = *self._mean(omega, coverage), self._unsettled_s > 0.0
         if self._current < 0 or not self._fits(self._current, *mean):
             self._current = self._find(*mean)
         self._recent.pop(self._current, None)
