@@ -19,15 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.budget import Budget
+from drivers.decode.scans import GAP, Item, Scans
 from drivers.frames import Tally
 
 Array = NDArray[np.float64]
 
-_GAP = 1.5  # ticks: a longer silence needs a decision
-_TRUSTED_SCANS = 60
 _MOST_WAITING = 100_000  # frames whose stamps stand still after a jump
 _UNCONFIRMED = 60.0  # ticks of silence that are believed of the last frames of a log
-_UNEVEN = 0.05  # share by which scans may differ in their number of frames
 
 
 class RigClock:
@@ -39,7 +37,6 @@ class RigClock:
 
     def __init__(self, tick_s: float, modulus: int, tally: Tally, where: Callable[[Any], str], budget: Budget) -> None:
         self.tick_s = tick_s
-        self.modulus = modulus
         self.tally = tally
         self.where = where
         self.budget = budget
@@ -48,24 +45,20 @@ class RigClock:
         self._stamp = np.nan  # latest stamp of this stretch
         self._offset = 0.0
         self._still = 0  # scans since the stamps stand still
-        self._since_scan = self._per_scan = 0  # frames since the last closing message, and up to it from the one before
-        self._scan: tuple[float, float, int] | None = None  # stamp, rig clock and number of the last closing message
-        self._waiting: list[tuple[Any, float, bool, int]] = []
+        self._scans = Scans(tick_s, modulus)
+        self._waiting: list[Item] = []
 
     def step(self, frame: Any, stamp: float, closes: bool, scan: int) -> list[tuple[Any, float]]:
-        """Take one frame, by number or as it is; returns those now placed as (frame, rig clock in s), in order.
-
-        `scan` is -1 if unknown.
-        """
+        """Take one frame, as an `Item`; returns those now placed as (frame, rig clock in s), in order."""
         if self.ended:
             self.tally.skip("after the end of the recording")
             return []
-        item = (frame, stamp, closes, scan)
+        item = Item(frame, stamp, closes, scan)
         if self._waiting:
             return self._follow(item)
         if np.isnan(self._stamp):
             self._offset = self._stamp = stamp
-        if -self.tick_s / 2 <= stamp - self._stamp <= _GAP * self.tick_s:
+        if -self.tick_s / 2 <= stamp - self._stamp <= GAP * self.tick_s:
             return [self._place(item)]
         self._waiting = [item]
         return []
@@ -77,7 +70,7 @@ class RigClock:
 
     def flush(self) -> list[tuple[Any, float]]:
         """Decide on what still waits: no more frames come, and a stamp far ahead is never confirmed."""
-        if self._waiting and self._waiting[0][1] - self._stamp > _UNCONFIRMED * self.tick_s:
+        if self._waiting and self._waiting[0].stamp - self._stamp > _UNCONFIRMED * self.tick_s:
             self._drop()
         return self._decide() if self._waiting else []
 
@@ -123,19 +116,11 @@ class RigClock:
             return
         clock[start:stop] = stamps[start:stop] - self._offset
         self._stamp, self.now = float(stamps[stop - 1]), float(clock[stop - 1])
-        last = int(np.searchsorted(closing, stop)) - 1
-        if last >= 0 and closing[last] >= start:
-            index = closing[last]
-            self._scan = (float(stamps[index]), float(clock[index]), int(scan[index]))
-            before = int(closing[last - 1]) if last else -1
-            self._per_scan = index - before if before >= start else self._since_scan + index - start + 1
-            self._since_scan = stop - 1 - int(index)
-        else:
-            self._since_scan += stop - start
+        self._scans.stretch(stamps, clock, closing, scan, start, stop)
 
-    def _place(self, item: tuple[Any, float, bool, int]) -> tuple[Any, float]:
-        frame, stamp, closes, scan = item
-        if closes and self._scan and stamp == self._scan[0] and self._since_scan > 1:
+    def _place(self, item: Item) -> tuple[Any, float]:
+        frame, stamp = item.frame, item.stamp
+        if item.closes and self._scans.stands_still(stamp):
             self._stand_still(frame)
         elif self._still and stamp != self._stamp:
             self._offset, self._still = stamp - self.now, 0
@@ -143,9 +128,7 @@ class RigClock:
             self.tally.skip("time stamp before the last one (used)")
         self._stamp = max(self._stamp, stamp)
         self.now = max(self.now, stamp - self._offset)
-        self._since_scan += 1
-        if closes:
-            self._scan, self._per_scan, self._since_scan = (stamp, self.now, scan), self._since_scan, 0
+        self._scans.count(item, self.now)
         return frame, self.now
 
     def _stand_still(self, frame: Any) -> None:
@@ -156,22 +139,22 @@ class RigClock:
         self._still += 1
         self._offset -= self.tick_s
 
-    def _follow(self, item: tuple[Any, float, bool, int]) -> list[tuple[Any, float]]:
+    def _follow(self, item: Item) -> list[tuple[Any, float]]:
         """A frame after a jump: it shows whether the one before was stray, or the clock jumped, or it was silent."""
-        stamp, first = item[1], self._waiting[0]
-        from_old, from_new = stamp - self._stamp, stamp - self._waiting[-1][1]
-        near_new = -self.tick_s / 2 <= from_new <= _GAP * self.tick_s
-        if len(self._waiting) == 1 and -self.tick_s / 2 <= from_old <= _GAP * self.tick_s and not near_new:
+        stamp, first = item.stamp, self._waiting[0]
+        from_old, from_new = stamp - self._stamp, stamp - self._waiting[-1].stamp
+        near_new = -self.tick_s / 2 <= from_new <= GAP * self.tick_s
+        if len(self._waiting) == 1 and -self.tick_s / 2 <= from_old <= GAP * self.tick_s and not near_new:
             self._drop()
             return self.step(*item)
         if not near_new:
             return [*self._decide(), *self.step(*item)]
         self._waiting.append(item)
-        known = item[2] or self._scan is None or self._scan[2] < 0 or stamp - first[1] > _GAP * self.tick_s
+        known = item.closes or not self._scans.numbered or stamp - first.stamp > GAP * self.tick_s
         return self._decide() if known or len(self._waiting) > _MOST_WAITING else []
 
     def _drop(self) -> None:
-        where = self.where(self._waiting[0][0])
+        where = self.where(self._waiting[0].frame)
         self.tally.skip("stray time stamp", len(self._waiting))
         self.tally.note(f"stray time stamp at {self.now:.3f} s ({where}): frame dropped")
         self._waiting = []
@@ -197,24 +180,14 @@ class RigClock:
         self._stamp = stamp
         return [self._place(item) for item in waiting]
 
-    def _rig_time(self, waiting: list[tuple[Any, float, bool, int]], jump: float) -> float | None:
+    def _rig_time(self, waiting: list[Item], jump: float) -> float | None:
         """Where the rig's clock goes on after a jump of the stamps; None: the time really passed."""
-        closing = next((item for item in waiting if item[2] and item[3] >= 0), None)
-        if closing and self._scan and self._scan[2] >= 0:
-            scans = max((closing[3] - self._scan[2]) % self.modulus, 1)
-            uncounted = (closing[1] - self._scan[0]) / self.tick_s - scans
-            again = min(uncounted % self.modulus, -uncounted % self.modulus)
-            goes_on = again > _GAP or (scans == 1 and self._whole(waiting.index(closing) + 1))
-            if scans <= _TRUSTED_SCANS and (jump < 0 or (uncounted > _GAP and goes_on)):
-                expected = self._scan[1] + scans * self.tick_s - (closing[1] - waiting[0][1])
-                return max(self.now, expected)
+        expected = self._scans.after_jump(waiting, jump)
+        if expected is not None:
+            return max(self.now, expected)
         # A first frame that is years off is a stamp that was not set.
         started = self.now > 2 * self.tick_s
         return self.now if jump < 0 or (jump > self.budget.gap_s and not started) else None
-
-    def _whole(self, after: int) -> bool:
-        """Whether the frames since the last scan and so many after the jump make up one scan like the one before."""
-        return abs(self._since_scan + after - self._per_scan) <= max(1.0, _UNEVEN * self._per_scan)
 
 
 def _irregular(stamps: Array, closing: NDArray[np.intp], tick_s: float) -> NDArray[np.intp]:
@@ -222,7 +195,7 @@ def _irregular(stamps: Array, closing: NDArray[np.intp], tick_s: float) -> NDArr
     if not len(stamps):
         return np.empty(0, np.intp)
     step = np.diff(stamps)
-    odd = np.flatnonzero((step < 0) | (step > _GAP * tick_s)) + 1
+    odd = np.flatnonzero((step < 0) | (step > GAP * tick_s)) + 1
     still = closing[closing > 0]
     still = still[stamps[still] == stamps[still - 1]]
     return np.unique(np.concatenate(([0], odd, still)))
