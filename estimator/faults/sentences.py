@@ -39,7 +39,7 @@ def _told(use: Use, rig: Rig) -> Iterator[str]:
 
 def broken(one: ChannelUse, rig: Rig) -> str:
     """T06 at 559 mm is stuck, since 1800 s: left out, check that sensor."""
-    doubt = "; if it is well, heat is missing there: `ballscrew diagnose`" if one.suspect == Fault.DRIFTING else ""
+    doubt = "; if it is well, heat is missing there" if one.suspect == Fault.DRIFTING else ""
     return f"{place_of(rig, rig.index(one.channel))} {_how(one)}: left out, check that sensor{doubt}"
 
 

@@ -16,12 +16,22 @@ from estimator.faults.heat import may_be_heat
         ({}, []),
         ({"T2": +1}, []),
         ({"T2": +5, "T3": +1}, ["T2", "T3"]),
+        ({"T2": +9, "T3": -1}, ["T2", "T3"]),
         ({"T2": +1, "T3": -1}, []),
         ({"T4": -1}, ["T4"]),
         ({"T4": -1, "T3": +1}, []),
         ({"T1": +1, "T2": +1, "T4": -1}, ["T1", "T2", "T4"]),
     ],
-    ids=["none", "one alone", "two beside each other", "swapped", "the last one", "the last two swapped", "both ends"],
+    ids=[
+        "none",
+        "one alone",
+        "two beside each other",
+        "one of them hardly",
+        "swapped",
+        "the last one",
+        "the last two swapped",
+        "both ends",
+    ],
 )
 def test_neighbours_that_drift_to_one_side_may_be_heat(small, sides, right):
     side = np.array([sides.get(name, 0.0) for name in small.names])
