@@ -11,26 +11,30 @@ from estimator.faults.sentences import place_of
 from estimator.rig import Rig
 
 LOUD = 4.0  # a NIS from which on readings are more than twice as far off as the filter expects
+ALONE, OTHERS = 9.0, 3.0  # that of one channel, and so many times that of most others
 
 
 def doubts(reviews: Sequence[Review], rig: Rig) -> list[str]:
     """What a NIS far above 1 comes from; and that the model fails, where no sensor is to blame."""
-    said = [f"{r.recording.name}: NIS {r.nis_mean:.0f} {_source(r, rig)}" for r in reviews if r.nis_mean > LOUD]
-    return said + _worse([one for one in reviews if not (one.use.suspects or (one.nis_mean > LOUD and loudest(one)))])
+    said = [f"{r.recording.name}: {sentence}" for r in reviews if (sentence := _loud(r, rig))]
+    return said + _worse([one for one in reviews if not (one.use.suspects or loudest(one))])
 
 
 def loudest(review: Review) -> str:
-    """The channel that most of the NIS comes from; none where it comes from several."""
-    total = {one.channel: one.used * np.nan_to_num(review.nis_of[one.channel]) for one in review.use.channels}
-    most = max(total, key=lambda name: float(total[name]))
-    return most if len(total) > 2 and total[most] > 0.5 * sum(total.values()) else ""
+    """The channel whose readings alone are far further off than expected; none where those of most are."""
+    nis = {name: value for name, value in review.nis_of.items() if np.isfinite(value)}
+    most = max(nis, key=lambda name: nis[name], default="")
+    return most if most and nis[most] > max(ALONE, OTHERS * float(np.median(list(nis.values())))) else ""
 
 
-def _source(review: Review, rig: Rig) -> str:
+def _loud(review: Review, rig: Rig) -> str:
     if channel := loudest(review):
-        return f"comes from {place_of(rig, rig.index(channel))}: check that sensor first; a fit would follow its error"
-    times = f"{np.sqrt(review.nis_mean):.1f} times"
-    return f"per channel: readings are {times} as far off as the filter expects; `ballscrew diagnose` says where"
+        at = place_of(rig, rig.index(channel))
+        return f"NIS {review.nis_of[channel]:.0f} of {at}: check that sensor first; a fit would follow its error"
+    if not review.nis_mean > LOUD:
+        return ""
+    off = f"readings are {np.sqrt(review.nis_mean):.1f} times as far off as the filter expects"
+    return f"NIS {review.nis_mean:.0f}: {off}; `ballscrew diagnose` says where"
 
 
 def _worse(reviews: Sequence[Review]) -> list[str]:

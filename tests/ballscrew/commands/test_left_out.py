@@ -46,6 +46,10 @@ def not_converted_yet(rows: Rows) -> None:
         rows[name][:3] = 85.0
 
 
+def a_noisy_plug(rows: Rows) -> None:
+    rows["TC4"] += 0.4 * np.random.default_rng(3).standard_normal(len(rows["TC4"]))
+
+
 def another_reference(rows: Rows) -> None:
     for name in ALL:
         rows[name][FROM:] += 3.0
@@ -94,6 +98,24 @@ def test_a_review_says_that_a_thermometer_is_broken_to_the_end(tmp_path):
     recording, said = reviewed(written(wire_off, tmp_path))
     assert recording["channels"]["TC4"]["spells"] == [{"fault": "stuck", "from_s": 1500.0, "to_s": None}]
     assert "TC4 at 170 mm is stuck, since 1500 s: left out, check that sensor" in said
+
+
+def test_a_nis_far_above_1_names_the_channel_that_it_comes_from(tmp_path):
+    recording, said = reviewed(written(a_noisy_plug, tmp_path))
+    others = [one["nis"] for name, one in recording["channels"].items() if name != "TC4"]
+    assert max(others) < 2
+    assert recording["channels"]["TC4"]["nis"] > 9
+    assert f"NIS {recording['channels']['TC4']['nis']:.0f} of TC4 at 170 mm: check that sensor first" in said
+    assert "ballscrew fit" not in said
+
+
+def test_a_nis_far_above_1_of_all_channels_is_the_model_s(tmp_path):
+    log = written(lambda rows: None, tmp_path)
+    model = tmp_path / "model.toml"
+    model.write_text(model.read_text().replace("sd = 0.05 # K", "sd = 0.01 # K"))
+    recording, said = reviewed(log)
+    times = f"{np.sqrt(recording['nis_mean']):.1f} times as far off as the filter expects"
+    assert f"NIS {recording['nis_mean']:.0f}: readings are {times}; `ballscrew diagnose` says where" in said
 
 
 def test_values_after_power_on_are_no_start(tmp_path):
