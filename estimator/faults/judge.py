@@ -106,11 +106,11 @@ class Judge:
         self._together = self._together + 1 if most else 0
         believed = hot & (self._together >= TOGETHER_TICKS)
         anew = tick.time_s - self._begun_s <= START_S and bool((believed | self._wrong_start(tick, hot)).any())
-        if most:
-            for i in np.flatnonzero(hot).tolist():
-                self._set(i, Fault.NONE if believed[i] else Fault.JUDGED, tick)
-        else:
-            self._judge_alone(tick, hot | (free & self._heat & (tick.repeats >= STILL)))
+        held = (self.fault == Fault.JUDGED) & self._heat
+        still = free & self._heat & (tick.repeats >= STILL)
+        for i, fault in self._suspects.judged(tick, hot if most else hot | still, held).items():
+            together = Fault.NONE if believed[i] else Fault.JUDGED
+            self._set(i, together if most and hot[i] else fault, tick)
         believed |= self._lengths(tick, out & ~self._heat)
         for i in np.flatnonzero(back).tolist():
             self._set(i, Fault.NONE, tick)
@@ -122,12 +122,6 @@ class Judge:
     def _wrong_start(self, tick: Tick, hot: Array) -> Array:
         """Thermometers (m,) that left what the run began with at once, and stay away."""
         return hot & self._begun_with & ~tick.known & (self._beyond >= TOGETHER_TICKS)
-
-    def _judge_alone(self, tick: Tick, out: Array) -> None:
-        """Thermometers that are beyond their limits, or stand still, while most do not."""
-        held = (self.fault == Fault.JUDGED) & self._heat
-        for i, fault in self._suspects.judged(tick, out, held).items():
-            self._set(i, fault, tick)
 
     def _lengths(self, tick: Tick, out: Array) -> Array:
         """Lengths (m,) that have been beyond their limit for long enough to be believed; others are held or well."""
