@@ -20,7 +20,7 @@ from estimator.rig import Rig
 
 SLOW = ("ambient", "base", "board", "probe", "bar", "nut", "anchor_bracket", "free_bracket")
 FAR_K = 25.0  # from the screw at the start: no place around a machine that has just been switched on
-LEAST_K, LEAST_K_S = 0.5, 0.02  # of a jump, and more where ticks are long
+LEAST_K, LEAST_K_S = 0.5, 0.1  # of a jump, and more where ticks are long
 SCATTERS = 6.5
 TICKS = 8.0  # over which level and scatter are learnt
 
