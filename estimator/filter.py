@@ -87,8 +87,7 @@ class Filter:
         fault = judged.fault[0]
         fuse = compared.usable & ~muted & (fault == Fault.NONE)
         nis = self._update(sample.channels - d, fuse, H, R)
-        if judged.jump is not None:
-            self.P = self._filterpy.P = run.state.jumped(self.P, judged.jump)
+        self.P = self._filterpy.P = run.state.judged(self.P, judged)
         estimates = Estimates.of_tick(
             x=self.x,
             P=self.P,

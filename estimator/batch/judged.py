@@ -55,9 +55,8 @@ def judged(system: System, readings: Readings, judge: Judge, state: State) -> It
         yield Judged(chunk, judgement)
         if judgement.anew:
             return
-        start = chunk.last
-        if judgement.jump is not None:
-            start = start[0], state.jumped(start[1], judgement.jump)
+        x, P = chunk.last
+        start = x, state.judged(P, judgement)
         length = min(2 * length, LONGEST) if ticks.stop - at == K else max(SHORTEST, K)
         at += K
 

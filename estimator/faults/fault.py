@@ -75,12 +75,14 @@ class Judgement:
 
     fault    (K, m) a Fault each, since when (K, m) s
     jump     (m,) by how much channels jumped whose zero is now another one; None: none did
+    drift    (m,) by how much channels had drifted that were fused up to now; None: none had
     anew     whether the run has to begin again with the last tick: what it began with were no temperatures
     """
 
     fault: Array
     since_s: Array
     jump: Array | None = None
+    drift: Array | None = None
     anew: bool = False
 
 

@@ -71,17 +71,21 @@ class Judge:
         tick = Tick(float(seen.time_s[last]), read, self._jumps.known, *of_last)
         self._recovery.learn(progress, ticks)
         jump, anew = self._decide(tick, progress.back[last])
+        drift = None
         if drifting is not None and self.fault[drifting] == Fault.NONE:
             self._set(drifting, Fault.DRIFTING, tick)
+            drift = np.where(np.arange(len(read)) == drifting, self._neighbours.departed_K, 0.0)
         self._jumps.learn(jumps, ticks, self.well)
         self._standstill.learn(repeats, ticks)
         self._begun_with = self._begun_with & ~self._jumps.known
         self._silent = self._silence(seen.value)[last]
         self._forget(jump)
+        if drift is not None:
+            self._jumps.forget(self._heat)  # the estimate goes back to where it would be without
         fault[last], since_s[last] = self.fault, self.since_s
         if jump is not None:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
-        return Judgement(fault, since_s, jump, anew)
+        return Judgement(fault, since_s, jump, drift, anew)
 
     def _quiet(self, seen: Seen, jumps: Deviations, repeats: Array, progress: Progress) -> int:
         """How many ticks there are up to the first in which something happens; one while a channel is being judged."""

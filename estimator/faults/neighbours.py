@@ -42,7 +42,10 @@ class Block:
 
 
 class Neighbours:
-    """What thermometers along the screw have read in the last ten minutes, and which of them has been failing."""
+    """What thermometers along the screw have read in the last ten minutes, and which of them has been failing.
+
+    departed_K  how far the one found last had departed from the others
+    """
 
     def __init__(self, x_mm: Array, tick_s: float) -> None:
         """x_mm (m,) places along the screw, NaN: a channel without neighbours."""
@@ -53,7 +56,7 @@ class Neighbours:
         self._past: deque[tuple[Array, Array]] = deque(maxlen=WINDOWS[-1][0] + MEAN)  # d and roughness of each block
         self._alone = np.full(len(x), np.nan)  # of the last block
         self._others = np.zeros(len(WINDOWS))
-        self._failed, self._times = -1, 0
+        self._failed, self._times, self.departed_K = -1, 0, 0.0
         self._block = self._empty()
         self._inverse = lru_cache(maxsize=64)(self._inverted)
 
@@ -103,23 +106,23 @@ class Neighbours:
             if len(differences) >= blocks + MEAN:
                 before = differences[len(differences) - blocks - MEAN : len(differences) - blocks].mean(axis=0)
                 change = differences[-MEAN:].mean(axis=0) - before
-                i, times = self._outlier(w, change, floor + ROUGH * rough[-blocks:].sum(axis=0))
-                if times > most:
-                    worst, most = i, times
+                i, off, limit = self._outlier(w, change, floor + ROUGH * rough[-blocks:].sum(axis=0))
+                if off > most * limit:
+                    worst, most, self.departed_K = i, off / limit, off
         return worst
 
-    def _outlier(self, w: int, change: Array, least: Array) -> tuple[int, float]:
-        """The channel furthest beyond its least limit, and how many times its limit it is off, over window w."""
+    def _outlier(self, w: int, change: Array, least: Array) -> tuple[int, float, float]:
+        """The channel that is off by most sd over window w, by how much, and its limit."""
         at = np.flatnonzero(np.isfinite(change) & self._placed)
         if len(at) < FEWEST:
-            return -1, 0.0
+            return -1, 0.0, 1.0
         i = self._furthest(change, at)
         rest = at[at != i]
         rest = rest[rest != self._furthest(change, rest)]
         r = self._left_out(change, np.append(rest, i))[0][-1]
         others = np.sort(self._left_out(change, rest)[0])
         self._others[w] = max(others[int(QUANTILE * len(others))], KEPT * self._others[w])
-        return i, float(r / (least[i] + OTHERS * self._others[w]))
+        return i, float(r), float(least[i] + OTHERS * self._others[w])
 
     def _furthest(self, change: Array, at: Array) -> int:
         """Of the channels `at`, the one that is off by most sd; if one is wrong, this is it."""

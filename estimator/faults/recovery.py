@@ -11,7 +11,7 @@ from estimator.faults.jumps import Deviations
 from estimator.faults.suspects import STILL
 from estimator.record import Array
 
-WELL_S, DRIFT_WELL_S, LONGEST_S = 60.0, 600.0, 3600.0
+WELL_S, DRIFT_WELL_S, LONGEST_S = 60.0, 3600.0, 3600.0
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from estimator.faults.fault import Judgement
 from estimator.network.assemble import Readings
 from estimator.network.discretise import Transition
 from estimator.record import Array
@@ -100,6 +101,23 @@ class State:
         for i, place in self.zero_of.items():
             loose[place, place] += jump[i] ** 2
         return loose
+
+    def misled(self, P: Array, drift: Array) -> Array:
+        """P when channels that were fused turn out to have drifted by so much, (m,), and to have moved the estimate.
+
+        P + v v',   v = P h / (h P h') drift, the change of the estimate by which the channel would read that much more
+        """
+        doubtful = P.copy()
+        for i in np.flatnonzero(drift).tolist():
+            h = self._rows[i]
+            v = P @ h / (h @ P @ h) * drift[i]
+            doubtful += np.outer(v, v)
+        return doubtful
+
+    def judged(self, P: Array, judgement: Judgement) -> Array:
+        """P after what a tick's judgement says of readings that were fused before, or will be."""
+        P = P if judgement.jump is None else self.jumped(P, judgement.jump)
+        return P if judgement.drift is None else self.misled(P, judgement.drift)
 
     def transition(self, z: Transition, dt: float) -> Transition:
         """F (size, size), J (size, n), Q (size, size) of the full state."""
