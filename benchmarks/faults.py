@@ -19,11 +19,12 @@ import numpy as np
 
 from benchmarks import paper_rig
 from benchmarks.handed_over import record
-from benchmarks.injected import FAILURES, NAMED, failing, shifted
+from benchmarks.injected import FAILURES, INPUT_FAILURES, NAMED, failing, failing_input, shifted
 from benchmarks.measure import Row, commit, say, section, table
 from drivers.virtual_rig import simulate
 from estimator.batch.replay import replay
 from estimator.faults.fault import Fault
+from estimator.inputs.gate import SLOW
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -35,6 +36,7 @@ RUNS = ("FS-20", "FS-10", "FS-5", "FS-2.5", "CS-20", "CS-10", "CS-5", "CS-2.5", 
 WHEN = {"at rest": ("FS-20", 1800.0), "driving": ("FS-5", 400.0)}
 SEVEN = "seven channels, "
 SOON_S = 60.0
+FROM_THE_START = ("0 degC", "85 degC")  # what else an input does from the start on is its zero
 WRONG = 0.2  # by which share every physical parameter is off
 NOT_PHYSICAL = ("sd", "noise", "zero_sd", "zero_walk", "lag_noise")
 
@@ -87,6 +89,11 @@ def cases() -> Iterator[Case]:
                 for n, i in enumerate(channels):
                     both = (i, channels[(n + len(channels) // 3) % len(channels)]) if kind == "swapped" else (i,)
                     yield Case(f"{seven_only}{when}", run, at_s, kind, both, SEED)
+    for name in SLOW:
+        for at_s in (0.0, *(at_s for _, at_s in WHEN.values())):
+            for kind in INPUT_FAILURES:
+                if at_s or kind in FROM_THE_START:
+                    yield Case("inputs", "FS-20", at_s, f"{name}: {kind}", (), SEED)
     for run in RUNS:
         for seed in range(SEED, SEED + 3):
             yield Case("healthy", run, 0.0, "", (), seed)
@@ -129,6 +136,10 @@ def study(case: Case) -> Outcome:
     """One case."""
     rig, model = paper_rig.rig(), paper_rig.model()
     recording, true_um = simulated(case.run, case.seed)
+    if case.row == "inputs":
+        name, _, kind = case.kind.partition(": ")
+        track = replay(model, rig, failing_input(recording, name, kind, case.at_s))
+        return _outcome(case, rig, track, without(case.run, case.seed, 0.0, ()), true_um)
     if not case.channels:
         track = replay(wrong(model, case.seed) if case.row == "wrong model" else model, rig, recording)
         return _outcome(case, rig, track, track, true_um)
@@ -207,9 +218,10 @@ def markdown() -> str:
     found = measured()
     rows = [row for when in WHEN for row in _cells(found, when, (0.95, 0.1))]
     rows += [row for when in WHEN for row in _cells(found, SEVEN + when, (0.95, 0.5))]
-    for name in ("two at once", "all zeros"):
+    for name in ("two at once", "all zeros", "inputs"):
         some = [outcome for case, outcome in found.items() if case.row == name]
         rows.append(Row(f"{name}: share of cases with <= 0.5 um", *_share([o.um <= 0.5 for o in some]), 1.0, True))
+        rows.append(Row(f"{name}: largest, um", f"{max(o.um for o in some):.2f}"))
     for name in ("healthy", "wrong model"):
         some = [outcome for case, outcome in found.items() if case.row == name]
         accused = sum(o.accused for o in some)

@@ -68,6 +68,22 @@ def failing(recording: Recording, kind: str, channels: Sequence[int], at_s: floa
     return replace(recording, channels=readings)
 
 
+INPUT_FAILURES: dict[str, Callable[[Array], Array]] = {
+    "0 degC": lambda reading: 0.0 * reading,
+    "85 degC": lambda reading: 0.0 * reading + 85.0,
+    "+2 K": lambda reading: reading + 2.0,
+    "stuck": lambda reading: np.full_like(reading, reading[0]),
+    "dead": lambda reading: np.full_like(reading, np.nan),
+}
+
+
+def failing_input(recording: Recording, name: str, kind: str, at_s: float) -> Recording:
+    """The recording with a temperature input failing from a time on."""
+    column, now = recording.inputs[name].copy(), recording.time_s >= at_s
+    column[now] = INPUT_FAILURES[kind](column[now])
+    return replace(recording, inputs={**recording.inputs, name: column})
+
+
 def shifted(recording: Recording, shift_K: Array, at_s: float) -> Recording:
     """The recording with channels (m,) that read another zero from a time on."""
     now = recording.time_s >= at_s

@@ -125,7 +125,7 @@ def review(
         recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, readings_sd, sigma,
         smoothed.sigma_um, cooling(recording), len(polyline.along_screw(rig, used)),
         _misfit_K(track, track.predicted, rig), _misfit_K(track, track.open_loop, rig),
-        use_of(recording.name, rig.names, Told.by(track)), warmth(replayed.run) if replayed.run else None,
+        use_of(recording, rig, Told.by(track)), warmth(replayed.run) if replayed.run else None,
     )  # fmt: skip
 
 

@@ -146,8 +146,9 @@ class Trial:
             self._whole(run.fault, self.fault),
             self._whole(np.where(run.fault, run.sample.time_s, np.nan), self.since_s),
             self._whole(np.zeros(len(run.fault)), self.jump),
+            self._whole(self.drive.inputs.fault[0], self.drive.inputs.fault[1:]),
         )
-        return use_of(self.recording.name, self.rig.names, told)
+        return use_of(self.recording, self.rig, told)
 
     def _whole(self, first: Array, rest: Array) -> Array:
         """The first tick of the run (m,) and the rest (T, m), after ticks of nothing."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from estimator.faults.fault import Fault
-from estimator.faults.use import NOT_MEASURED, ChannelUse, Jump, Use
+from estimator.faults.use import NOT_MEASURED, ChannelUse, Jump, Spell, Use
 from estimator.rig import Rig
 
 FEW = 3  # channels that are named one by one
@@ -31,6 +31,13 @@ def _told(use: Use, rig: Rig) -> Iterator[str]:
         yield f"begun again at {use.begun_s:.0f} s: what was read before were no temperatures"
     for one in use.suspects:
         yield broken(one, rig)
+    for name, spells in use.inputs.items():
+        held = "its last value is held, check that sensor" if spells[0].fault == Fault.JUMPED else "check that sensor"
+        yield f"input {name} {_how(spells[0].fault, spells)}: {held}"
+    for name, from_s in use.silent.items():
+        yield f"input {name} is not read since {from_s:.0f} s: its last value is held"
+    for from_s, why in use.travel[:FEW]:
+        yield f"{why}, at {from_s:.0f} s: heat may be in the wrong place, the error at the table is not to be trusted"
     for jump in use.jumps:
         yield _jumped(jump, rig)
     if counts := list(_counts(use, rig)):
@@ -40,17 +47,19 @@ def _told(use: Use, rig: Rig) -> Iterator[str]:
 def broken(one: ChannelUse, rig: Rig) -> str:
     """T06 at 559 mm is stuck, since 1800 s: left out, check that sensor."""
     doubt = "; if it is well, heat is missing there" if one.suspect == Fault.DRIFTING else ""
-    return f"{place_of(rig, rig.index(one.channel))} {_how(one)}: left out, check that sensor{doubt}"
+    return (
+        f"{place_of(rig, rig.index(one.channel))} {_how(one.suspect, one.spells)}: left out, check that sensor{doubt}"
+    )
 
 
-def _how(one: ChannelUse) -> str:
+def _how(fault: Fault, spells: Sequence[Spell]) -> str:
     """Is stuck, since 1800 s; was loose, three times from 30 s on, the last until 700 s."""
-    first, last = one.spells[0], one.spells[-1]
-    lasts, fault = not np.isfinite(last.to_s), one.suspect
+    first, last = spells[0], spells[-1]
+    lasts = not np.isfinite(last.to_s)
     head = fault.said if lasts else PAST[fault]
-    if len(one.spells) > 1:
+    if len(spells) > 1:
         until = "still at the end" if lasts else f"the last until {last.to_s:.0f} s"
-        return f"{head}, {len(one.spells)} times from {first.from_s:.0f} s on, {until}"
+        return f"{head}, {len(spells)} times from {first.from_s:.0f} s on, {until}"
     return f"{head}, since {first.from_s:.0f} s" if lasts else f"{head} from {first.from_s:.0f} s to {last.to_s:.0f} s"
 
 

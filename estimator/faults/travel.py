@@ -7,13 +7,27 @@ A table that turns back within a tick moves less: a jump that is shorter than th
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from estimator.record import Recording
 from estimator.rig import Rig
 
 SLACK_MM, SLACK = 5.0, 0.1  # of the path: both are read at slightly other times
 STANDS_MM = 1e-3  # less is no motion
 IN_A_ROW = 3  # ticks
+
+
+def disagreements(recording: Recording, rig: Rig) -> Iterator[tuple[float, str]]:
+    """What is wrong with position and speed of a recording, and since when, s."""
+    travel, before = Travel(rig), ""
+    position = recording.inputs.get("position", np.full(len(recording), np.nan))
+    for time_s, place, omega in zip(recording.time_s, position, recording.omega):
+        travel.step(place, omega)
+        if travel.why and travel.why != before:
+            yield float(time_s), travel.why
+        before = travel.why
 
 
 class Travel:

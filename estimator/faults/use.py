@@ -5,15 +5,18 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from estimator.faults.fault import POWER_ON_C, Fault
-from estimator.record import Array
+from estimator.faults.travel import disagreements
+from estimator.record import Array, Recording
+from estimator.rig import Rig
 from estimator.step import Track
 
 NOT_MEASURED, NO_MODEL, MUTED = "not measured", "no model", "muted"
+SILENT_S = 60.0
 POWER_ON, EARLY = "power-on value", "before the start"
 
 
@@ -25,6 +28,7 @@ class Told:
     measured   (K, m) NaN: not measured;   modelled (m,) bool, which channels the model reads
     fused      (K, m) bool
     fault, since_s  (K, m) a Fault each, and since when;   jump (K, m) by how much zeros became others
+    input_fault     (K, p) why inputs were held, a Fault each
     """
 
     time_s: Array
@@ -35,14 +39,14 @@ class Told:
     fault: Array
     since_s: Array
     jump: Array
+    input_fault: Array
 
     @classmethod
     def by(cls, track: Track) -> Told:
         """What a track tells."""
         modelled = np.asarray(np.isfinite(track.innovation_sd).any(axis=0))
-        return cls(
-            track.time_s, track.begins, track.measured, modelled, track.fused, track.fault, track.since_s, track.jump
-        )
+        names = (field.name for field in fields(cls) if field.name != "modelled")
+        return cls(modelled=modelled, **{name: getattr(track, name) for name in names})
 
     @property
     def begin(self) -> int:
@@ -52,7 +56,7 @@ class Told:
 
 @dataclass(frozen=True)
 class Spell:
-    """A time in which a channel was broken: how most of it, and from when to when, s; NaN where it lasts."""
+    """A time in which a channel or an input was broken: how most of it, from when to when, s; NaN where it lasts."""
 
     fault: Fault
     from_s: float
@@ -97,13 +101,21 @@ class Jump:
 
 @dataclass(frozen=True)
 class Use:
-    """What was used of one recording. `again`: the run had begun before, with what were no temperatures."""
+    """What was used of one recording. `again`: the run had begun before, with what were no temperatures.
+
+    inputs  when those that were broken were so
+    silent  since when, s, inputs were not read any more
+    travel  what was wrong with position and speed, and since when, s
+    """
 
     name: str
     begun_s: float
     again: bool
     channels: tuple[ChannelUse, ...]
     jumps: tuple[Jump, ...]
+    inputs: Mapping[str, tuple[Spell, ...]]
+    silent: Mapping[str, float]
+    travel: tuple[tuple[float, str], ...]
 
     @property
     def suspects(self) -> tuple[ChannelUse, ...]:
@@ -111,16 +123,32 @@ class Use:
         return tuple(one for one in self.channels if one.suspect)
 
 
-def use_of(name: str, channels: Sequence[str], told: Told) -> Use:
+def use_of(recording: Recording, rig: Rig, told: Told) -> Use:
     """What was used of a recording, and why the rest was not."""
+    channels, begin = rig.names, told.begin
     why, taken = _why(told), np.isfinite(told.measured)
     used = taken & (why == "")
     found = []
     for i, channel in enumerate(channels):
         reasons = dict(Counter(why[:, i][why[:, i] != ""].tolist()).most_common())
         found.append(ChannelUse(channel, int(taken[:, i].sum()), int(used[:, i].sum()), reasons, _spells(told, i)))
+    held = {
+        name: spells(told.input_fault[begin:, j], told.time_s[begin:], told.time_s[begin:])
+        for j, name in enumerate(rig.inputs)
+    }
     jumps = [Jump(float(told.time_s[k]), _sizes(told.jump[k], channels)) for k in np.flatnonzero(told.jump.any(axis=1))]
-    return Use(name, float(told.time_s[told.begin]), bool(told.begins.sum() > 1), tuple(found), tuple(jumps))
+    broken = {name: some for name, some in held.items() if some}
+    again, travel = bool(told.begins.sum() > 1), tuple(disagreements(recording, rig))
+    return Use(
+        recording.name, float(told.time_s[begin]), again, tuple(found), tuple(jumps), broken, _silent(recording), travel
+    )
+
+
+def _silent(recording: Recording) -> dict[str, float]:
+    """Inputs that were read once, and for a minute and more at the end were not: since when, s."""
+    last = {name: np.flatnonzero(np.isfinite(column)) for name, column in recording.inputs.items()}
+    since = {name: float(recording.time_s[at[-1]]) for name, at in last.items() if len(at)}
+    return {name: from_s for name, from_s in since.items() if recording.time_s[-1] - from_s > SILENT_S}
 
 
 def _sizes(jump: Array, channels: Sequence[str]) -> dict[str, float]:
@@ -138,8 +166,12 @@ def _why(told: Told) -> Array:
 
 
 def _spells(told: Told, i: int) -> tuple[Spell, ...]:
-    """When channel i was broken; what was only held for a while was not."""
-    fault, since_s, time_s = told.fault[told.begin :, i], told.since_s[told.begin :, i], told.time_s[told.begin :]
+    """When channel i was broken."""
+    return spells(told.fault[told.begin :, i], told.since_s[told.begin :, i], told.time_s[told.begin :])
+
+
+def spells(fault: Array, since_s: Array, time_s: Array) -> tuple[Spell, ...]:
+    """When something was broken, by its faults (K,); what was only held for a while was not."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], fault != Fault.NONE, [0]])))
     found = []
     for first, end in edges.reshape(-1, 2):

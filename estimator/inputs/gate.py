@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from estimator.faults.fault import Fault
+from estimator.faults.fault import POWER_ON_C, Fault
 from estimator.faults.standstill import Standstill
 from estimator.faults.suspects import STUCK
 from estimator.inputs.start import Start
@@ -20,6 +20,7 @@ from estimator.rig import Rig
 
 SLOW = ("ambient", "base", "board", "probe", "bar", "nut", "anchor_bracket", "free_bracket")
 FAR_K = 25.0  # from the screw at the start: no place around a machine that has just been switched on
+ASLEEP_K = 5.0  # exactly what a thermometer says after power-on, and so far from the screw: it says nothing yet
 LEAST_K, LEAST_K_S = 0.5, 0.1  # of a jump, and more where ticks are long
 SCATTERS = 6.5
 TICKS = 8.0  # over which level and scatter are learnt
@@ -54,10 +55,10 @@ class InputGate:
         """Which of the inputs (p,) of one tick are refused; the others are learnt."""
         read = np.isfinite(row) & self._slow
         known = np.isfinite(self._level)
-        off = np.abs(row - np.where(known, self._level, self._start.level_C))
+        off = np.abs(row - self._level)
         limit = np.maximum(SCATTERS * np.sqrt(self._variance), self._least)
         sudden = np.abs(row - self._last) > 0.7 * limit
-        jumped = read & np.where(known, (off > limit) & sudden, off > FAR_K)
+        jumped = read & np.where(known, (off > limit) & sudden, far(row, self._start))
         good = read & ~jumped
         gain = np.where(good, 1.0 / TICKS, 0.0)
         difference = np.where(good & known, row - self._last, 0.0)
@@ -67,6 +68,12 @@ class InputGate:
         return jumped
 
 
+def far(value: Array | float, start: Start) -> Array:
+    """Whether temperatures at the start are none: too far from the screw's, or not converted yet."""
+    off = np.abs(value - start.level_C)
+    return np.asarray((off > FAR_K) | (np.isin(value, POWER_ON_C) & (off > ASLEEP_K)))
+
+
 def slow(name: str, rig: Rig) -> bool:
     """Whether an input is a temperature that cannot jump."""
     return name in SLOW and rig.inputs[name].unit == "degC"
@@ -74,5 +81,4 @@ def slow(name: str, rig: Rig) -> bool:
 
 def believable(inputs: Mapping[str, float], rig: Rig, start: Start) -> dict[str, float]:
     """The inputs of the first sample, NaN where they are too far from the screw's temperature."""
-    far = {name for name, value in inputs.items() if slow(name, rig) and abs(value - start.level_C) > FAR_K}
-    return {name: float("nan") if name in far else value for name, value in inputs.items()}
+    return {n: float("nan") if slow(n, rig) and far(value, start) else value for n, value in inputs.items()}

@@ -71,6 +71,8 @@ def test_one_that_stands_still_is_told(small, run):
 
 
 def test_a_start_far_from_the_screw_is_not_believed(small):
-    found = believable({"ambient": 85.0, "nut": 0.0 - 5.0, "probe": 21.0, "position": 85.0}, small, START)
-    assert np.isnan([found["ambient"], found["nut"]]).all()
-    assert (found["probe"], found["position"]) == (21.0, 85.0)
+    found = believable(
+        {"ambient": 85.0, "nut": -5.0, "bar": 0.0, "board": 1.0, "probe": 21.0, "position": 0.0}, small, START
+    )
+    assert np.isnan([found[name] for name in ("ambient", "nut", "bar")]).all()
+    assert [found[name] for name in ("board", "probe", "position")] == [1.0, 21.0, 0.0]
