@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
+from ballscrew.monitor.monitor import Moment, Monitor
 from drivers.decode.checks import crc16_ccitt_false, frame_checksum
 from drivers.received import Received
 from drivers.virtual_rig import frame_table, simulate
@@ -73,3 +74,8 @@ def channel(number: int, raw: Callable[[int, float], int]) -> tuple[int, Change]
         struct.pack_into("<h", data, 2 * at, raw(value, time_s))
 
     return TELEMETERS[(number - 1) // 4], change
+
+
+def lived(monitor: Monitor, frames: Frames) -> list[Moment]:
+    """All moments of a monitor that is fed these frames."""
+    return [*(moment for frame in frames for moment in monitor.feed(frame)), *monitor.finish()]

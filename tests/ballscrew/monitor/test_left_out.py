@@ -17,7 +17,7 @@ from estimator.effect import Effect
 from estimator.step import Mode
 from estimator.terms import SCREW, Heat, Link, Read, Store
 from tests.ballscrew.monitor.test_session import Clock, Receiver
-from tests.live_fake import Frames, rig_frames
+from tests.live_fake import Frames, lived, rig_frames
 
 END_S, FAILS_S = 90.0, 60.0
 
@@ -66,10 +66,6 @@ def sent(rig, step, trust) -> list[dict]:
 @pytest.fixture(scope="module")
 def frames() -> Frames:
     return rig_frames(END_S)
-
-
-def lived(monitor: Monitor, frames: Frames) -> list[Moment]:
-    return [*(moment for frame in frames for moment in monitor.feed(frame)), *monitor.finish()]
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from drivers.recorder.recorder import Recorder
 from drivers.recordings import read_joined
 from estimator.batch.replay import replay
 from tests.ballscrew.monitor.test_left_out import sent
-from tests.live_fake import Frames, rig_frames, since
+from tests.live_fake import Frames, lived, rig_frames, since
 
 END_S = 200.0
 
@@ -22,10 +22,6 @@ END_S = 200.0
 @pytest.fixture(scope="module")
 def frames() -> Frames:
     return rig_frames(END_S)
-
-
-def lived(monitor: Monitor, frames: Frames) -> list[Moment]:
-    return [*(moment for frame in frames for moment in monitor.feed(frame)), *monitor.finish()]
 
 
 @pytest.fixture(scope="module")
