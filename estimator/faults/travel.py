@@ -1,6 +1,6 @@
 """Whether position and speed go together: a table moves no further than the screw turns, and moves while it turns.
 
-path  speed x time x lead: the most that the position can change by in a tick
+    path  speed x time x lead of this tick or the one before, the longer: the most that the position can change by
 
 A table that turns back within a tick moves less: a jump that is shorter than the path of a tick is not seen.
 """
@@ -36,7 +36,7 @@ class Travel:
     def __init__(self, rig: Rig) -> None:
         given = rig.screw is not None and "position" in rig.inputs and "speed" in rig.inputs
         self._path = rig.screw.lead_mm / (2 * np.pi) * rig.tick_s if given and rig.screw else np.nan
-        self._last, self._offset, self._slips, self._stands = np.nan, 0.0, 0, 0
+        self._last, self._before, self._offset, self._slips, self._stands = np.nan, 0.0, 0.0, 0, 0
 
     @property
     def why(self) -> str:
@@ -50,10 +50,10 @@ class Travel:
     def step(self, position_mm: float, omega: float) -> None:
         """One tick: the position at its close, and the mean of |speed| over it, rad/s."""
         path, moved = self._path * omega, position_mm - self._last
-        self._last = position_mm
+        before, self._before, self._last = self._before, path, position_mm
         if not np.isfinite(path + moved):
             return
-        most = (1.0 + SLACK) * path + SLACK_MM
+        most = (1.0 + SLACK) * max(path, before) + SLACK_MM
         slips = abs(moved) > most
         self._slips = self._slips + 1 if slips else 0
         if slips:
