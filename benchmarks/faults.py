@@ -17,11 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import paper_rig
-from benchmarks.handed_over import record
+from benchmarks import handed_over, paper_rig
 from benchmarks.injected import FAILURES, INPUT_FAILURES, NAMED, failing, failing_input, shifted
 from benchmarks.measure import Row, commit, say, section, table
-from drivers.virtual_rig import simulate
 from estimator.batch.replay import replay
 from estimator.faults.fault import Fault
 from estimator.inputs.gate import SLOW
@@ -109,9 +107,7 @@ def cases() -> Iterator[Case]:
 @lru_cache(maxsize=2)
 def simulated(run: str, seed: int) -> tuple[Recording, Array]:
     """A run of the rig as ticks, and the elongation that is true at each."""
-    made, rig = simulate(run, seed=seed), paper_rig.rig()
-    recording = record(made, rig)
-    return recording, np.interp(recording.time_s, made.truth.time_s, made.truth.elongation_um)
+    return handed_over.simulated(run, paper_rig.rig(), seed=seed)
 
 
 @lru_cache(maxsize=4)

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from drivers.decode.condense import Condenser, Readings
 from drivers.frames import Tally
-from drivers.virtual_rig import Run
+from drivers.virtual_rig import Run, simulate
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 
 INSTANTS = 20  # of the drive in a tick
 LATE_S = 0.005  # a frame after what it tells
+
+
+def simulated(name: str, rig: Rig, machine: int = 0, seed: int = 1, **options: Any) -> tuple[Recording, Array]:
+    """Experiment `name` of a machine as ticks, and the elongation that is true at each, um: (K,)
+
+    `options` go to the virtual rig: plant, cycles, stop_s, seconds ...
+    """
+    run = simulate(name, machine=machine, seed=seed, **options)
+    recording = record(run, rig)
+    return recording, np.interp(recording.time_s, run.truth.time_s, run.truth.elongation_um)
 
 
 def record(run: Run, rig: Rig, speed: float = 1.0, position: float = 1.0) -> Recording:

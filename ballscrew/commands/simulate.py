@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +51,10 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
     help="Recording to write; its suffix says the format: .log, .blf, .asc, .trc or .mf4.",
 )  # fmt: skip
 @bus_options
+@click.option(
+    "--machine", type=click.IntRange(min=0), default=0, show_default=True, metavar="N",
+    help="0: the paper's machine; N: another of the same build, its constants drawn by N.",
+)  # fmt: skip
 @click.option("--seed", default=1, show_default=True, help="The same seed is the same rig with the same noise.")
 @click.option("--plant", multiple=True, metavar="EFFECT[=STRENGTH]", help="Switch an effect on; strength 1 is nominal.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Switch an effect off.")
@@ -71,36 +74,34 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
 )  # fmt: skip
 @terminal_options
 def command(
-    terminal: Terminal, name: str, out: Path | None, bus: BusAddress | None, seed: int, plant: tuple[str, ...],
-    without: tuple[str, ...], max_drive: float, cycles: int, seconds: float | None, speed_up: float,
+    terminal: Terminal, name: str, out: Path | None, bus: BusAddress | None, machine: int, seed: int,
+    plant: tuple[str, ...], without: tuple[str, ...], max_drive: float, cycles: int, seconds: float | None,
+    speed_up: float,
 ) -> None:  # fmt: skip
     """Simulate experiment NAME: a pattern FS, CS or ES and a speed in m/min, like FS-20 or CS-2.5.
 
     The table is driven until the screw has grown by about 50 um, stands still for 60 min, and is driven again. The
-    truth is kept beside the recording, as FILE with the suffix .truth.csv.
+    truth is kept beside the recording, as FILE with the suffix .truth.csv, and the constants of the machine with the
+    suffix .machine.json.
     """
     if out is not None and bus is not None:
         raise click.UsageError("either -o FILE for a recording, or --interface for a bus, not both")
     if out is None and bus is None:
         raise click.UsageError("say where to: -o FILE for a recording, or --interface for a bus")
-    planted = dict(_strength(word) for word in plant)
-    run = _simulate(terminal, name, seed, planted, without, max_drive, cycles, seconds)
+    run = _simulate(
+        terminal, name, machine=machine, seed=seed, plant=dict(_strength(word) for word in plant), without=without,
+        max_drive_s=max_drive, cycles=cycles, seconds=seconds,
+    )  # fmt: skip
     if out is not None:
         terminal.json(_write(terminal, run, out))
     if bus is not None:
         _play(terminal, run, bus, speed_up)
 
 
-def _simulate(
-    terminal: Terminal, name: str, seed: int, plant: dict[str, float], without: Sequence[str], max_drive: float,
-    cycles: int, seconds: float | None,
-) -> Run:  # fmt: skip
+def _simulate(terminal: Terminal, name: str, **options: Any) -> Run:
     with terminal.progress(name, None) as update:
         try:
-            return simulate(
-                name, seed=seed, plant=plant, without=without, max_drive_s=max_drive, cycles=cycles, seconds=seconds,
-                progress=lambda t, um: update(t, f"{duration(t)}, {um:.1f} um"),
-            )  # fmt: skip
+            return simulate(name, progress=lambda t, um: update(t, f"{duration(t)}, {um:.1f} um"), **options)
         except ValueError as error:
             raise SetupError(str(error)) from error
 
@@ -120,7 +121,13 @@ def _write(terminal: Terminal, run: Run, path: Path) -> dict[str, Any]:
         raise SetupError(f"{path}: {error}") from error
     length, growth = float(run.truth.time_s[-1]), float(run.truth.elongation_um.max())
     terminal.say(f"{path}: {duration(length)}, {path.stat().st_size / 1e6:.1f} MB, grew by at most {growth:.1f} um")
-    return {"path": str(path), "seconds": length, "max_elongation_um": growth, "planted": run.planted}
+    return {
+        "path": str(path),
+        "seconds": length,
+        "max_elongation_um": growth,
+        "planted": run.planted,
+        "machine": run.machine.number,
+    }
 
 
 def _play(terminal: Terminal, run: Run, address: BusAddress, speed_up: float) -> None:

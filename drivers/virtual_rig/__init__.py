@@ -1,7 +1,8 @@
 """The rig in software: finer physics than any estimator's, its sensors with their errors, its frames.
 
 It stands for the real machine, so it shares nothing with the code that is judged on it.
-In the order to read them: simulation, experiments, protocol, run, dice; then machine/, sensors/ and frames/.
+In the order to read them: simulation, experiments, protocol, run, dice; then population/, machine/, sensors/
+and frames/.
 """
 
 from drivers.virtual_rig.experiments import EXPERIMENTS

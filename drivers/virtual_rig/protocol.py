@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drivers.virtual_rig.machine.geometry import ANCHOR_BEARING_MM, OMEGA_20, SPAN_MM
+from drivers.virtual_rig.machine.geometry import OMEGA_20, SPAN_MM
 from drivers.virtual_rig.machine.heat import ThermalRig, step_middles
 from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
 from drivers.virtual_rig.machine.screw import growth_weights
-from drivers.virtual_rig.sensors.jig import BOARD_SELF_HEATING, Jig
+from drivers.virtual_rig.sensors.jig import Jig
 from drivers.virtual_rig.sensors.probes import OVER_RANGE, Gauge, Probes, Reading
 from drivers.virtual_rig.sensors.truth import Truth
 
@@ -37,10 +37,10 @@ class Experiment:
         self, rig: ThermalRig, probes: Probes, travel: Travel, expansion: float, draw: np.random.Generator
     ) -> None:
         self.rig, self.probes, self.travel, self.draw = rig, probes, travel, draw
-        self.motor_growth = growth_weights(ANCHOR_BEARING_MM, SPAN_MM[1], expansion)
-        self.free_growth = growth_weights(SPAN_MM[0], ANCHOR_BEARING_MM, expansion)
-        start = rig.weather.start
-        self.jig = Jig(start, start, start + BOARD_SELF_HEATING)
+        anchor, start = rig.machine.anchor.centre, rig.weather.start
+        self.motor_growth = growth_weights(anchor, SPAN_MM[1], expansion)
+        self.free_growth = growth_weights(SPAN_MM[0], anchor, expansion)
+        self.jig = Jig(start, start, start + rig.machine.jig.board_self_heating)
         self.rows: list[tuple] = []
         self.held: list[tuple[float, float, float, int]] = []
         self.start_at, self.cycles_done = REST_S, 0
@@ -78,14 +78,16 @@ class Experiment:
     def _warm_jig(self, t: float, motion: TableMotion) -> None:
         seats = (self.rig.anchor_seat + self.rig.free_seat) / 2.0
         turning = float(motion.omega.mean()) / OMEGA_20
-        self.jig = self.jig.after_tick(self.rig.weather.ambient(t), seats, float(self.rig.mean.mean()), turning)
+        self.jig = self.jig.after_tick(
+            self.rig.machine.jig, self.rig.weather.ambient(t), seats, float(self.rig.mean.mean()), turning
+        )
 
     def _record(self, t: float) -> None:
         rig, weather = self.rig, self.rig.weather
         rise = rig.mean - weather.start
         motor, free = float(self.motor_growth @ rise), float(self.free_growth @ rise)
-        nut, anchor, housing, _ = rig.now.bodies
-        around = (weather.ambient(t), weather.base(t), anchor, housing, nut, self.jig.probe, self.jig.bar)
+        nut = rig.now.bodies[0]
+        around = (weather.ambient(t), weather.base(t), *rig.brackets, nut, self.jig.probe, self.jig.bar)
         self.rows.append((t, rig.at_channels, motor, free, around, self.jig.board, rig.anchor_seat, *rig.torque))
 
     def _watch(self, t: float, plan: Plan) -> None:

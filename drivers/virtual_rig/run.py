@@ -7,6 +7,7 @@ import numpy as np
 
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.machine.motion import TableMotion, Travel
+from drivers.virtual_rig.population.constants import Machine
 from drivers.virtual_rig.sensors.drive import DriveSignals, drive_signals
 from drivers.virtual_rig.sensors.environment import Environment
 from drivers.virtual_rig.sensors.probes import Reading
@@ -37,6 +38,7 @@ class Run:
 
     name: str
     seed: int
+    machine: Machine
     planted: dict[str, float]
     places: dict[str, float]
     truth: Truth

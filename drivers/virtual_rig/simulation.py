@@ -8,8 +8,9 @@ from drivers.virtual_rig.machine.heat import ThermalRig
 from drivers.virtual_rig.machine.heaters import Heaters, heaters
 from drivers.virtual_rig.machine.motion import Travel
 from drivers.virtual_rig.machine.planted import BASE, Strengths, strengths
-from drivers.virtual_rig.machine.screw import EXPANSION
 from drivers.virtual_rig.machine.weather import weather
+from drivers.virtual_rig.population import draw as population
+from drivers.virtual_rig.population.constants import Machine
 from drivers.virtual_rig.protocol import Experiment, Plan, Progress
 from drivers.virtual_rig.run import Holds, Measured, Run
 from drivers.virtual_rig.sensors import environment, telemeter
@@ -23,6 +24,7 @@ EXPANSION_ERROR = 0.04
 def simulate(
     name: str,
     *,
+    machine: int = 0,
     seed: int = 1,
     plant: Mapping[str, float] | None = None,
     without: Collection[str] = (),
@@ -34,26 +36,30 @@ def simulate(
 ) -> Run:
     """Run experiment `name` ("FS-20", "CS-7.5", ...) on the rig with effects planted and taken away.
 
-    The same seed is the same rig: its sensors' errors and the places of planted faults. Weather and noise differ
-    from run to run.
+    `machine` 0 is the paper's, N another of the same build. The same seed is the same rig: its sensors' offsets and the
+    places of planted faults. Weather and noise differ from run to run.
     """
+    built = population.machine(machine)
     strength = strengths(plant, without)
-    sources = heaters(seed, strength)
-    rig = ThermalRig(strength, weather(seed, name, strength), sources)
-    expansion = EXPANSION * (1.0 + EXPANSION_ERROR * strength["expansion_error"])
+    sources = heaters(seed, strength, built.sources)
+    rig = ThermalRig(built, strength, weather(seed, name, strength), sources)
+    expansion = built.screw.expansion * (1.0 + EXPANSION_ERROR * strength["expansion_error"])
     travel, draw = Travel(stroke(name)), dice(seed, name, "hold")
-    experiment = Experiment(rig, probes(seed, strength), travel, expansion, draw)
+    experiment = Experiment(rig, probes(seed, strength, built.sensors), travel, expansion, draw)
     experiment.run(Plan(max_drive_s, stop_s, cycles, seconds), progress)
-    return _finished(name, seed, strength, sources, experiment)
+    return _finished(name, seed, built, strength, sources, experiment)
 
 
-def _finished(name: str, seed: int, strength: Strengths, sources: Heaters, experiment: Experiment) -> Run:
+def _finished(
+    name: str, seed: int, built: Machine, strength: Strengths, sources: Heaters, experiment: Experiment
+) -> Run:
     truth = Truth.of(experiment.rows)
     centres, reading = experiment.readings
-    sensors = telemeter.telemeter(seed, strength)
+    sensors = telemeter.telemeter(seed, strength, built.sensors)
     return Run(
         name=name,
         seed=seed,
+        machine=built,
         planted={effect: s for effect, s in strength.items() if s != float(effect in BASE)},
         places=sources.places | sensors.places,
         truth=truth,

@@ -1,5 +1,6 @@
-"""A run as files: its frames in the format of the suffix, its truth beside them."""
+"""A run as files: its frames in the format of the suffix, its truth and its machine beside them."""
 
+import json
 from pathlib import Path
 
 import can
@@ -7,13 +8,14 @@ import numpy as np
 
 from drivers.virtual_rig.frames.frames import EPOCH_S, FrameTable, frame_table, status_times
 from drivers.virtual_rig.machine.geometry import CHANNELS
+from drivers.virtual_rig.population.draw import described
 from drivers.virtual_rig.run import Run
 
 TRUTH_COLUMNS = ["time_s", "elongation_um", *(f"T{n:02d}" for n in range(1, CHANNELS + 1))]
 
 
 def write(run: Run, path: str | Path) -> Path:
-    """Write frames and truth of a run, the truth as NAME.truth.csv; returns the path of the frames."""
+    """Write a run: frames, truth as NAME.truth.csv, constants as NAME.machine.json; returns the path of the frames."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     sent = frame_table(run)
@@ -24,6 +26,8 @@ def write(run: Run, path: str | Path) -> Path:
             for message in sent.messages():
                 writer.on_message_received(message)
     write_truth(run, sent, path.with_name(f"{path.stem}.truth.csv"))
+    constants = json.dumps(described(run.machine), indent=2)
+    path.with_name(f"{path.stem}.machine.json").write_text(constants + "\n", encoding="utf-8")
     return path
 
 

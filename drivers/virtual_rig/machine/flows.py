@@ -1,8 +1,8 @@
 """Every flow of heat on the rig, as compiled explicit steps.
 
-At 2.5 mm and 50 ms the steps are far inside the stability limit (0.25 s), so that the non-linear laws and the moving
-contact of the nut are written as they are. All compiled code stands in this one file because the compiler's cache
-notices a change only in the file of the function that is called; the values of the laws live with their parts.
+At 2.5 mm and 50 ms the steps are far inside the stability limit (0.25 s), so that non-linear laws and the nut's moving
+contact are written as they are. All compiled code stands in this one file because the compiler's cache notices a change
+only in the file of the function that is called; the values of the laws live with their parts.
 """
 
 from typing import NamedTuple
@@ -30,6 +30,7 @@ class Nut(NamedTuple):
     torque: float
     into_screw: float
     contact: float
+    contact_growth: float
     to_table: float
     capacity: float
     thinning: float
@@ -42,14 +43,18 @@ class Nut(NamedTuple):
 
 
 class Bearing(NamedTuple):
-    """One support: seat (weights of the cells under the ring, sum 1), laws in SI units, `start` degC."""
+    """One support: seat (weights of cells under the ring, sum 1), SI units, `start` degC; to_bracket 0: one lump."""
 
     seat: np.ndarray
     load_torque: float
     viscous_torque: float
+    load_exponent: float
+    viscous_exponent: float
     into_screw: float
     contact: float
     capacity: float
+    to_bracket: float
+    bracket_capacity: float
     to_base: float
     to_air: float
     thinning: float
@@ -64,6 +69,7 @@ class Surface(NamedTuple):
     still: float
     rotating: float
     exponent: float
+    threshold: float
     emissivity: float
 
 
@@ -79,7 +85,7 @@ class Parts(NamedTuple):
 
 
 class Temperatures(NamedTuple):
-    """degC: both layers of the screw (CELLS,); bodies (4,): nut, anchor and free housing, and the grease's freshness"""
+    """degC: both layers of the screw (CELLS,); bodies (6,): nut, housings or rings, grease's freshness, brackets"""
 
     bore: np.ndarray
     outer: np.ndarray
@@ -114,7 +120,7 @@ def advance(parts: Parts, now: Temperatures, omegas: np.ndarray, centres: np.nda
 
 @njit(cache=True)
 def spread(screw: Screw, bore: np.ndarray, outer: np.ndarray, heat: np.ndarray, dt: float) -> None:
-    """Carry both layers over one step; `heat` (W per cell) enters the outer one, the ends pass none.
+    """Carry both layers over a step; `heat` (W per cell) enters the outer one, the ends pass none.
 
     C dT/dt = kA/dx (T_left - 2 T + T_right) + g (T_other - T) + q
     """
@@ -138,31 +144,22 @@ def lay(nut: Nut, centre: float, cover: np.ndarray) -> None:
 
 
 @njit(cache=True)
-def weighted(weights: np.ndarray, values: np.ndarray) -> float:
-    """sum of w_i v_i"""
-    total = 0.0
-    for i in range(values.size):
-        total += weights[i] * values[i]
-    return total
-
-
-@njit(cache=True)
 def rub(nut: Nut, speed: float, omega: float, now: Temperatures, cover, around: Around, heat, dt) -> float:
     """One step of the nut's contact; returns its torque, N m
 
     M = M_preload speed^n (1 + churning fresh) exp(-thinning (T_film - T_start))
-    screw: q_i = (s M omega + g (T_nut - T_i)) w_i,  w_i the cell's share of the nut's length
+    screw: q_i = (s M omega + g (T_nut - T_i)) w_i,  w_i the cell's share of the nut's length, g = g0 (1 + k |dT|)
     body:  C dT/dt = (1 - s) M omega - g (T_nut - mean T_i) - g_table (T_nut - T_air)
     fresh: 1 after a long rest, decays while the nut moves, recovers while it stands
     """
     body, fresh = now.bodies[0], now.bodies[3]
-    under = weighted(cover, now.outer) / nut.length
+    under = (cover * now.outer).sum() / nut.length
     thin = np.exp(-nut.thinning * (0.5 * (body + under) - nut.start))
     friction = nut.torque * (1.0 + nut.churning * fresh) * thin
     torque = friction * speed**nut.exponent if omega > 0.0 else 0.0
-    for i in range(heat.size):
-        heat[i] += (nut.into_screw * torque * omega + nut.contact * (body - now.outer[i])) * cover[i] / nut.length
-    gain = (1.0 - nut.into_screw) * torque * omega - nut.contact * (body - under)
+    contact = nut.contact * (1.0 + nut.contact_growth * abs(body - under))
+    heat += (nut.into_screw * torque * omega + contact * (body - now.outer)) * cover / nut.length
+    gain = (1.0 - nut.into_screw) * torque * omega - contact * (body - under)
     now.bodies[0] += dt / nut.capacity * (gain - nut.to_table * (body - around.air))
     now.bodies[3] += dt * (-fresh / nut.decay_s if omega > 0.0 else (1.0 - fresh) / nut.recovery_s)
     return torque
@@ -172,28 +169,33 @@ def rub(nut: Nut, speed: float, omega: float, now: Temperatures, cover, around: 
 def turn(bearing: Bearing, speed: float, omega: float, now: Temperatures, body: int, around: Around, heat, dt) -> float:
     """One step of a support whose housing is bodies[body]; returns its torque, N m
 
-    M = (M1 + M0 speed^(2/3)) speed^n exp(-thinning (T_ring - T_start)), Palmgren; n = 0, thinning = 0 in the base rig
+    M = (M1 speed^a + M0 speed^b) speed^n exp(-thinning (T_ring - T_start)); Palmgren: a = 0, b = 2/3, n = 0
     seat:    q_i = (s M omega + g (T_housing - T_i)) w_i
     housing: C dT/dt = (1 - s) M omega - g (T_housing - mean T_i) - g_base (T_housing - T_base) - g_air (...)
+    two lumps: the ring loses g_rb (T_ring - T_bracket) instead, which the bracket gains
     """
     housing = now.bodies[body]
-    under = weighted(bearing.seat, now.outer)
+    under = (bearing.seat * now.outer).sum()
     thin = np.exp(-bearing.thinning * (0.5 * (under + housing) - bearing.start))
-    palmgren = bearing.load_torque + bearing.viscous_torque * speed ** (2.0 / 3.0)
-    torque = palmgren * speed**bearing.exponent * thin if omega > 0.0 else 0.0
-    for i in range(heat.size):
-        heat[i] += (bearing.into_screw * torque * omega + bearing.contact * (housing - now.outer[i])) * bearing.seat[i]
+    law = bearing.load_torque * speed**bearing.load_exponent + bearing.viscous_torque * speed**bearing.viscous_exponent
+    torque = law * speed**bearing.exponent * thin if omega > 0.0 else 0.0
+    heat += (bearing.into_screw * torque * omega + bearing.contact * (housing - now.outer)) * bearing.seat
     gain = (1.0 - bearing.into_screw) * torque * omega - bearing.contact * (housing - under)
-    gain -= bearing.to_base * (housing - around.base) + bearing.to_air * (housing - around.air)
-    now.bodies[body] += dt / bearing.capacity * gain
+    bracket = now.bodies[3 + body] if bearing.to_bracket > 0.0 else housing
+    lost = bearing.to_base * (bracket - around.base) + bearing.to_air * (bracket - around.air)
+    if bearing.to_bracket > 0.0:
+        passed = bearing.to_bracket * (housing - bracket)
+        now.bodies[3 + body] += dt / bearing.bracket_capacity * (passed - lost)
+        lost = passed
+    now.bodies[body] += dt / bearing.capacity * (gain - lost)
     return torque
 
 
 @njit(cache=True)
 def cool(surface: Surface, speed: float, outer: np.ndarray, cover: np.ndarray, along: np.ndarray, heat) -> None:
-    """q_i = -[h_still + h_rot speed^m] A (T - T_air) - eps sigma A (T^4 - T_air^4)   W, where no nut covers it"""
-    h = surface.still + surface.rotating * speed**surface.exponent
-    for i in range(heat.size):
-        warm, cold = outer[i] + KELVIN, along[i] + KELVIN
-        radiated = surface.emissivity * STEFAN_BOLTZMANN * (warm * warm + cold * cold) * (warm + cold)
-        heat[i] -= (h + radiated) * (outer[i] - along[i]) * surface.area[i] * (1.0 - cover[i])
+    """q_i = -[h_still + h_rot s^m] A (T - T_air) - eps sigma A (T^4 - T_air^4)   W off the nut; s from a threshold"""
+    above = max(speed - surface.threshold, 0.0) / (1.0 - surface.threshold)
+    h = surface.still + surface.rotating * above**surface.exponent
+    warm, cold = outer + KELVIN, along + KELVIN
+    radiated = surface.emissivity * STEFAN_BOLTZMANN * (warm * warm + cold * cold) * (warm + cold)
+    heat -= (h + radiated) * (outer - along) * surface.area * (1.0 - cover)

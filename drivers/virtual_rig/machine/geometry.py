@@ -10,11 +10,9 @@ SPAN_MM = (44.5, 980.0)  # the two discs between which the elongation is measure
 
 SCREW_MM = (-60.0, 1030.0)  # the ends of the screw: the telemeter's head sits on the first, the coupling on the second
 
-FREE_BEARING_MM = 72.5
 ANCHOR_BEARING_MM = 889.0
 
 NUT_ZERO_MM = 673.5  # nut centre at table position 0; the nut moves towards the free end as the position grows
-NUT_LENGTH_MM = 175.0
 
 LEAD_MM = 12.0
 OMEGA_20 = 2.0 * np.pi * 20.0 / 60.0 / (LEAD_MM * 1e-3)  # 174.5 rad/s at 20 m/min, the reference of every speed law

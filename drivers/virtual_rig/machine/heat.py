@@ -2,26 +2,26 @@
 
 import numpy as np
 
-from drivers.virtual_rig.machine import air, nut, screw
-from drivers.virtual_rig.machine.bearings import ANCHOR, FREE
+from drivers.virtual_rig.machine import air, bearings, nut, screw
 from drivers.virtual_rig.machine.flows import Around, Parts, Temperatures, advance
 from drivers.virtual_rig.machine.geometry import CHANNEL_MM, OMEGA_20, nut_centre_mm
 from drivers.virtual_rig.machine.heaters import Heaters
 from drivers.virtual_rig.machine.motion import TableMotion
 from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.weather import Weather
+from drivers.virtual_rig.population.constants import Machine
 
 MOVING_STEPS, RESTING_STEPS = 20, 10  # of a 1 s tick: 50 ms while the nut moves, 100 ms while it stands
 
 
-def parts(strength: Strengths, start_degc: float) -> Parts:
-    """All laws at the strengths of their effects."""
+def parts(machine: Machine, strength: Strengths, start_degc: float) -> Parts:
+    """All laws of a machine at the strengths of their effects."""
     return Parts(
-        screw.steel(strength["conduction"]),
-        nut.nut(strength, start_degc),
-        ANCHOR.bearing(strength, start_degc),
-        FREE.bearing(strength, start_degc),
-        air.surface(strength),
+        screw.steel(machine.screw, strength["conduction"]),
+        nut.nut(machine.nut, strength, start_degc),
+        bearings.bearing(machine.anchor, "anchor", strength, start_degc),
+        bearings.bearing(machine.free, "free", strength, start_degc),
+        air.surface(machine.air, strength, bearings.cover(machine.anchor) + bearings.cover(machine.free)),
         OMEGA_20,
     )
 
@@ -29,12 +29,13 @@ def parts(strength: Strengths, start_degc: float) -> Parts:
 class ThermalRig:
     """The rig at one instant; `tick` carries it over one second."""
 
-    def __init__(self, strength: Strengths, weather: Weather, heaters: Heaters) -> None:
+    def __init__(self, machine: Machine, strength: Strengths, weather: Weather, heaters: Heaters) -> None:
+        self.machine = machine
         self.weather = weather
         self.heaters = heaters
-        self.parts = parts(strength, weather.start)
+        self.parts = parts(machine, strength, weather.start)
         layer = np.full(screw.CELLS, weather.start)
-        self.now = Temperatures(layer.copy(), layer.copy(), np.array([*[weather.start] * 3, 1.0]))
+        self.now = Temperatures(layer.copy(), layer.copy(), np.array([*[weather.start] * 3, 1.0, *[weather.start] * 2]))
         self.torque = np.zeros(2)
         self.since_stop_s = -1.0
 
@@ -48,7 +49,7 @@ class ThermalRig:
             sources=self.heaters.heat(motion.omega, motion.moving, self.since_stop_s),
         )
         self._watch(motion)
-        centres = nut.in_cells(nut_centre_mm(motion.position_mm))
+        centres = nut.in_cells(nut_centre_mm(motion.position_mm) + self.machine.nut.offset)
         self.torque = advance(self.parts, self.now, motion.omega, centres, around)
 
     def _watch(self, motion: TableMotion) -> None:
@@ -65,8 +66,15 @@ class ThermalRig:
 
     @property
     def at_channels(self) -> np.ndarray:
-        """Bore wall at the channels, degC: (15,)"""
-        return np.interp(CHANNEL_MM, screw.CELL_MM, self.now.bore)
+        """Wall at the tips of the channels, degC: (15,)"""
+        wall = self.now.bore + self.machine.sensors.depth * (self.now.outer - self.now.bore)
+        return np.interp(CHANNEL_MM, screw.CELL_MM, wall)
+
+    @property
+    def brackets(self) -> tuple[float, float]:
+        """What the brackets' thermometers stand on at anchor and free bearing, degC"""
+        anchor, free = (4, 5) if self.parts.anchor.to_bracket > 0.0 else (1, 2)
+        return self.now.bodies[anchor], self.now.bodies[free]
 
     @property
     def anchor_seat(self) -> float:

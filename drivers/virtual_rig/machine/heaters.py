@@ -8,16 +8,14 @@ from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.machine.geometry import OMEGA_20, SCREW_MM
 from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.screw import overlap
+from drivers.virtual_rig.population.constants import Sources
 
-MOTOR_W = 15.0  # through the coupling into the last 40 mm of the screw, while driving
-MOTOR_MM = 40.0
+MOTOR_W = 15.0  # through the coupling into the end of the screw, while driving
 LOCAL_W = 1.5
 LOCAL_DRIVING_W = 2.0
 RUBBING_W = 6.0  # at 20 m/min
 CHIPS_W = 1.5
 BLAST_W = -8.0
-BLAST_S = 300.0
-LOCAL_MM = 30.0
 LOCAL_RANGE_MM = (150.0, 780.0)
 
 
@@ -33,19 +31,20 @@ class Heaters:
     rubbing: np.ndarray
     resting: np.ndarray
     stopped: np.ndarray
+    fading_s: float
     places: dict[str, float]
 
     def heat(self, omega: np.ndarray, moving: np.ndarray, since_stop_s: float) -> np.ndarray:
         """W into each cell over a tick, from the speeds (rad/s) and motion of its steps; negative: never moved"""
         share = moving.mean()
         rested = (1.0 - share) * (since_stop_s >= 0.0)
-        fading = rested * np.exp(-max(since_stop_s, 0.0) / BLAST_S)
+        fading = rested * np.exp(-max(since_stop_s, 0.0) / self.fading_s)
         rubbing = self.rubbing * ((omega / OMEGA_20) ** 2).mean()
         return self.always + self.driving * share + rubbing + self.resting * rested + self.stopped * fading
 
 
-def heaters(seed: int, strength: Strengths) -> Heaters:
-    """The planted sources at their strengths; the places depend on the seed alone."""
+def heaters(seed: int, strength: Strengths, sources: Sources) -> Heaters:
+    """The planted sources at their strengths, with a machine's widths; the places depend on the seed alone."""
     watts = {
         "local_heat": LOCAL_W,
         "local_heat_driving": LOCAL_DRIVING_W,
@@ -54,14 +53,15 @@ def heaters(seed: int, strength: Strengths) -> Heaters:
         "stop_blast": BLAST_W,
     }
     places = {name: local_place(seed, name) for name in watts}
-    motor = _spot(SCREW_MM[1] - MOTOR_MM / 2.0, MOTOR_MM) * MOTOR_W * strength["motor_heat"]
-    local = {name: _spot(x, LOCAL_MM) * watts[name] * strength[name] for name, x in places.items()}
+    motor = _spot(SCREW_MM[1] - sources.motor_width / 2.0, sources.motor_width) * MOTOR_W * strength["motor_heat"]
+    local = {name: _spot(x, sources.local_width) * watts[name] * strength[name] for name, x in places.items()}
     return Heaters(
         always=local["local_heat"],
         driving=motor + local["local_heat_driving"],
         rubbing=local["rubbing_cover"],
         resting=local["parked_chips"],
         stopped=local["stop_blast"],
+        fading_s=sources.blast_fading,
         places={name: x for name, x in places.items() if strength[name]},
     )
 

@@ -6,7 +6,8 @@ from collections.abc import Collection, Mapping
 
 Strengths = Mapping[str, float]
 
-# Effects of the rig as it stands (strength 1), and what their strength scales.
+# Effects of the rig as it stands (strength 1), and what their strength scales. All numbers here are those of the
+# paper's machine, number 0; another machine's own stand in its NAME.machine.json.
 BASE = {
     "conduction": "scales the conductivity along the screw",
     "still_air": "scales the convection to still air, 3.6 W/(m2 K)",

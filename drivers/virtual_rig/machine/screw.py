@@ -6,11 +6,9 @@ import numpy as np
 
 from drivers.virtual_rig.machine.flows import Screw
 from drivers.virtual_rig.machine.geometry import BORE_RADIUS_M, OUTER_RADIUS_M, SCREW_MM
+from drivers.virtual_rig.population.constants import Screw as Steel
 
 CELLS = 436
-CONDUCTIVITY = 46.0  # W/(m K), SCM420
-VOLUMETRIC_HEAT = 7850.0 * 470.0  # J/(m3 K)
-EXPANSION = 12.0e-6  # 1/K
 LAYER_RADIUS_M = 0.014  # where the bore layer ends and the outer layer begins
 
 CELL_M = (SCREW_MM[1] - SCREW_MM[0]) * 1e-3 / CELLS
@@ -26,7 +24,7 @@ AREA_M2 = ring_area(BORE_RADIUS_M, OUTER_RADIUS_M)
 BORE_SHARE = ring_area(BORE_RADIUS_M, LAYER_RADIUS_M) / AREA_M2
 
 
-def mean_above_bore() -> float:
+def mean_above_bore(conductivity: float) -> float:
     """Mean minus bore temperature of an insulated hollow cylinder warming evenly, per W/m through its surface.
 
         [(b^2 - a^2)^2 / 8 - a^2 (b^2 ln(b/a) / 2 - (b^2 - a^2) / 4)] pi / (k A^2)      K m/W
@@ -36,14 +34,14 @@ def mean_above_bore() -> float:
     a, b = BORE_RADIUS_M, OUTER_RADIUS_M
     ring = b**2 - a**2
     bracket = ring**2 / 8.0 - a**2 * (b**2 * math.log(b / a) / 2.0 - ring / 4.0)
-    return bracket * math.pi / (CONDUCTIVITY * AREA_M2**2)
+    return bracket * math.pi / (conductivity * AREA_M2**2)
 
 
-def steel(conduction: float) -> Screw:
+def steel(made_of: Steel, conduction: float) -> Screw:
     """The screw's cells; the layers' conductance gives the exact bore deficit: g = f (1 - f) / deficit  W/(m K)."""
-    along = conduction * CONDUCTIVITY * AREA_M2 / CELL_M
-    capacity = VOLUMETRIC_HEAT * AREA_M2 * CELL_M
-    across = BORE_SHARE * (1.0 - BORE_SHARE) / mean_above_bore() * CELL_M
+    along = conduction * made_of.conductivity * AREA_M2 / CELL_M
+    capacity = made_of.volumetric_heat * AREA_M2 * CELL_M
+    across = BORE_SHARE * (1.0 - BORE_SHARE) / mean_above_bore(made_of.conductivity) * CELL_M
     return Screw(
         along * BORE_SHARE, along * (1.0 - BORE_SHARE), across, capacity * BORE_SHARE, capacity * (1.0 - BORE_SHARE)
     )

@@ -3,13 +3,7 @@
 import math
 from dataclasses import dataclass
 
-PROBE_FOLLOWS = 0.5  # share of the bearing seats' rise that reaches the probes beside them
-PROBE_S = 600.0
-BAR_FOLLOWS = 0.4  # share of the screw's mean rise that reaches the bar along it
-BAR_S = 1500.0
-BOARD_SELF_HEATING = 6.0  # K above the air, at rest
-BOARD_WHILE_TURNING = 10.0  # K more at 20 m/min, from the rotary head
-BOARD_S = 900.0
+from drivers.virtual_rig.population.constants import Jig as Build
 
 
 @dataclass(frozen=True)
@@ -20,12 +14,13 @@ class Jig:
     bar: float
     board: float
 
-    def after_tick(self, ambient: float, seats: float, screw: float, turning: float) -> "Jig":
+    def after_tick(self, build: Build, ambient: float, seats: float, screw: float, turning: float) -> "Jig":
         """dT/dt = (T_target - T) / tau over 1 s; mean temperatures of seats and screw (degC), omega / omega_20."""
+        board = ambient + build.board_self_heating + build.board_turning * turning
         return Jig(
-            probe=_follow(self.probe, ambient + PROBE_FOLLOWS * (seats - ambient), PROBE_S),
-            bar=_follow(self.bar, ambient + BAR_FOLLOWS * (screw - ambient), BAR_S),
-            board=_follow(self.board, ambient + BOARD_SELF_HEATING + BOARD_WHILE_TURNING * turning, BOARD_S),
+            probe=_follow(self.probe, ambient + build.probe_follows * (seats - ambient), build.probe_time),
+            bar=_follow(self.bar, ambient + build.bar_follows * (screw - ambient), build.bar_time),
+            board=_follow(self.board, board, build.board_time),
         )
 
 

@@ -10,6 +10,7 @@ from drivers.virtual_rig.machine.geometry import ANCHOR_BEARING_MM, LEAD_MM, nut
 from drivers.virtual_rig.machine.motion import Stroke, TableMotion
 from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.screw import AREA_M2
+from drivers.virtual_rig.population.constants import Sensors
 
 RANGE_UM = 50.0
 OK, UNDER_RANGE, OVER_RANGE = 0, 1, 2
@@ -17,8 +18,6 @@ START_UM = (10.0, 1.0)  # gaps set before the run at the motor and the free side
 WOBBLE_UM = (0.5, 0.6)  # once a turn, amplitude of each sum
 NOISE_UM = 0.1  # sd of the elongation read
 HOLD_ERROR_UM = 0.19  # largest loss of a held peak
-PROBE_UM_PER_K = 0.4
-BAR_UM_PER_K = 0.47  # super-Invar, 0.5e-6 1/K over 935.5 mm
 EXTRA = 2.0  # planted: probes or bar expand by twice their own coefficient more
 YIELD_UM_PER_K = 0.54  # planted: the anchor's support moves the motor-side probes as it warms
 TABLE_KG = 250.0
@@ -87,7 +86,7 @@ class Probes:
         return self.noise * np.sqrt(2.0) * draw.standard_normal((n, 2))
 
 
-def probes(seed: int, strength: Strengths) -> Probes:
+def probes(seed: int, strength: Strengths, sensors: Sensors) -> Probes:
     """The unit of this seed's rig; the wobble's phase stays the same from run to run."""
     base = strength["displacement"]
     return Probes(
@@ -96,8 +95,8 @@ def probes(seed: int, strength: Strengths) -> Probes:
         noise=base * NOISE_UM,
         hold_error=base * HOLD_ERROR_UM,
         inertia=base,
-        per_probe=PROBE_UM_PER_K * (base + EXTRA * strength["probe_expansion"]),
-        per_bar=BAR_UM_PER_K * (base + EXTRA * strength["bar_expansion"]),
+        per_probe=sensors.probe_um_per_K * (base + EXTRA * strength["probe_expansion"]),
+        per_bar=sensors.bar_um_per_K * (base + EXTRA * strength["bar_expansion"]),
         per_seat=YIELD_UM_PER_K * strength["support_yield"],
     )
 

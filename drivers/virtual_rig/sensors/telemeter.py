@@ -8,13 +8,11 @@ from scipy.signal import lfilter
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.machine.geometry import CHANNELS
 from drivers.virtual_rig.machine.planted import Strengths
+from drivers.virtual_rig.population.constants import Sensors
+from drivers.virtual_rig.population.draw import scattered_lags
 
 NOISE_K = 0.02
 OFFSET_K = 0.025
-LAG_S = 8.0
-LAG_SPREAD_S = 2.0
-SHORTEST_LAG_S, LONGEST_LAG_S = 4.0, 12.0
-BOARD_DRIFT = 0.003  # K per K of board temperature rise
 STEP_K = 0.01
 
 EXTRA_LAG_S = 15.0
@@ -47,10 +45,11 @@ class Telemeter:
         return quantised(shown + self.noise * draw.standard_normal(shown.shape))
 
 
-def telemeter(seed: int, strength: Strengths) -> Telemeter:
+def telemeter(seed: int, strength: Strengths, sensors: Sensors) -> Telemeter:
     """The telemeter of this seed's rig; its channels stay the same from run to run."""
     draw, base = dice(seed, "channels"), strength["thermometers"]
-    nominal = np.clip(LAG_S + LAG_SPREAD_S * draw.standard_normal(CHANNELS), SHORTEST_LAG_S, LONGEST_LAG_S)
+    of_seed = scattered_lags(sensors, draw)
+    nominal = np.array(sensors.lags) if sensors.lags else of_seed
     offset = draw.uniform(-OFFSET_K, OFFSET_K, CHANNELS)
     shifted, misjudged = int(draw.integers(2, CHANNELS)), int(draw.choice(WARM_CHANNELS))
     numbers = np.arange(1, CHANNELS + 1)
@@ -59,8 +58,8 @@ def telemeter(seed: int, strength: Strengths) -> Telemeter:
         lag_s=base * nominal + EXTRA_LAG_S * strength["sensor_lag"],
         offset=base * offset,
         late_offset=FAULTY_OFFSET_K * strength["channel_offset"] * (numbers == shifted),
-        gain=1.0 + FAULTY_GAIN * strength["channel_gain"] * (numbers == misjudged),
-        board_drift=base * BOARD_DRIFT + EXTRA_BOARD_DRIFT * strength["board_drift"],
+        gain=np.array(sensors.gains) + FAULTY_GAIN * strength["channel_gain"] * (numbers == misjudged),
+        board_drift=base * sensors.board_drift + EXTRA_BOARD_DRIFT * strength["board_drift"],
         noise=base * NOISE_K,
         places={name: channel for name, channel in places.items() if strength[name]},
     )

@@ -58,7 +58,10 @@ def test_help_lists_every_command():
 @pytest.mark.parametrize(
     ("name", "options"),
     [
-        ("simulate", ["--seed", "--plant", "--without", "--max-drive", "--cycles", "--seconds", "--interface"]),
+        (
+            "simulate",
+            ["--machine", "--seed", "--plant", "--without", "--max-drive", "--cycles", "--seconds", "--interface"],
+        ),
         ("review", ["--rig", "--model", "--channels", "--no-displacement", "--mute", "--save", "--json", "--quiet"]),
         ("fit", ["--rig", "--model", "-o MODEL", "--json", "--debug"]),
         ("tune", ["--rig", "--model", "-o MODEL", "--save", "--json", "--quiet"]),
@@ -83,6 +86,18 @@ def test_simulate_writes_a_recording_and_its_truth(tmp_path):
     assert told["max_elongation_um"] > 5
 
 
+def test_another_machine_leaves_its_constants_beside_the_recording(tmp_path):
+    drag = {}
+    for number in (0, 7):
+        words = ["-o", tmp_path / f"{number}.log", "--seconds", 2, "--machine", number, "--json"]
+        status, out, _ = run("simulate", "FS-20", *words)
+        assert status == 0
+        assert json.loads(out)["machine"] == number
+        drag[number] = json.loads((tmp_path / f"{number}.machine.json").read_text())["constants"]["nut"]["drag_torque"]
+    assert drag[0] == 0.68
+    assert drag[7] != 0.68
+
+
 def test_the_same_seed_is_the_same_recording(tmp_path):
     for name, seed in (("a", 3), ("b", 3), ("c", 4)):
         assert run("simulate", "ES-20", "-o", tmp_path / f"{name}.log", "--seconds", 40, "--seed", seed)[0] == 0
@@ -104,6 +119,7 @@ def test_the_same_seed_is_the_same_recording(tmp_path):
             "error: a.txt: cannot write '.txt'; known: .asc, .blf, .log, .mf4, .trc",
         ),
         (["simulate", "FS-20", "-o", "a.log", "--seconds", "-3"], "-3.0 is not in the range x>0.0"),
+        (["simulate", "FS-20", "-o", "a.log", "--machine", "-1"], "-1 is not in the range x>=0"),
         (["simulate", "FS-20", "-o", "a.log", "--cycles", "0"], "0 is not in the range x>=1"),
         (["simulate", "FS-20", "--interface", "virtual", "--speed-up", "0"], "0.0 is not in the range x>0.0"),
         (

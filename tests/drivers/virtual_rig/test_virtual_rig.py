@@ -13,6 +13,7 @@ from drivers.virtual_rig import EXPERIMENTS, Run, simulate
 from drivers.virtual_rig.machine import screw
 from drivers.virtual_rig.machine.geometry import ANCHOR_BEARING_MM, CHANNEL_MM, SPAN_MM
 from drivers.virtual_rig.machine.planted import BASE, PLANTED
+from drivers.virtual_rig.population.constants import PAPER
 from drivers.virtual_rig.sensors.probes import HOLD_ERROR_UM, NOISE_UM, Gauge, probes
 from drivers.virtual_rig.sensors.telemeter import lagging, telemeter
 
@@ -135,8 +136,8 @@ def test_ambient_and_base_wander_by_tenths_of_a_kelvin(fs20):
 
 def test_elongation_is_the_integral_of_the_mean_rise():
     rise = np.random.default_rng(1).random(screw.CELLS)
-    motor = screw.growth_weights(ANCHOR_BEARING_MM, SPAN_MM[1], screw.EXPANSION) @ rise
-    free = screw.growth_weights(SPAN_MM[0], ANCHOR_BEARING_MM, screw.EXPANSION) @ rise
+    motor = screw.growth_weights(ANCHOR_BEARING_MM, SPAN_MM[1], PAPER.screw.expansion) @ rise
+    free = screw.growth_weights(SPAN_MM[0], ANCHOR_BEARING_MM, PAPER.screw.expansion) @ rise
     assert motor + free == pytest.approx(12.0 * (screw.overlap(*SPAN_MM) @ rise) * screw.CELL_M, rel=1e-12)
 
 
@@ -158,7 +159,7 @@ def test_direct_reading_joins_the_truth_at_rest_and_wobbles_while_turning(fs20):
 
 
 def test_readings_beyond_the_probes_range_say_so():
-    unit = probes(1, NO_EFFECT)
+    unit = probes(1, NO_EFFECT, PAPER.sensors)
     zero = np.zeros(3)
     reading = unit.held(Gauge(zero, np.array([-5.0, 20.0, 60.0]), zero, zero, zero), np.random.default_rng(0))
     assert reading.state.tolist() == [1, 0, 2]
@@ -166,8 +167,8 @@ def test_readings_beyond_the_probes_range_say_so():
 
 
 def test_channels_are_the_same_sensors_in_every_run_of_a_seed():
-    one, other = telemeter(1, BASE_RIG), telemeter(2, BASE_RIG)
-    assert np.array_equal(one.offset, telemeter(1, BASE_RIG).offset)
+    one, other = (telemeter(seed, BASE_RIG, PAPER.sensors) for seed in (1, 2))
+    assert np.array_equal(one.offset, telemeter(1, BASE_RIG, PAPER.sensors).offset)
     assert not np.array_equal(one.offset, other.offset)
     assert np.abs(one.offset).max() <= 0.025
     assert one.lag_s.mean() == pytest.approx(8.0, abs=1.5)

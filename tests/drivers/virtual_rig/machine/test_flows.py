@@ -8,29 +8,35 @@ import pytest
 from drivers.virtual_rig import simulate
 from drivers.virtual_rig.machine import flows, heat, screw
 from drivers.virtual_rig.machine.planted import BASE, PLANTED
+from drivers.virtual_rig.population.constants import PAPER
+from drivers.virtual_rig.population.draw import machine
 
 
 def test_layers_keep_the_bore_as_far_behind_as_the_cylinder_would():
-    steel = screw.steel(conduction=1.0)
+    steel = screw.steel(PAPER.screw, conduction=1.0)
     bore, outer = np.full(screw.CELLS, 20.0), np.full(screw.CELLS, 20.0)
-    flux = 118.0
+    flux, mean_above_bore = 118.0, screw.mean_above_bore(PAPER.screw.conductivity)
     for _ in range(600):
         flows.spread(steel, bore, outer, np.full(screw.CELLS, flux * screw.CELL_M), 0.05)
     behind = screw.mean_temperature(bore, outer) - bore
-    assert behind == pytest.approx(screw.mean_above_bore() * flux, rel=1e-4)
-    assert screw.mean_above_bore() * flux == pytest.approx(0.053, abs=0.001)
+    assert behind == pytest.approx(mean_above_bore * flux, rel=1e-4)
+    assert mean_above_bore * flux == pytest.approx(0.053, abs=0.001)
 
 
-def test_friction_heat_is_neither_lost_nor_made():
+@pytest.mark.parametrize("number", [0, 1, 2, 3, 4])
+def test_friction_heat_is_neither_lost_nor_made(number):
     """With every way out closed, screw, nut and housings hold what the torques have put in."""
     base = dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0)
-    parts = heat.parts(base | {"still_air": 0.0, "rotating_convection": 0.0}, 20.0)
+    parts = heat.parts(machine(number), base | {"still_air": 0.0, "rotating_convection": 0.0}, 20.0)
     tight = parts._replace(
         nut=parts.nut._replace(to_table=0.0),
         anchor=parts.anchor._replace(to_base=0.0, to_air=0.0),
         free=parts.free._replace(to_base=0.0, to_air=0.0),
+        surface=parts.surface._replace(emissivity=0.0),
     )
-    now = flows.Temperatures(np.full(screw.CELLS, 20.0), np.full(screw.CELLS, 20.0), np.array([20.0, 20.0, 20.0, 1.0]))
+    now = flows.Temperatures(
+        np.full(screw.CELLS, 20.0), np.full(screw.CELLS, 20.0), np.array([20.0, 20.0, 20.0, 1.0, 20.0, 20.0])
+    )
     air = np.full(screw.CELLS, 20.0)
     around = flows.Around(along=air, air=20.0, base=20.0, sources=np.zeros(screw.CELLS))
     work = 0.0
@@ -38,20 +44,22 @@ def test_friction_heat_is_neither_lost_nor_made():
         centres = np.linspace(150.0, 250.0, 20) + second
         work += float(flows.advance(tight, now, np.full(20, 174.5), centres, around).sum()) * 174.5
     stored = tight.screw.bore_capacity * (now.bore - 20.0).sum() + tight.screw.outer_capacity * (now.outer - 20.0).sum()
-    bodies = np.array([tight.nut.capacity, tight.anchor.capacity, tight.free.capacity]) @ (now.bodies[:3] - 20.0)
+    brackets = [one.bracket_capacity * (one.to_bracket > 0.0) for one in (tight.anchor, tight.free)]
+    capacities = np.array([tight.nut.capacity, tight.anchor.capacity, tight.free.capacity, 0.0, *brackets])
+    bodies = capacities @ (now.bodies - 20.0)
     assert stored + bodies == pytest.approx(work, rel=1e-9)
 
 
 def test_conduction_spreads_a_spot_like_the_endless_rod():
     """Heat E at one place: T = E / (rho c A sqrt(4 pi a t)) exp(-x^2 / 4 a t)"""
-    steel = screw.steel(conduction=1.0)
+    steel = screw.steel(PAPER.screw, conduction=1.0)
     bore, outer = np.zeros(screw.CELLS), np.zeros(screw.CELLS)
     middle = screw.CELLS // 2
     bore[middle] = outer[middle] = 100.0
     for _ in range(6000):
         flows.spread(steel, bore, outer, np.zeros(screw.CELLS), 0.05)
     x = (screw.CELL_MM - screw.CELL_MM[middle]) * 1e-3
-    spread = 4.0 * screw.CONDUCTIVITY / screw.VOLUMETRIC_HEAT * 300.0
+    spread = 4.0 * PAPER.screw.conductivity / PAPER.screw.volumetric_heat * 300.0
     exact = 100.0 * screw.CELL_M / math.sqrt(math.pi * spread) * np.exp(-(x**2) / spread)
     assert np.abs(screw.mean_temperature(bore, outer) - exact).max() < 2e-3 * exact.max()
     assert screw.mean_temperature(bore, outer).sum() == pytest.approx(100.0)

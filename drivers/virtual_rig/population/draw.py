@@ -1,0 +1,91 @@
+"""Machine number N: the paper's for 0, else every number drawn by N in its range and a few laws of another form."""
+
+from dataclasses import asdict, fields, is_dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drivers.virtual_rig.dice import dice
+from drivers.virtual_rig.population.constants import CHANNELS, PAPER, Machine, Range, Sensors
+
+
+class Law(NamedTuple):
+    """A form that a share of the machines have, and what the others have (the paper's machine among them)"""
+
+    share: float
+    this: str
+    usual: str
+
+
+LAWS = {
+    "power_law_bearings": Law(0.35, "M = (M1 + M0) speed^power", "M = M1 + M0 speed^(2/3), Palmgren"),
+    "late_rotation": Law(
+        0.3, "h = still + rotating ((speed - threshold) / (1 - threshold))^m above it", "h = still + rotating speed^m"
+    ),
+    "growing_contact": Law(0.35, "g = contact (1 + contact_growth |T_nut - T_screw|)", "g = contact"),
+    "two_lump_housings": Law(0.4, "seat - ring - bracket - base", "seat - housing - base"),
+    "radiating_surface": Law(0.6, "radiates with its emissivity", "no radiation"),
+    "thinning_friction": Law(0.35, "torque falls by 0.5 - 1.5 %/K", "torque independent of temperature"),
+    "churning_grease": Law(0.3, "3 - 12 % more nut torque after a rest", "no churning"),
+    "coarse_gains": Law(0.25, "channel gains scatter by 0.7 %", "channel gains within 0.3 % (paper: exact)"),
+}
+FINE_GAIN, COARSE_GAIN = 0.003, 0.007
+SHORTEST_LAG_S, LONGEST_LAG_S = 3.0, 15.0
+
+
+def machine(number: int) -> Machine:
+    """The same number is the same machine, 0 the paper's; `constants` has the ranges."""
+    if number < 0:
+        raise ValueError(f"machine {number}: machines are numbered from 0, the paper's, on")
+    if number == 0:
+        return PAPER
+    laws = tuple(name for name, law in LAWS.items() if dice(number, "law", name).random() < law.share)
+    parts = {part: _drawn(number, part, paper, laws) for part, paper in _parts(PAPER).items()}
+    sd = COARSE_GAIN if "coarse_gains" in laws else FINE_GAIN
+    gains = 1.0 + sd * dice(number, "gains").standard_normal(CHANNELS)
+    lags = scattered_lags(parts["sensors"], dice(number, "lags"))
+    parts["sensors"] = replace(parts["sensors"], gains=tuple(gains.tolist()), lags=tuple(lags.tolist()))
+    return Machine(number, laws, **parts)
+
+
+def scattered_lags(sensors: Sensors, draw: np.random.Generator) -> np.ndarray:
+    """Lag of each channel, s: (15,); within two spreads of the mean and within 3 .. 15 s"""
+    lag, reach = sensors.lag, 2.0 * sensors.lag_spread
+    scatter = lag + sensors.lag_spread * draw.standard_normal(CHANNELS)
+    return np.clip(scatter, max(lag - reach, SHORTEST_LAG_S), min(lag + reach, LONGEST_LAG_S))
+
+
+def described(one: Machine) -> dict[str, Any]:
+    """A machine as JSON holds it: number, laws in words, constants by part, unit of each constant."""
+    parts = _parts(one)
+    return {
+        "machine": one.number,
+        "laws": {name: law.this if name in one.laws else law.usual for name, law in LAWS.items()},
+        "constants": {part: asdict(numbers) for part, numbers in parts.items()},
+        "units": {part: {f.name: _unit(f.metadata) for f in fields(numbers)} for part, numbers in parts.items()},
+    }
+
+
+def _parts(one: Machine) -> dict[str, Any]:
+    values = {f.name: getattr(one, f.name) for f in fields(one)}
+    return {name: value for name, value in values.items() if is_dataclass(value)}
+
+
+def _unit(metadata: Any) -> str:
+    return metadata["range"].unit if "range" in metadata else metadata["unit"]
+
+
+def _drawn(number: int, part: str, paper: Any, laws: tuple[str, ...]) -> Any:
+    """One part with every number of its own drawn, each by a stream of its own: a new one leaves the others alone."""
+    ranges = {f.name: f.metadata["range"] for f in fields(paper) if "range" in f.metadata}
+    return replace(paper, **{
+        name: _number(dice(number, part, name), getattr(paper, name), span)
+        for name, span in ranges.items() if not span.law or span.law in laws
+    })  # fmt: skip
+
+
+def _number(draw: np.random.Generator, paper: float, span: Range) -> float:
+    if not span.sd:
+        return float(draw.uniform(span.low, span.high))
+    tries = paper + span.sd * draw.standard_normal(100)
+    return float(tries[(span.low <= tries) & (tries <= span.high)][0])
