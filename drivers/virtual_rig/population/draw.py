@@ -1,12 +1,15 @@
 """Machine number N: the paper's for 0, else every number drawn by N in its range and a few laws of another form."""
 
+from collections.abc import Iterator
 from dataclasses import asdict, fields, is_dataclass, replace
+from itertools import count
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.population.constants import CHANNELS, PAPER, Machine, Range, Sensors
+from drivers.virtual_rig.population.steady import steady_growth_um
 
 
 class Law(NamedTuple):
@@ -29,23 +32,38 @@ LAWS = {
     "churning_grease": Law(0.3, "3 - 12 % more nut torque after a rest", "no churning"),
     "coarse_gains": Law(0.25, "channel gains scatter by 0.7 %", "channel gains within 0.3 % (paper: exact)"),
 }
+SLOWEST, REACHED_UM = 0.125, 50.0  # every machine must reach 50 um at 2.5 m/min, as the paper's does
 FINE_GAIN, COARSE_GAIN = 0.003, 0.007
 SHORTEST_LAG_S, LONGEST_LAG_S = 3.0, 15.0
 
 
 def machine(number: int) -> Machine:
-    """The same number is the same machine, 0 the paper's; `constants` has the ranges."""
+    """The same number is the same machine, 0 the paper's; `constants` has the ranges.
+
+    Its numbers are drawn again until it can follow the protocol; the laws it follows are drawn once.
+    """
     if number < 0:
         raise ValueError(f"machine {number}: machines are numbered from 0, the paper's, on")
     if number == 0:
         return PAPER
     laws = tuple(name for name, law in LAWS.items() if dice(number, "law", name).random() < law.share)
-    parts = {part: _drawn(number, part, paper, laws) for part, paper in _parts(PAPER).items()}
-    sd = COARSE_GAIN if "coarse_gains" in laws else FINE_GAIN
-    gains = 1.0 + sd * dice(number, "gains").standard_normal(CHANNELS)
-    lags = scattered_lags(parts["sensors"], dice(number, "lags"))
-    parts["sensors"] = replace(parts["sensors"], gains=tuple(gains.tolist()), lags=tuple(lags.tolist()))
-    return Machine(number, laws, **parts)
+    return next(one for one in _built(number, laws) if steady_growth_um(one, SLOWEST) > REACHED_UM)
+
+
+def _built(number: int, laws: tuple[str, ...]) -> Iterator[Machine]:
+    """One attempt after the other."""
+    for attempt in count():
+        again = ("again",) * attempt
+        parts = {part: _drawn(number, part, paper, laws, again) for part, paper in _parts(PAPER).items()}
+        yield _with_channels(Machine(number, laws, **parts))
+
+
+def _with_channels(one: Machine) -> Machine:
+    """Its channels with gains and lags of their own."""
+    sd = COARSE_GAIN if "coarse_gains" in one.laws else FINE_GAIN
+    gains = 1.0 + sd * dice(one.number, "gains").standard_normal(CHANNELS)
+    lags = scattered_lags(one.sensors, dice(one.number, "lags"))
+    return replace(one, sensors=replace(one.sensors, gains=tuple(gains.tolist()), lags=tuple(lags.tolist())))
 
 
 def scattered_lags(sensors: Sensors, draw: np.random.Generator) -> np.ndarray:
@@ -75,11 +93,11 @@ def _unit(metadata: Any) -> str:
     return metadata["range"].unit if "range" in metadata else metadata["unit"]
 
 
-def _drawn(number: int, part: str, paper: Any, laws: tuple[str, ...]) -> Any:
+def _drawn(number: int, part: str, paper: Any, laws: tuple[str, ...], again: tuple[str, ...]) -> Any:
     """One part with every number of its own drawn, each by a stream of its own: a new one leaves the others alone."""
     ranges = {f.name: f.metadata["range"] for f in fields(paper) if "range" in f.metadata}
     return replace(paper, **{
-        name: _number(dice(number, part, name), getattr(paper, name), span)
+        name: _number(dice(number, part, name, *again), getattr(paper, name), span)
         for name, span in ranges.items() if not span.law or span.law in laws
     })  # fmt: skip
 

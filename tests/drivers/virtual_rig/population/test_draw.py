@@ -8,6 +8,8 @@ import pytest
 
 from drivers.virtual_rig import simulate
 from drivers.virtual_rig.frames.recording import write
+from drivers.virtual_rig.machine import heat
+from drivers.virtual_rig.machine.planted import BASE, PLANTED
 from drivers.virtual_rig.population.constants import PAPER, Machine
 from drivers.virtual_rig.population.draw import LAWS, machine
 
@@ -85,6 +87,23 @@ def test_constants_are_written_beside_the_recording(number, tmp_path):
     assert {name for name, law in LAWS.items() if told["laws"][name] == law.this} == set(one.laws)
 
 
+def test_steps_are_stable_on_every_machine():
+    """dt < C / sum g at every node, with the steps of a screw at rest."""
+    for one in MANY:
+        parts = heat.parts(one, dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0), 20.0)
+        steel, nut, film = parts.screw, parts.nut, parts.surface
+        contact = nut.contact * (1.0 + 50.0 * nut.contact_growth)  # W/K, at a difference never seen
+        seats = max((bearing.contact * bearing.seat).max() for bearing in (parts.anchor, parts.free))
+        around = (film.still + film.rotating + 6.0) * film.area.max() + contact / nut.length + seats
+        rates = [
+            (2.0 * steel.along_bore + steel.across) / steel.bore_capacity,
+            (2.0 * steel.along_outer + steel.across + around) / steel.outer_capacity,
+            (contact + nut.to_table) / nut.capacity,
+            *((b.contact + b.to_base + b.to_air + b.to_bracket) / b.capacity for b in (parts.anchor, parts.free)),
+        ]
+        assert max(rates) / heat.RESTING_STEPS < 0.5
+
+
 @pytest.mark.parametrize("number", [1, 2, 3, 4, 5])
 def test_other_machines_heat_as_the_paper_s_does(number):
     run = simulate("FS-20", machine=number, cycles=1, stop_s=900.0)
@@ -93,3 +112,11 @@ def test_other_machines_heat_as_the_paper_s_does(number):
     assert 120.0 < stop - run.travel.drives[0].start_s < 450.0
     assert grown.max() == pytest.approx(50.0, abs=1.5)
     assert grown[-1] < grown.max() - 5.0
+
+
+@pytest.mark.parametrize("name", ["CS-10", "ES-2.5"])
+def test_slower_and_shorter_strokes_reach_50_um_too(name):
+    for number in (3, 4, 7):
+        run = simulate(name, machine=number, cycles=1, stop_s=2.0)
+        assert run.travel.drives[0].stop_s < 7200.0
+        assert run.truth.elongation_um.max() == pytest.approx(50.0, abs=1.5)
