@@ -6,15 +6,24 @@ from pathlib import Path
 
 import numpy as np
 
+from estimator.alarms.alarms import Alarm
 from estimator.filter import Filter
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
 from tests.conftest import at_defaults, stepped
+from viz.drawing.series import Judged
 from viz.recorded.run import ReviewedRun
 
 CELLS = 49
 REST_S, DRIVE_S = 20, 222
+SILENT = Alarm("silent", "T07", 600.0, "T07 at 703 mm is not read")
+JUDGED = [
+    Judged(1.0, ("no estimate yet",), ()),
+    Judged(2.0, (), ()),
+    Judged(610.0, (), (SILENT,)),
+    Judged(641.0, ("no news of the drive",), ()),
+]
 
 
 def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig | None = None) -> ReviewedRun:
@@ -38,8 +47,10 @@ def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig |
         "polyline": elongation - polyline,
     }
     readings = track.measured[:, 15] - track.measured[0, 15]
-    judged = "truth", errors, track.sigma_um, rise
-    return ReviewedRun(name, rig, recording, track, *smoothed, polyline, readings, elongation, *judged)
+    reference = "truth", errors, track.sigma_um
+    return ReviewedRun(
+        name, rig, recording, track, *smoothed, polyline, readings, elongation, *reference, JUDGED, rise
+    )  # fmt: skip
 
 
 def _places(rig: Rig) -> Array:

@@ -23,12 +23,14 @@ def rows(path: Path, entity: str, component: str) -> tuple[Array, list[list]]:
 
 
 def fixed(path: Path, entity: str, component: str) -> list:
-    """What was logged once for an entity."""
+    """What was logged for an entity for all times, the last time."""
+    found = None
     for chunk in RrdReader(path).stream().filter(content=entity).to_chunks():
         batch = chunk.to_record_batch()
         if chunk.is_static and component in batch.schema.names:
-            return batch.column(component)[0].as_py()
-    raise AssertionError(f"{entity} has no {component}")
+            found = batch.column(component)[-1].as_py()
+    assert found is not None, f"{entity} has no {component}"
+    return found
 
 
 def view_names(path: Path) -> list[str]:

@@ -155,6 +155,8 @@ class Session:
         if self._was_valid is not None and trust.valid != self._was_valid and self.latest.step.mode != Mode.INIT:
             why = "" if trust.valid else f" no longer: {', '.join(trust.why)}"
             self._say(f"estimate valid{why or ' again'}", "INFO" if trust.valid else "WARN")
+        if self.views is not None:
+            self.views.judge(self.latest.step.time_s, trust.why, tuple(self.monitor.active.values()))
         self._was_valid = trust.valid if self.latest.step.mode != Mode.INIT else None
 
     def _publish(self) -> None:

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+
+import numpy as np
 
 from ballscrew.report.review_report import markdown
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.review import Review
+from estimator.alarms.alarms import Alarms
+from estimator.alarms.trust import Watch
+from estimator.faults.fault import Fault
+from estimator.faults.use import MUTED
+from estimator.record import Recording
+from estimator.rig import Rig
+from estimator.step import Track
+from viz.drawing.series import Judged
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun
+
+HEARD = 0.1  # of a tick before its close, the last frame of the drive in it
 
 
 def save_views(path: Path, work: Workspace, loaded: Sequence[Loaded], reviews: Sequence[Review], view: bool) -> None:
@@ -34,5 +46,24 @@ def _run(one: Loaded, r: Review, work: Workspace) -> ReviewedRun:
         reference_name=r.reference_name,
         errors_um=r.errors,
         error_sd_um=r.sigma["filter"],
+        judged=list(judged(r.recording, r.track, work.rig)),
         truth_C_rise=one.truth.rises(work.rig.thermometers, r.recording.time_s) if one.truth else None,
     )
+
+
+def judged(recording: Recording, track: Track, rig: Rig) -> Iterator[Judged]:
+    """What the monitor would have said of the estimate and the channels, wherever that changes."""
+    muted = np.isfinite(track.measured) & ~track.fused & (track.fault == Fault.NONE)
+    begun = muted[np.flatnonzero(track.begins)[-1]]
+    tests, watch = Alarms(rig), Watch(rig, int((rig.is_thermometer & ~begun).sum()))
+    before = None
+    for k, sample in enumerate(recording):
+        step = track.step(k, tuple(np.where(muted[k], MUTED, "")))
+        tests.step(step)
+        if np.isfinite(sample.inputs.get("speed", np.nan)):
+            watch.drive(step.time_s - HEARD * rig.tick_s)
+        watch.tick(sample, step, tests.diverged)
+        said = watch.trust(step.time_s).why, tuple(tests.active.values())
+        if said != before:
+            yield Judged(step.time_s, *said)
+        before = said

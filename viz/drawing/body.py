@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from estimator.faults.fault import Fault
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Track
@@ -11,6 +12,7 @@ from viz.drawing import profile, screw
 from viz.drawing.entity import Entity
 from viz.drawing.frames import Axes
 from viz.drawing.scale import BodyScale, Indices
+from viz.drawing.series import clock
 
 
 def send(at: Entity, rig: Rig, axes: Axes, scale: BodyScale, track: Track, shown: Indices) -> None:
@@ -19,7 +21,17 @@ def send(at: Entity, rig: Rig, axes: Axes, scale: BodyScale, track: Track, shown
     profile.send(at, axes, time_s, mean, track.profile_sd_K[shown])
     inside = np.clip(track.measured[shown], *scale.temperature_C)
     profile.send_measured(at, axes, time_s, profile.places_mm(rig), inside, track.fused[shown])
+    profile.send_faults(at, axes, time_s, profile.places_mm(rig), inside, _said(track, shown))
     screw.send(at, rig, scale, time_s, mean, track.elongation_um[shown])
+
+
+def _said(track: Track, shown: Indices) -> Array:
+    """What is wrong with each channel, (n, m) str, "" where nothing is."""
+    said = np.full((len(shown), len(track.names)), "", dtype=object)
+    for row, i in np.argwhere(track.fault[shown] > Fault.JUDGED):
+        k = shown[row]
+        said[row, i] = f"{track.names[i]} {Fault(track.fault[k, i]).word} since {clock(track.since_s[k, i])}"
+    return said
 
 
 def send_nut(at: Entity, rig: Rig, axes: Axes, time_s: Array, position_mm: Array) -> None:

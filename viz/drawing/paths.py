@@ -27,6 +27,8 @@ INNOVATIONS = "channels/innovation"
 DISPLACEMENT = "channels/displacement"
 EVENTS = "events"
 STATUS = "status"
+STATE = "state"
+FAULTS = "faults"  # below the state of the estimate, in the order of their names
 MOMENT = "moment"
 
 BARS = "bars"
@@ -51,6 +53,7 @@ READING: Colour = (250, 220, 60)
 REFERENCE: Colour = (240, 240, 240)
 MEASURED: Colour = (255, 180, 60)
 LEFT_OUT: Colour = (225, 90, 90)
+VALID: Colour = (60, 110, 75)
 BEFORE: Colour = (240, 130, 60)
 AFTER: Colour = (90, 170, 255)
 COMPARED_AS = dict(zip(SIDES, (BEFORE, AFTER), strict=True))

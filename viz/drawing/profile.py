@@ -57,6 +57,7 @@ def style(at: Entity, rig: Rig, axes: Axes, truth: bool) -> None:
     (at / "estimate").log(lines(radii=points([1.8, 0.6, 0.6]), colors=edges, draw_order=2.0))
     (at / "band").log(lines(radii=points(0.7), colors=paths.BAND, draw_order=1.0))
     (at / "measured").log(dots(radii=points(4.5), draw_order=30.0))
+    (at / "faults").log(dots(radii=0.0, colors=paths.LEFT_OUT, show_labels=True, draw_order=32.0))
     (at / "truth").log(dots(radii=points(2.2), colors=paths.REFERENCE, draw_order=31.0))
     (at / "nut").log(lines(radii=points(3.5), colors=paths.NUT, draw_order=3.0))
 
@@ -95,6 +96,14 @@ def send_measured(at: Entity, axes: Axes, time_s: Array, at_mm: Array, values: A
     colours = np.where(fused[known][:, None], paths.MEASURED, paths.LEFT_OUT).astype(np.uint8)
     columns = rr.Points2D.columns(positions=axes.place(at_mm, values)[known].astype(np.float32), colors=colours)
     (at / paths.PROFILE / "measured").rows(time_s, columns.partition(known.sum(axis=1)))
+
+
+def send_faults(at: Entity, axes: Axes, time_s: Array, at_mm: Array, values: Array, said: Array) -> None:
+    """Log what is wrong with thermometers in words (n, m), "" for nothing, at measured temperatures (n, m)."""
+    broken = np.isfinite(values + at_mm) & (said != "")
+    places = axes.place(at_mm, values)[broken].astype(np.float32)
+    columns = rr.Points2D.columns(positions=places, labels=said[broken].tolist())
+    (at / paths.PROFILE / "faults").rows(time_s, columns.partition(broken.sum(axis=1)))
 
 
 def send_truth(at: Entity, axes: Axes, time_s: Array, at_mm: Array, values: Array) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import rerun as rr
 from scipy.stats import chi2
 
+from estimator.faults.fault import Fault
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Track
@@ -43,10 +44,12 @@ class Residuals:
 
     @classmethod
     def of(cls, track: Track, heat: Array) -> Residuals:
-        """Ticks of a track; `heat` (m,) says which channels are thermometers."""
-        apart = (track.measured - track.open_loop)[:, heat]
-        scatter = track.innovation[:, heat], track.innovation_sd[:, heat]
-        return cls(track.time_s, *scatter, apart, track.nis, track.nis_channels)
+        """Ticks of a track; `heat` (m,) says which channels are thermometers. What is broken is not known."""
+        well = (track.fault == Fault.NONE)[:, heat]
+        innovation, apart = (
+            np.where(well, a[:, heat], np.nan) for a in (track.innovation, track.measured - track.open_loop)
+        )
+        return cls(track.time_s, innovation, track.innovation_sd[:, heat], apart, track.nis, track.nis_channels)
 
     def mapped(self) -> dict[str, Array]:
         """What each map shows, (n, m) K."""

@@ -17,6 +17,7 @@ Indices = NDArray[np.intp]
 MINUTE_S = 60.0
 WARM = ((70, 90, 225), (60, 185, 205), (135, 210, 95), (250, 220, 70), (250, 135, 45), (225, 40, 45))
 DIVERGING = ((150, 215, 255), (45, 115, 220), (34, 34, 38), (215, 85, 30), (255, 210, 100))
+UNKNOWN = (88, 88, 94)
 
 
 @dataclass(frozen=True)
@@ -90,10 +91,10 @@ def minutes(
 
 
 def coloured(values: ArrayLike, extent: Range, anchors: tuple[tuple[int, int, int], ...] = WARM) -> Colours:
-    """Colours (..., 4) of values on a map; what is beyond the extent takes its end, NaN the background's grey."""
+    """Colours (..., 4) of values on a map; what is beyond the extent takes its end, NaN a grey that no map has."""
     place = (np.asarray(values, dtype=float) - extent[0]) / (extent[1] - extent[0])
     at = np.clip(place, 0.0, 1.0) * (len(anchors) - 1)
     channels = [np.interp(at, np.arange(len(anchors)), [anchor[i] for anchor in anchors]) for i in range(3)]
     colours = np.stack([*channels, np.full(at.shape, 255.0)], axis=-1)
-    colours[~np.isfinite(place)] = (28, 28, 30, 255)
+    colours[~np.isfinite(place)] = (*UNKNOWN, 255)
     return colours.astype(np.uint8)

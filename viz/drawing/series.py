@@ -1,4 +1,6 @@
-"""What a run tells over time: elongation and its error, temperatures and innovations as curves, events in words."""
+"""What a run tells over time: elongation and its error, temperatures and innovations as curves, what is wrong as lanes,
+events in words.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import rerun as rr
 
+from estimator.alarms.alarms import Alarm
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Track
@@ -92,3 +95,54 @@ def send_events(at: Entity, events: Sequence[Event]) -> None:
     texts = [f"{clock(event.time_s)}  {event.text}" for event in events]
     columns = rr.TextLog.columns(text=texts, level=[event.level for event in events])
     (at / paths.EVENTS).rows([event.time_s for event in events], columns)
+
+
+ESTIMATE, VALID = "estimate", "valid"  # the lane that is always there, and what it says while all is well
+FEW = 6  # channels that are named one by one
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Why the estimate is not to be relied on from a time on, empty where it is, and the alarms that are on."""
+
+    time_s: float
+    why: tuple[str, ...]
+    alarms: tuple[Alarm, ...]
+
+    @property
+    def states(self) -> dict[str, tuple[str, float]]:
+        """What each lane says and since when, s: whether the estimate is valid, which channels are stuck, and so on."""
+        states = {ESTIMATE: (", ".join(self.why) or VALID, self.time_s)}
+        for kind in {alarm.kind for alarm in self.alarms if alarm.channel}:
+            own = [alarm for alarm in self.alarms if alarm.kind == kind]
+            names = sorted({alarm.channel for alarm in own})
+            shown = ", ".join(names) if len(names) <= FEW else f"{len(names)} channels: {names[0]} ... {names[-1]}"
+            states[f"{paths.FAULTS}/{kind}"] = shown, min(alarm.since_s for alarm in own)
+        return states
+
+
+class Lanes:
+    """Whether to rely on the estimate, and below it a lane for each kind of alarm that channels have had."""
+
+    def __init__(self, at: Entity) -> None:
+        self._at = at / paths.STATE
+        self._last: dict[str, tuple[str, float]] = {}
+        self._colours: dict[str, dict[str, paths.Colour]] = {}
+
+    def send(self, judged: Judged) -> None:
+        """Log the states; the first of a lane since it is known to be so, the others as they come."""
+        none = {lane: ("", judged.time_s) for lane, (text, _) in self._last.items() if text}
+        for lane, (text, since_s) in {**none, **judged.states}.items():
+            before, from_s = self._last.get(lane, ("", -np.inf))
+            time_s = judged.time_s if before else max(since_s, from_s)
+            self._style(lane, text)
+            (self._at / lane).rows([time_s], rr.StateChange.columns(state=[text]))
+            self._last[lane] = text, time_s
+
+    def _style(self, lane: str, text: str) -> None:
+        """Log the colours of a lane anew where it says what it never said before."""
+        colours = self._colours.setdefault(lane, {"": paths.BACKGROUND})
+        if text not in colours:
+            colours[text] = paths.VALID if text == VALID else paths.LEFT_OUT
+            looks = rr.StateConfiguration(values=list(colours), colors=list(colours.values()))
+            (self._at / lane).log(looks)

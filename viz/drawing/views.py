@@ -123,6 +123,13 @@ def events_view(root: str) -> rrb.TextLogView:
     return rrb.TextLogView(origin=f"{root}/{paths.EVENTS}", name="Events", columns=columns)
 
 
+def state_view(root: str, span: Span, room: float = 0.0) -> rrb.StateTimelineView:
+    """Whether to rely on the estimate, and which channels are broken, how and when."""
+    return rrb.StateTimelineView(
+        origin=f"{root}/{paths.STATE}", name="Valid?", titlebar=False, time_view=span.axis(room)
+    )
+
+
 def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
     """Whether the innovations are as large as the filter expects."""
     return plot(f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1]", span, room=0.3)
@@ -131,7 +138,7 @@ def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
 def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:
     """Where measurement and model part."""
     count = len(rig.thermometers)
-    rows = f"mean of 1 min [K]; row = thermometer {ends(rig.thermometers)} from below"
+    rows = f"mean of 1 min [K]; row = thermometer {ends(rig.thermometers)} from below; grey: left out or not read"
     maps = [
         rrb.Horizontal(
             plot(f"{root}/{at}", f"{title}, {rows}", span, (0.0, count + 1.0), legend=False),

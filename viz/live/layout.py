@@ -16,9 +16,12 @@ from viz.drawing.views import (
     profile_view,
     residual_page,
     screw_view,
+    state_view,
     tabbed,
     temperature_plots,
 )
+
+ROOM = 0.3  # of the span, for the legend of the elongation
 
 
 def blueprint(root: str, rig: Rig, frame: Axes | None, span: Span) -> rrb.Blueprint:
@@ -28,12 +31,12 @@ def blueprint(root: str, rig: Rig, frame: Axes | None, span: Span) -> rrb.Bluepr
 
 def _overview(root: str, rig: Rig, frame: Axes | None, span: Span) -> rrb.Container:
     status = rrb.TextDocumentView(origin=f"{root}/{paths.STATUS}", name="Status")
-    events, nis = events_view(root), nis_view(root, span)
+    events, nis, state = events_view(root), nis_view(root, span), state_view(root, span, ROOM)
     if frame is None:
         plots, words = temperature_plots(root, rig, span), rrb.Horizontal(status, events)
-        return rrb.Vertical(*plots, nis, words, row_shares=[*[3] * len(plots), 3, 3], name="Overview")
-    elongation = plot(f"{root}/{paths.ELONGATION}", "Elongation [µm]", span, room=0.3)
+        return rrb.Vertical(*plots, state, nis, words, row_shares=[*[3] * len(plots), 1.4, 3, 3], name="Overview")
+    elongation = plot(f"{root}/{paths.ELONGATION}", "Elongation [µm]", span, room=ROOM)
     body = screw_view(root, rig, "growth exaggerated", distance=0.36)
     left = rrb.Vertical(profile_view(root, rig, frame.bounds), body, status, row_shares=[5, 2.6, 2.8])
-    right = rrb.Vertical(elongation, nis, events, row_shares=[5, 2.6, 2.8])
+    right = rrb.Vertical(elongation, state, nis, events, row_shares=[5, 1.4, 2.6, 2.8])
     return rrb.Horizontal(left, right, name="Overview")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import rerun as rr
 
+from estimator.alarms.alarms import Alarm
 from estimator.errors import BallscrewError, SetupError
 from estimator.record import Sample
 from estimator.rig import Rig
@@ -18,11 +19,12 @@ from estimator.step import Step
 from viz.drawing import paths
 from viz.drawing.entity import Entity
 from viz.drawing.file import begin, stream
-from viz.drawing.series import Event
+from viz.drawing.series import Event, Judged
 from viz.drawing.views import EVERYTHING, Span, sliding
 from viz.live.body import frame_of
 from viz.live.layout import blueprint
 from viz.live.outlet import Outlet
+from viz.live.repeat import Repeated
 from viz.live.rows import Rows
 from viz.viewer.address import LOOPBACK, port_at
 
@@ -58,6 +60,7 @@ class LiveViews:
         self.url = ""
         self._rig, self._title, self._id, self._window_s = rig, title, uuid.uuid4(), window_s
         self._outlets: list[Outlet] = []
+        self._judged = Repeated[tuple[tuple[str, ...], tuple[Alarm, ...]]]()
         try:
             if port is not None:
                 self._serve(bind, port_at(bind, port), memory)
@@ -71,6 +74,12 @@ class LiveViews:
         """Show one tick, before the filter's start too; returns at once."""
         for outlet in self._outlets:
             outlet.tick(sample, step)
+
+    def judge(self, time_s: float, why: tuple[str, ...], alarms: tuple[Alarm, ...]) -> None:
+        """Show from `time_s` on why the estimate is not to be relied on, empty: it is, and the alarms that are on."""
+        if self._judged.due((why, alarms), time_s):
+            for outlet in self._outlets:
+                outlet.event(Judged(time_s, why, alarms))
 
     def say(self, time_s: float, text: str, level: str = "INFO") -> None:
         """Log what happened at `time_s`, s; level is INFO, WARN or ERROR."""

@@ -11,7 +11,7 @@ import rerun as rr
 
 from estimator.record import Sample
 from estimator.step import Step
-from viz.drawing.series import Event
+from viz.drawing.series import Event, Judged
 from viz.live.rows import Rows
 
 WAITING = 20_000  # ticks and events that may wait; the oldest are given up
@@ -23,7 +23,7 @@ class Batch:
     """What has come since the last batch was sent."""
 
     ticks: deque[tuple[Sample, Step]] = field(default_factory=lambda: deque(maxlen=WAITING))
-    events: deque[Event] = field(default_factory=lambda: deque(maxlen=WAITING))
+    events: deque[Event | Judged] = field(default_factory=lambda: deque(maxlen=WAITING))
     status: str | None = None
 
 
@@ -61,8 +61,8 @@ class Outlet:
             self._lost += len(self._batch.ticks) == WAITING
             self._batch.ticks.append((sample, step))
 
-    def event(self, event: Event) -> None:
-        """Take an event."""
+    def event(self, event: Event | Judged) -> None:
+        """Take what happened."""
         with self._turn:
             self._batch.events.append(event)
 

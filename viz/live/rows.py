@@ -16,7 +16,7 @@ from estimator.step import Step, Track
 from viz.drawing import paths, series
 from viz.drawing.entity import Entity
 from viz.drawing.residuals import Residuals
-from viz.drawing.series import Event
+from viz.drawing.series import Event, Judged, Lanes
 from viz.live.body import Body
 from viz.live.minutes import Minutes
 from viz.live.repeat import Repeated
@@ -48,15 +48,19 @@ class Rows:
         self._last = np.full(2, np.nan)  # elongation by the filter and by the model alone, um
         self._dot = np.full((1, 2), np.nan)  # time and value of the reading drawn last
         self._fused = np.zeros(len(self._lengths), dtype=int)
-        self._time_s = 0.0
+        self._time_s, self._lanes = 0.0, Lanes(at)
         series.style(at, rig, series.OPEN_LOOP)
 
-    def send(self, ticks: Sequence[tuple[Sample, Step]], happened: Sequence[Event], status: str | None) -> None:
+    def send(
+        self, ticks: Sequence[tuple[Sample, Step]], happened: Sequence[Event | Judged], status: str | None
+    ) -> None:
         """Send what has come since the last time."""
         if ticks:
             self._ticks(ticks)
-        if happened:
-            series.send_events(self._at, happened)
+        for judged in (each for each in happened if isinstance(each, Judged)):
+            self._lanes.send(judged)
+        if events := [each for each in happened if isinstance(each, Event)]:
+            series.send_events(self._at, events)
         if status is not None and self._status.due(status, self._time_s):
             (self._at / paths.STATUS).text(status, self._time_s)
 

@@ -1,4 +1,4 @@
-"""What happened in a run, in words: drives and stops, channels left out, notes of the recording."""
+"""What happened in a run, in words: drives and stops, alarms, notes of the recording."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from estimator.faults.fault import Fault
-from viz.drawing.scale import Flags
-from viz.drawing.series import Event
+from viz.drawing.series import Event, Judged, clock
 from viz.recorded.run import ReviewedRun
 
 
 def events_of(run: ReviewedRun) -> list[Event]:
     """All events of a run in order of time."""
-    return sorted([*_notes(run), *_motion(run), *_channels(run)], key=lambda event: event.time_s)
+    return sorted([*_notes(run), *_motion(run), *_judged(run)], key=lambda event: event.time_s)
 
 
 def _notes(run: ReviewedRun) -> Iterator[Event]:
@@ -39,31 +37,15 @@ def _motion(run: ReviewedRun) -> Iterator[Event]:
             )
 
 
-def _channels(run: ReviewedRun) -> Iterator[Event]:
-    """Begins of the stretches in which channels are not fused, though they were read or should have been."""
-    together: dict[tuple[float, str], list[str]] = {}
-    for i, name in enumerate(run.track.names):
-        for begin, sentence in _stretches(run, i, name in run.rig.thermometers):
-            together.setdefault((begin, sentence), []).append(name)
-    for (begin, sentence), names in together.items():
-        yield Event(begin, f"{', '.join(names)} {sentence}", "WARN")
-
-
-def _stretches(run: ReviewedRun, i: int, steady: bool) -> Iterator[tuple[float, str]]:
-    """Time and sentence of each stretch of one channel; one that is not `steady` may be silent between its readings."""
-    track, known = run.track, np.isfinite(run.track.measured[:, i])
-    if steady:
-        for first, count in _blocks(~known):
-            yield float(track.time_s[first]), f"not measured for {count} ticks"
-    read = np.flatnonzero(known)
-    for first, count in _blocks(~track.fused[read, i]):
-        worst = Fault(track.fault[read[first : first + count], i].max())
-        said = f"{worst.said}: " if worst.said else ""
-        yield float(track.time_s[read[first]]), f"{said}not fused for {count} readings"
-
-
-def _blocks(flags: Flags) -> Iterator[tuple[int, int]]:
-    """First index and length of each run of true flags."""
-    edges = np.flatnonzero(np.diff(flags.astype(int), prepend=0, append=0))
-    for first, end in zip(edges[::2], edges[1::2], strict=True):
-        yield int(first), int(end - first)
+def _judged(run: ReviewedRun) -> Iterator[Event]:
+    """Alarms that begin and end, and when the estimate is not to be relied on, as `live` says it."""
+    before = Judged(0.0, (), ())
+    for now in run.judged:
+        for alarm in (each for each in now.alarms if each not in before.alarms):
+            yield Event(now.time_s, f"alarm: {alarm.text}, since {clock(alarm.since_s)}", "WARN")
+        for alarm in (each for each in before.alarms if each not in now.alarms):
+            yield Event(now.time_s, f"over: {alarm.text}")
+        if now.why != before.why:
+            lost = f"estimate valid no longer: {', '.join(now.why)}"
+            yield Event(now.time_s, lost, "WARN") if now.why else Event(now.time_s, "estimate valid again")
+        before = now

@@ -11,6 +11,8 @@ from viz.drawing.scale import Range
 from viz.recorded import accuracy
 from viz.recorded.run import JUDGED, ReviewedRun
 
+MOST_LANES = 4  # that have room below the elongation; one looks for more by scrolling
+
 
 def blueprint(runs: Sequence[ReviewedRun]) -> rrb.Blueprint:
     """The layout of a saved file."""
@@ -41,7 +43,11 @@ def _overview(run: ReviewedRun) -> rrb.Container:
     if scale.error_um:
         plots[paths.ERROR] = "Error: reference − estimate [µm]", scale.error_um
     curves = [views.below_legend(f"{root}/{at}", name, span, extent) for at, (name, extent) in plots.items()]
-    right = rrb.Vertical(*curves, views.events_view(root), row_shares=[*(4, 3)[: len(curves)], 2])
+    lanes = 0.15 + 0.75 * min(run.lanes, MOST_LANES)
+    right = rrb.Vertical(
+        curves[0], views.state_view(root, span), *curves[1:], views.events_view(root),
+        row_shares=[4, lanes, *[3] * len(curves[1:]), 2],
+    )  # fmt: skip
     if rig.screw is None:
         return rrb.Horizontal(right, name="Overview")
     place = views.profile_view(root, rig, profile.axes_of(rig, scale).bounds)

@@ -37,6 +37,9 @@ def send(at: Entity, run: ReviewedRun) -> None:
     shown = profile.picture_ticks(run.track.time_s, run.track.profile_C)
     if run.rig.screw is not None and len(shown):
         _pictures(at, run, shown)
+    lanes = series.Lanes(at)
+    for judged in run.judged:
+        lanes.send(judged)
     series.send_events(at, happened.events_of(run))
 
 

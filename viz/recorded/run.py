@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from estimator.faults.fault import Fault
 from estimator.inputs.phase import stops, turns
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import Track
 from viz.drawing.scale import BodyScale, Flags, Range, extent_of, minutes, rounded, symmetric, widened
+from viz.drawing.series import Judged
 
 JUDGED = ("filter", "polyline")  # the estimates that see the thermometers
 
@@ -39,6 +41,7 @@ class ReviewedRun:
     errors_um       (K,) reference minus estimate for "filter", "smoothed" and "polyline"; where the reference is a
                     reading that the filter used, its error is that of the prediction before it
     error_sd_um     (K,) the filter's own standard deviation of its error
+    judged          validity and alarms wherever they change
     truth_C_rise    (K, thermometers) true temperature rise at the thermometers, K; None where it is not known
     """
 
@@ -54,6 +57,7 @@ class ReviewedRun:
     reference_name: str
     errors_um: Mapping[str, Array]
     error_sd_um: Array
+    judged: Sequence[Judged]
     truth_C_rise: Array | None = None
 
     def judged_um(self, estimate: str) -> Array:
@@ -64,6 +68,11 @@ class ReviewedRun:
     def is_judged(self) -> bool:
         """Whether there is a reference at all."""
         return bool(np.isfinite(self.reference_um).any())
+
+    @property
+    def lanes(self) -> int:
+        """How many things are told of over time: whether the estimate is valid, and each kind of alarm of channels."""
+        return len({lane for judged in self.judged for lane in judged.states})
 
     @property
     def turning(self) -> Flags:
@@ -81,11 +90,12 @@ class ReviewedRun:
         """Ranges that hold the whole run."""
         track, heat = self.track, self.rig.is_thermometer
         lengths = (track.elongation_um, track.open_loop_um, self.polyline_um, self.readings_um, self.reference_um)
-        measured = track.measured[:, heat]
+        well = (track.fault == Fault.NONE)[:, heat]  # what is broken would stretch all of it
+        measured, innovation = (np.where(well, a[:, heat], np.nan) for a in (track.measured, track.innovation))
         return Scale(
             temperature_C=rounded(widened(extent_of(measured, track.profile_C), 1.0)),
             elongation_um=rounded(widened(extent_of(*lengths), 1.0)),
             error_um=rounded(extent_of(*(self.errors_um[name] for name in JUDGED))) if self.is_judged else None,
-            innovation_K=symmetric(minutes(track.time_s, track.innovation[:, heat])[1]),
+            innovation_K=symmetric(minutes(track.time_s, innovation)[1]),
             open_loop_K=symmetric(minutes(track.time_s, measured - track.open_loop[:, heat])[1]),
         )

@@ -65,10 +65,13 @@ class Views:
     trouble = ""
 
     def __init__(self) -> None:
-        self.ticks, self.texts, self.states = 0, [], []
+        self.ticks, self.texts, self.states, self.judged = 0, [], [], []
 
     def show(self, sample, step) -> None:
         self.ticks += 1
+
+    def judge(self, time_s, why, alarms) -> None:
+        self.judged.append((time_s, why, alarms))
 
     def say(self, time_s, text, level) -> None:
         self.texts.append((text, level))
@@ -203,9 +206,10 @@ def test_a_defect_of_ours_is_told_once_and_the_loop_goes_on(session, frames, mon
 
 
 def test_validity_is_told_when_it_changes(session, frames):
-    _, said, _ = session(dropped(frames, 30.0, [DRIVE], 36.0))
+    live, said, _ = session(dropped(frames, 30.0, [DRIVE], 36.0))
     told = [text for text in said if text.startswith("estimate valid")]
     assert told == ["estimate valid no longer: no news of the drive", "estimate valid again"]
+    assert {why for _, why, _ in live.views.judged} >= {(), ("no news of the drive",)}
 
 
 def test_text_from_outside_is_no_markup(session, frames):

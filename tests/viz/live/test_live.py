@@ -25,7 +25,7 @@ from estimator.rig import Rig
 from estimator.step import Mode, Step, Track
 from tests.conftest import at_defaults
 from tests.processes import PATIENCE_S, until
-from tests.viz_fake import fake_run
+from tests.viz_fake import JUDGED, SILENT, fake_run
 from tests.viz_read import fixed, rows, view_names
 from viz.drawing import profile
 from viz.drawing.entity import Entity
@@ -75,6 +75,8 @@ def fed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fed]:
     file = tmp_path_factory.mktemp("live") / "live.rrd"
     views = LiveViews(run.rig, "FS-20", port=None, save=file)
     views.say(21.0, "drive starts")
+    for judged in JUDGED:
+        views.judge(judged.time_s, judged.why, judged.alarms)
     show(views, ticks)
     views.status("**at rest**")
     views.close()
@@ -142,7 +144,7 @@ def test_live_looks_are_those_of_a_saved_file(fed: Fed, saved: Path, entity: str
 def test_every_view_says_its_unit(fed: Fed) -> None:
     names = view_names(fed.file)
     assert {"Elongation [µm]", "Temperature along the screw [°C over mm]", "Status", "Events"} <= set(names)
-    assert all("[" in name for name in names if name not in ("Status", "Events"))
+    assert all("[" in name for name in names if name not in ("Status", "Events", "Valid?"))
 
 
 def test_the_closed_file_has_its_footer(fed: Fed) -> None:
@@ -205,6 +207,23 @@ def test_pictures_come_every_ten_seconds_and_with_the_newest_tick(
     assert time_s[0] == WAITING + 1
 
 
+@pytest.mark.parametrize("lane", ["estimate", "faults/silent"])
+def test_live_lanes_are_those_of_a_saved_file(fed: Fed, saved: Path, lane: str) -> None:
+    live, afterwards = (rows(path, f"/FS-20/state/{lane}", "StateChange:state") for path in (fed.file, saved))
+    np.testing.assert_array_equal(live[0], afterwards[0])
+    assert live[1] == afterwards[1]
+
+
+def test_a_viewer_that_comes_late_hears_again_what_is_broken_since_long_ago(fed: Fed, tmp_path: Path) -> None:
+    views = LiveViews(fed.run.rig, "FS-20", port=None, save=tmp_path / "x.rrd")
+    for time_s in np.arange(610.0, 1900.0):
+        views.judge(time_s, (), (SILENT,))
+    views.close()
+    time_s, states = rows(tmp_path / "x.rrd", "/FS-20/state/faults/silent", "StateChange:state")
+    np.testing.assert_array_equal(time_s, [600.0, 1210.0, 1810.0])
+    assert states == [["T07"]] * 3
+
+
 def test_a_broken_thermometer_does_not_stretch_the_frame(fed: Fed, tmp_path: Path) -> None:
     views = LiveViews(fed.run.rig, "FS-20", port=None, save=tmp_path / "x.rrd")
     for sample, step in fed.ticks[:60]:
@@ -242,6 +261,7 @@ def test_rigs_that_lack_something_are_shown_all_the_same(fed: Fed, tmp_path: Pat
 def shorter(step: Step) -> Step:
     """A step without its last channel."""
     per_channel = ("names", "measured", "predicted", "innovation", "innovation_sd", "fused", "why", "open_loop")
+    per_channel += ("fault", "since_s", "jump")
     return replace(step, **{name: getattr(step, name)[:-1] for name in per_channel})
 
 

@@ -9,13 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rerun as rr
+from rerun.chunk import RrdReader
 from scipy.stats import chi2
 
 from estimator.errors import InputError
+from estimator.faults.fault import Fault
 from tests.viz_fake import fake_run
 from tests.viz_read import fixed, rows, view_names
 from viz.drawing import profile, screw
 from viz.drawing.file import distinct, opens_at
+from viz.drawing.paths import MAPS
+from viz.drawing.series import Judged
 from viz.recorded import accuracy
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun
@@ -159,9 +163,68 @@ def test_map_has_a_row_for_each_thermometer_and_closes_at_the_end(saved: Path) -
 def test_events_tell_what_happened(saved: Path) -> None:
     texts = [row[0] for row in rows(saved, "/FS-20/events", "TextLog:text")[1]]
     assert "0:00:21  drive starts" in texts
-    assert "0:10:01  T07 not measured for 40 ticks" in texts
+    assert "0:10:10  alarm: T07 at 703 mm is not read, since 0:10:00" in texts
+    assert "0:10:41  over: T07 at 703 mm is not read" in texts
+    assert "0:10:41  estimate valid no longer: no news of the drive" in texts
     assert "0:00:01  the log ends in the middle of a frame" in texts
     assert any(text.startswith("0:04:03  drive stops after 222 s at an elongation of ") for text in texts)
+
+
+def test_lanes_say_whether_the_estimate_is_valid_and_what_is_broken_since_when(saved: Path) -> None:
+    time_s, states = rows(saved, "/FS-20/state/estimate", "StateChange:state")
+    told = list(zip(time_s, np.ravel(states), strict=True))
+    assert [(t, s) for i, (t, s) in enumerate(told) if not i or s != told[i - 1][1]] == [
+        (1.0, "no estimate yet"), (2.0, "valid"), (641.0, "no news of the drive"),
+    ]  # fmt: skip
+    time_s, states = rows(saved, "/FS-20/state/faults/silent", "StateChange:state")
+    assert list(zip(time_s, np.ravel(states), strict=True)) == [(600.0, "T07"), (641.0, "")]
+
+
+def test_a_well_run_has_one_lane(run: ReviewedRun, tmp_path: Path) -> None:
+    save(tmp_path / "well.rrd", [replace(run, judged=[Judged(1.0, (), ())])], "")
+    paths = {str(chunk.entity_path) for chunk in RrdReader(tmp_path / "well.rrd").stream().to_chunks()}
+    assert [path for path in paths if "/state/" in path] == ["/FS-20/state/estimate"]
+    assert not any(np.ravel(rows(tmp_path / "well.rrd", "/FS-20/profile/faults", "Points2D:labels")[1]))
+
+
+def test_a_lane_that_says_something_new_keeps_its_colours(saved: Path) -> None:
+    values = fixed(saved, "/FS-20/state/estimate", "StateConfiguration:values")
+    colours = fixed(saved, "/FS-20/state/estimate", "StateConfiguration:colors")
+    red = [value for value, colour in zip(values, colours, strict=True) if colour == colours[-1]]
+    assert red == ["no estimate yet", "no news of the drive"]
+
+
+@pytest.fixture(scope="module")
+def jumped(run: ReviewedRun) -> ReviewedRun:
+    """The third thermometer reads 40 K too much after 300 s."""
+    now = run.track.time_s > 300
+    measured, innovation, fault, since_s = (
+        array.copy() for array in (run.track.measured, run.track.innovation, run.track.fault, run.track.since_s)
+    )
+    measured[now, 2], innovation[now, 2] = measured[now, 2] + 40, innovation[now, 2] + 40
+    fault[now, 2], since_s[now, 2] = Fault.JUMPED, 301.0
+    track = replace(run.track, measured=measured, innovation=innovation, fault=fault, since_s=since_s)
+    return replace(run, track=track)
+
+
+def test_what_is_broken_is_named_in_the_profile_and_stretches_nothing(jumped, run, tmp_path):
+    assert jumped.scale.temperature_C == run.scale.temperature_C
+    assert jumped.scale.innovation_K == run.scale.innovation_K
+    save(tmp_path / "jumped.rrd", [jumped], "")
+    time_s, labels = rows(tmp_path / "jumped.rrd", "/FS-20/profile/faults", "Points2D:labels")
+    for t, row in zip(time_s, labels, strict=True):
+        assert (row or []) == (["T03 jumped since 0:05:01"] if t > 300 else [])
+
+
+def test_what_is_broken_is_grey_in_the_maps(jumped, saved, tmp_path):
+    save(tmp_path / "jumped.rrd", [jumped], "")
+    for drawn in MAPS:
+        colours = [np.array(rows(path, f"/FS-20/{drawn}", "SeriesLines:colors")[1])
+                   for path in (tmp_path / "jumped.rrd", saved)]  # fmt: skip
+        changed = np.argwhere(colours[0] != colours[1])
+        assert set(changed[:, 1]) == {2}
+        assert changed[:, 0].min() == 5
+        assert len(set(colours[0][6:, 2])) == 1
 
 
 def test_summary_is_the_callers(saved: Path) -> None:
@@ -170,9 +233,9 @@ def test_summary_is_the_callers(saved: Path) -> None:
 
 def test_views_have_names_with_units(saved: Path) -> None:
     names = view_names(saved)
-    assert len(names) == 4 + 2 * 15
+    assert len(names) == 4 + 2 * 16
     assert "Elongation [µm]" in names
-    assert all("[" in name for name in names if name not in ("Summary", "Events"))
+    assert all("[" in name for name in names if name not in ("Summary", "Events", "Valid?"))
 
 
 def test_a_rig_without_screw_has_no_profile(run: ReviewedRun, tmp_path: Path) -> None:
