@@ -18,7 +18,7 @@ BASE = {
     "free_friction": "scales the free bearing's torque",
     "anchor_housing": "scales the conductance between the anchor seat and its housing, 1.6 W/K",
     "free_housing": "scales the conductance between the free seat and its housing, 1.0 W/K",
-    "thermometers": "scales noise, offsets, lag and board drift of the channels; 0 is a perfect thermometer",
+    "thermometers": "scales noise, offsets, lag, gains and board drift of the channels; 0 is a perfect thermometer",
     "displacement": "scales wobble, noise, hold error, probe, bar and inertia errors; 0 is a perfect reading",
 }
 

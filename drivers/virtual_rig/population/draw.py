@@ -30,7 +30,7 @@ LAWS = {
     "radiating_surface": Law(0.6, "radiates with its emissivity", "no radiation"),
     "thinning_friction": Law(0.35, "torque falls by 0.5 - 1.5 %/K", "torque independent of temperature"),
     "churning_grease": Law(0.3, "3 - 12 % more nut torque after a rest", "no churning"),
-    "coarse_gains": Law(0.25, "channel gains scatter by 0.7 %", "channel gains within 0.3 % (paper: exact)"),
+    "coarse_gains": Law(0.25, "channel gains scatter by 0.7 %", "channel gains scatter by 0.3 % (paper: exact)"),
 }
 SLOWEST, REACHED_UM = 0.125, 50.0  # every machine must reach 50 um at 2.5 m/min, as the paper's does
 FINE_GAIN, COARSE_GAIN = 0.003, 0.007
@@ -74,11 +74,11 @@ def scattered_lags(sensors: Sensors, draw: np.random.Generator) -> np.ndarray:
 
 
 def described(one: Machine) -> dict[str, Any]:
-    """A machine as JSON holds it: number, laws in words, constants by part, unit of each constant."""
+    """A machine as JSON holds it: number, which laws hold and their form, constants by part, unit of each constant."""
     parts = _parts(one)
     return {
         "machine": one.number,
-        "laws": {name: law.this if name in one.laws else law.usual for name, law in LAWS.items()},
+        "laws": {name: _law(law, name in one.laws) for name, law in LAWS.items()},
         "constants": {part: asdict(numbers) for part, numbers in parts.items()},
         "units": {part: {f.name: _unit(f.metadata) for f in fields(numbers)} for part, numbers in parts.items()},
     }
@@ -87,6 +87,10 @@ def described(one: Machine) -> dict[str, Any]:
 def _parts(one: Machine) -> dict[str, Any]:
     values = {f.name: getattr(one, f.name) for f in fields(one)}
     return {name: value for name, value in values.items() if is_dataclass(value)}
+
+
+def _law(law: Law, holds: bool) -> dict[str, Any]:
+    return {"holds": holds, "form": law.this if holds else law.usual}
 
 
 def _unit(metadata: Any) -> str:

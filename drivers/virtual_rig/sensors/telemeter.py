@@ -58,7 +58,9 @@ def telemeter(seed: int, strength: Strengths, sensors: Sensors) -> Telemeter:
         lag_s=base * nominal + EXTRA_LAG_S * strength["sensor_lag"],
         offset=base * offset,
         late_offset=FAULTY_OFFSET_K * strength["channel_offset"] * (numbers == shifted),
-        gain=np.array(sensors.gains) + FAULTY_GAIN * strength["channel_gain"] * (numbers == misjudged),
+        gain=1.0
+        + base * (np.array(sensors.gains) - 1.0)
+        + FAULTY_GAIN * strength["channel_gain"] * (numbers == misjudged),
         board_drift=base * sensors.board_drift + EXTRA_BOARD_DRIFT * strength["board_drift"],
         noise=base * NOISE_K,
         places={name: channel for name, channel in places.items() if strength[name]},
