@@ -9,7 +9,7 @@ from typing import Any
 
 from ballscrew.report.comparison_report import sections
 from ballscrew.report.sections import Section, cells, markdown
-from ballscrew.report.use_report import recordings_json
+from ballscrew.report.use_report import left_out, recordings_json
 from ballscrew.report.verdict import sentence
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
@@ -120,7 +120,9 @@ def as_json(improvement: Improvement) -> dict[str, Any]:
 def report(out: Outcome, pictures: dict[str, Path], workers: Workers) -> str:
     """The report as Markdown; pictures by what they show, beside it."""
     text = [markdown([steps_section(out)]), *_shown(pictures, "steps", "Error of the model alone, step by step")]
-    text += [markdown([_given(out), _effects(out), _parameters(out.before, out.after)], 2)]
+    failed = left_out(out.improvement.uses, out.work.rig)
+    failing = [Section("Sensors that failed", (), failed)] if failed else []
+    text += [markdown([_given(out), *failing, _effects(out), _parameters(out.before, out.after)], 2)]
     text += ["## Where it fails", "", *_shown(pictures, "residuals", "Measured minus the model alone")]
     text += _shown(pictures, "missing-heat", "Heat that the model alone lacks")
     for what, some in (("used", out.work.loaded), ("held out", out.work.held_out)):

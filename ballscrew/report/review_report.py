@@ -10,7 +10,7 @@ import numpy as np
 
 from ballscrew.report.sections import number, table
 from ballscrew.report.use_report import as_json as as_json_of_use
-from ballscrew.report.use_report import print_use
+from ballscrew.report.use_report import left_out, print_use
 from ballscrew.terminal import Rows, Terminal, duration
 from estimator.accuracy.accuracy import Accuracy, least_squares_line
 from estimator.accuracy.doubts import doubts
@@ -142,6 +142,8 @@ def markdown(reviews: Sequence[Review], rig: Rig) -> str:
         a, b, band = least_squares_line(estimate, reference)
         if np.isfinite(a):
             lines.append(f"- {TITLES[name]}: Y = {a:.4f} X {b:+.2f} um, {band[0]:+.2f} .. {band[1]:+.2f} um")
+    if rows := left_out([r.use for r in reviews], rig):
+        lines += ["", "Sensors that failed:", "", *table(rows)]
     for r in reviews:
         used = f"{r.recording.frames} frames, reference: {r.reference_name}, NIS {r.nis_mean:.2f}"
         lines += ["", f"**{r.recording.name}**: {duration(r.recording.time_s[-1])}, {used}"]

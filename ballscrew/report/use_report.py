@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ballscrew.terminal import Terminal
-from estimator.faults.sentences import sentences
+import numpy as np
+
+from ballscrew.terminal import Rows, Terminal
+from estimator.faults.sentences import place_of, sentences
 from estimator.faults.use import ChannelUse, Spell, Use
 from estimator.rig import Rig
 
@@ -15,6 +17,26 @@ def print_use(terminal: Terminal, uses: Sequence[Use], rig: Rig) -> None:
     """What was not used of each recording; nothing where all was."""
     for sentence in sentences(uses, rig):
         terminal.say(sentence)
+
+
+def left_out(uses: Sequence[Use], rig: Rig) -> Rows:
+    """A table of the channels and inputs that were broken, its head first; nothing where none was."""
+    rows = [
+        [use.name, place_of(rig, rig.index(one.channel)), *_when(one.spells), str(one.refused)]
+        for use in uses
+        for one in use.suspects
+    ]
+    rows += [[use.name, f"input {name}", *_when(spells), ""] for use in uses for name, spells in use.inputs.items()]
+    return [["recording", "sensor", "why", "since", "until", "readings refused"], *rows] if rows else []
+
+
+def _when(spells: Sequence[Spell]) -> list[str]:
+    """Why, from when on, and until when."""
+    kinds = dict.fromkeys(spell.fault.word for spell in spells)
+    often = f", {len(spells)} times" if len(spells) > 1 else ""
+    end_s = spells[-1].to_s
+    until = f"{end_s:.0f} s" if np.isfinite(end_s) else "the end"
+    return [f"{', '.join(kinds)}{often}", f"{spells[0].from_s:.0f} s", until]
 
 
 def as_json(use: Use) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import ballscrew as run
+from tests.viz_read import fixed, rows
 
 ROD = Path(__file__).parents[3] / "examples" / "heated_rod"
 FROM, TO, TICK_S = 300, 340, 5  # rows
@@ -176,6 +178,28 @@ def test_every_offline_command_leaves_it_out_and_says_so(words, dead, tmp_path):
     assert recording["channels"]["TC4"]["refused"] == 781 - FROM
     assert "run.csv: TC4 at 170 mm is stuck, since 1500 s: left out, check that sensor" in said
     assert "readings not used: TC4: " in said
+    if words[0] == "improve":
+        assert "| run.csv | TC4 at 170 mm | stuck | 1500 s | the end | 481 |" in (tmp_path / "m.md").read_text()
+
+
+def test_views_of_a_review_tell_it_in_a_table_and_in_a_lane(tmp_path):
+    status, _, err = run("review", written(powered_on_again, tmp_path), "--save", tmp_path / "v.rrd", "--quiet")
+    assert status == 0, err
+    assert re.search(
+        r"\| run.csv \| TC4 at 170 mm \| (stuck|jumped) \| 1500 s \| 17\d\d s \| [45]\d \|",
+        fixed(tmp_path / "v.rrd", "/summary", "TextDocument:text")[0],
+    )
+    time_s, states = rows(tmp_path / "v.rrd", "/run/state/faults/stuck", "StateChange:state")
+    assert time_s[0] == 1500.0
+    assert TO * TICK_S < time_s[-1] <= (TO + 13) * TICK_S
+    assert (states[0], states[-1]) == (["TC4"], [""])
+
+
+def test_views_of_a_rod_that_is_well_have_neither(tmp_path):
+    status, _, err = run("review", ROD / "check.csv", "--save", tmp_path / "v.rrd", "--quiet")
+    assert status == 0, err
+    assert "Sensors that failed" not in fixed(tmp_path / "v.rrd", "/summary", "TextDocument:text")[0]
+    assert {*np.ravel(rows(tmp_path / "v.rrd", "/check/state/estimate", "StateChange:state")[1])} == {"valid"}
 
 
 def test_parameters_are_those_of_the_other_thermometers(dead, tmp_path):
