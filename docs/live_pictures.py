@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from drivers.recordings import read_recording
+from estimator.alarms.alarms import Alarms
+from estimator.alarms.trust import Watch
 from estimator.filter import Filter
 from estimator.inputs.phase import turns
 from estimator.record import Sample
@@ -35,11 +37,16 @@ def ticks(rig_folder: Path, name: str) -> Iterator[tuple[Sample, Step]]:
 
 def feed(views: LiveViews) -> None:
     """Show the run up to the moment of the pictures, with words on its drives and on how it stands."""
-    driving = False
+    driving, rig = False, load_rig(RECORDINGS)
+    alarms, watch = Alarms(rig), Watch(rig)
     for k, (sample, step) in enumerate(ticks(RECORDINGS, RUN)):
         if step.time_s > UNTIL_S:
             break
         views.show(sample, step)
+        alarms.step(step)
+        watch.drive(step.time_s)
+        watch.tick(sample, step, alarms.diverged)
+        views.judge(step.time_s, watch.trust(step.time_s).why, tuple(alarms.active.values()))
         now = f"{step.elongation_um:.1f} ± {2 * step.sigma_um:.1f} µm (2 sd)"
         if turns(sample.omega) != driving:
             driving = not driving
