@@ -130,11 +130,11 @@ class Lanes:
         self._colours: dict[str, dict[str, paths.Colour]] = {}
 
     def send(self, judged: Judged) -> None:
-        """Log the states; the first of a lane since it is known to be so, the others as they come."""
+        """Log the states: what begins, from when on it has been so, never before what the lane said last."""
         none = {lane: ("", judged.time_s) for lane, (text, _) in self._last.items() if text}
         for lane, (text, since_s) in {**none, **judged.states}.items():
             before, from_s = self._last.get(lane, ("", -np.inf))
-            time_s = judged.time_s if before else max(since_s, from_s)
+            time_s = judged.time_s if before else min(max(since_s, from_s), judged.time_s)
             self._style(lane, text)
             (self._at / lane).rows([time_s], rr.StateChange.columns(state=[text]))
             self._last[lane] = text, time_s

@@ -43,11 +43,10 @@ def _overview(run: ReviewedRun) -> rrb.Container:
     if scale.error_um:
         plots[paths.ERROR] = "Error: reference − estimate [µm]", scale.error_um
     curves = [views.below_legend(f"{root}/{at}", name, span, extent) for at, (name, extent) in plots.items()]
-    lanes = 0.15 + 0.75 * min(run.lanes, MOST_LANES)
-    right = rrb.Vertical(
-        curves[0], views.state_view(root, span), *curves[1:], views.events_view(root),
-        row_shares=[4, lanes, *[3] * len(curves[1:]), 2],
-    )  # fmt: skip
+    others = [4, *[3] * len(curves[1:]), 2]
+    lanes = sum(others) * (0.02 + 0.08 * min(run.lanes, MOST_LANES))  # a lane is as high whatever stands below it
+    shown = [curves[0], views.state_view(root, span), *curves[1:], views.events_view(root)]
+    right = rrb.Vertical(*shown, row_shares=[others[0], lanes, *others[1:]])
     if rig.screw is None:
         return rrb.Horizontal(right, name="Overview")
     place = views.profile_view(root, rig, profile.axes_of(rig, scale).bounds)

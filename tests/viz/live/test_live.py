@@ -224,6 +224,16 @@ def test_a_viewer_that_comes_late_hears_again_what_is_broken_since_long_ago(fed:
     assert states == [["T07"]] * 3
 
 
+def test_lanes_of_a_run_that_begins_anew_are_on_its_own_clock(fed: Fed, tmp_path: Path) -> None:
+    views = LiveViews(fed.run.rig, "FS-20", port=None, save=tmp_path / "x.rrd")
+    views.judge(7000.0, (), (SILENT,))
+    views.judge(7100.0, (), ())
+    views.judge(30.0, (), (replace(SILENT, since_s=20.0),))
+    views.close()
+    time_s, states = rows(tmp_path / "x.rrd", "/FS-20/state/faults/silent", "StateChange:state")
+    assert list(zip(time_s, states, strict=True)) == [(30.0, ["T07"]), (600.0, ["T07"]), (7100.0, [""])]
+
+
 def test_a_broken_thermometer_does_not_stretch_the_frame(fed: Fed, tmp_path: Path) -> None:
     views = LiveViews(fed.run.rig, "FS-20", port=None, save=tmp_path / "x.rrd")
     for sample, step in fed.ticks[:60]:
