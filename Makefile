@@ -14,7 +14,7 @@ HIDDEN := recordings/hidden/amber
 MODEL := recordings/base.toml
 SHOWN := FS-20
 
-.PHONY: demo live review test check bench bench-engine bench-search bench-live bench-faults study-fit study-hidden pictures pictures-improve recordings model tuning tuning-test clean
+.PHONY: demo live review test check bench bench-engine bench-search bench-live bench-faults study-fit study-hidden study-machines pictures pictures-improve recordings model tuning tuning-test clean
 
 demo: $(READY)
 	$(BIN)/ballscrew diagnose $(HIDDEN) --model $(MODEL)
@@ -60,6 +60,11 @@ bench-engine: $(PEERS) $(FITTED:%=recordings/%.blf)
 
 study-fit: $(READY)
 	$(BIN)/python -m benchmarks recovery
+
+# a model fitted to each of twenty machines: about an hour on two cores; goes on where it was stopped
+# WORDS="101-104 runs" does a part of it, see benchmarks/machines.py
+study-machines: $(READY)
+	$(BIN)/python -m benchmarks machines $(WORDS)
 
 # which effect is missing, over 208 simulated cases: up to two hours
 study-hidden: $(READY)

@@ -16,6 +16,9 @@ from drivers.logs.truth import read_truth
 from drivers.recordings import find_recordings, read_recording
 from estimator.accuracy.review import Review, overall, review
 from estimator.inputs.phase import COOLDOWN_S, stops
+from estimator.record import Recording
+from estimator.rig import Rig
+from estimator.state.gate import Mute
 
 SITUATIONS = {
     "15 channels, readings while driving": (None, False, ()),
@@ -32,11 +35,21 @@ def one(path: Path, situation: str) -> Review:
     recording = read_recording(path, rig)
     truth = read_truth(path)
     assert truth is not None
-    channels, no_displacement, spans = SITUATIONS[situation]
-    chosen = rig.subset_7 if channels == 7 else None
+    mute = mute_in(situation, recording, rig)
+    return review(recording, rig, paper_rig.model(), truth.at(recording.time_s), mute, chosen_in(situation, rig))
+
+
+def chosen_in(situation: str, rig: Rig) -> tuple[str, ...] | None:
+    """The thermometers of a situation; None: all."""
+    return rig.subset_7 if SITUATIONS[situation][0] == 7 else None
+
+
+def mute_in(situation: str, recording: Recording, rig: Rig) -> Mute:
+    """What the filter must not fuse in a situation."""
+    _, no_displacement, spans = SITUATIONS[situation]
     end_s = stops(recording)[0] + COOLDOWN_S - float(recording.time_s[0])  # an hour after the first stop
-    mute = muted(recording, rig, chosen, no_displacement, [f"{span}-{end_s}" for span in spans])
-    return review(recording, rig, paper_rig.model(), truth.at(recording.time_s), mute, chosen)
+    texts = [f"{span}-{end_s}" for span in spans]
+    return muted(recording, rig, chosen_in(situation, rig), no_displacement, texts)
 
 
 def markdown() -> str:

@@ -75,18 +75,22 @@ def interleaved(jobs: Mapping[str, Job], rounds: int) -> dict[str, Times]:
 
 @dataclass(frozen=True)
 class Row:
-    """One figure as it is printed; with a limit, what it must not exceed, or (`least`) not fall short of."""
+    """One figure as it is printed; with a limit, what it must not exceed, or (`least`) not fall short of.
+
+    most  which it must not exceed either, where the limit is the least
+    """
 
     what: str
     text: str
     value: float = float("nan")
     limit: float | None = None
     least: bool = False
+    most: float = float("inf")
 
     @property
     def met(self) -> bool:
         """Whether it is as it must be."""
-        return self.limit is None or (self.value >= self.limit if self.least else self.value <= self.limit)
+        return self.limit is None or (self.limit <= self.value <= self.most if self.least else self.value <= self.limit)
 
     @property
     def cells(self) -> list[str]:
@@ -94,6 +98,8 @@ class Row:
         if self.limit is None:
             return [self.what, self.text, "", ""]
         must = f"{'>=' if self.least else '<='} {self.limit:g}"
+        if self.most < float("inf"):
+            must = f"{self.limit:g} .. {self.most:g}"
         return [self.what, self.text, must, "yes" if self.met else "**no**"]
 
 

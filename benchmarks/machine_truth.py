@@ -1,0 +1,107 @@
+"""What is true of a machine of the virtual rig: its runs, kept between studies, and its parameters as the model's.
+
+A parameter has a true value where the law of the machine is the model's; where the machine follows another one (its
+`laws`), it has none.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+import drivers.virtual_rig
+from drivers.virtual_rig import Run, simulate
+from drivers.virtual_rig.machine.geometry import OMEGA_20
+from drivers.virtual_rig.machine.screw import AREA_M2, BORE_SHARE, mean_above_bore
+from drivers.virtual_rig.population.constants import PAPER, Anchor, Machine
+
+KEPT = Path(__file__).parent / "machines"
+FIRST_SEED = 500  # machine N has the sensors and the weather of seed 500 + N
+UNLIKE = {  # laws of a machine with which an effect, or one of its parameters, has no counterpart
+    "nut_friction": ("thinning_friction", "churning_grease"),
+    "nut_body": ("growing_contact",),
+    "still_air": ("radiating_surface",),
+    "rotating_convection": ("late_rotation",),
+    "anchor_friction": ("thinning_friction",),
+    "anchor_friction.power_housing": ("two_lump_housings",),
+    "anchor_housing": ("two_lump_housings",),
+    "free_friction": ("thinning_friction",),
+    "free_friction.power_housing": ("two_lump_housings",),
+    "free_housing": ("two_lump_housings",),
+}
+
+
+def run_of(number: int, name: str) -> Run:
+    """Experiment `name` of a machine; simulated once as long as the virtual rig's code is the same."""
+    file = KEPT / _code() / f"{number}-{name}.pickle"
+    if not file.exists():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        made = file.with_suffix(".part")
+        made.write_bytes(pickle.dumps(simulate(name, machine=number, seed=FIRST_SEED + number)))
+        made.replace(file)
+    return pickle.loads(file.read_bytes())
+
+
+@cache
+def _code() -> str:
+    """Short hash of the virtual rig's code."""
+    files = sorted(Path(drivers.virtual_rig.__file__).parent.rglob("*.py"))
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:12]
+
+
+def true_parameters(one: Machine) -> dict[str, float]:
+    """By path in the model, those whose law is the machine's; in the model's units, powers at the reference speed."""
+    return {path: value for path, value in _counterparts(one).items() if not _unlike(path) & set(one.laws)}
+
+
+def _unlike(path: str) -> set[str]:
+    return {law for name in (path, path.partition(".")[0]) for law in UNLIKE.get(name, ())}
+
+
+def _counterparts(one: Machine) -> dict[str, float]:
+    nut, sensors = one.nut, one.sensors
+    friction = nut.drag_torque * OMEGA_20
+    return {
+        "conduction.scale": one.screw.conductivity / PAPER.screw.conductivity,
+        "still_air.h": one.air.still,
+        "rotating_convection.h": one.air.rotating,
+        "rotating_convection.m": one.air.exponent,
+        "nut_friction.power": nut.into_screw * friction,
+        "nut_friction.power_nut": (1.0 - nut.into_screw) * friction,
+        "nut_friction.n": 1.0 + nut.speed_exponent,
+        "nut_body.capacity": nut.capacity,
+        "nut_body.g": nut.contact,
+        "nut_body.g_air": nut.to_table,
+        **_support("anchor", one.anchor),
+        **_support("free", one.free),
+        "thermometers.tau": float(np.mean(sensors.lags)) + bore_delay_s(one),
+        "thermometers.board": sensors.board_drift,
+        "displacement.probe": sensors.probe_um_per_K,
+        "displacement.bar": sensors.bar_um_per_K,
+        "expansion_error.error": one.screw.expansion / PAPER.screw.expansion - 1.0,
+    }
+
+
+def _support(name: str, bearing: Anchor) -> dict[str, float]:
+    """An exponent only where friction is one power of the speed; no way to the base, which has the air beside it."""
+    friction = (bearing.load_torque + bearing.viscous_torque) * OMEGA_20
+    return {
+        f"{name}_friction.power": bearing.into_screw * friction,
+        f"{name}_friction.power_housing": (1.0 - bearing.into_screw) * friction,
+        **({f"{name}_friction.n": 1.0 + bearing.power} if bearing.power else {}),
+        f"{name}_housing.capacity": bearing.capacity,
+        f"{name}_housing.g": bearing.contact,
+    }
+
+
+def bore_delay_s(one: Machine) -> float:
+    """How long the wall at the thermometers' tips is behind the mean of the section, which the model's lag holds too.
+
+    rho c A (mean - bore) / q' (1 - depth / (1 - share of the bore's layer))   s
+    """
+    reach = 1.0 - one.sensors.depth / (1.0 - BORE_SHARE)
+    return one.screw.volumetric_heat * AREA_M2 * mean_above_bore(one.screw.conductivity) * reach
