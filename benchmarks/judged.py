@@ -17,7 +17,7 @@ from ballscrew.muting import muted
 from benchmarks import handed_over, paper_rig
 from benchmarks.accuracy import SITUATIONS, mute_in
 from benchmarks.machine_truth import run_of, true_parameters
-from benchmarks.measure import timed
+from benchmarks.measure import say, timed
 from drivers.virtual_rig import Run
 from drivers.virtual_rig.experiments import EXPERIMENTS
 from drivers.virtual_rig.population.draw import machine
@@ -75,7 +75,9 @@ def study(case: Case) -> dict[str, Any]:
     rig, own, fitted_on = paper_rig.rig(), machine(case.machine), FITS[case.fit]
     runs = Runs(rig, [handed_over.record(run_of(case.machine, name), rig) for name in fitted_on])
     found, fit_s, _ = timed(lambda: fit(paper_rig.model(), runs))
+    say(f"  machine {case.machine}: fitted to {case.fit}, {fit_s:.0f} s")
     tuned, tune_s, _ = timed(lambda: tune(found.model, runs))
+    say(f"  machine {case.machine}: tuned, {tune_s:.0f} s")
     held_out = [name for name in EXPERIMENTS if name not in fitted_on]
     return {
         "laws": own.laws,

@@ -48,7 +48,7 @@ def measured(cases: Sequence[Case]) -> dict[Case, Found]:
             found[case] = new
             file.write(json.dumps({"commit": of, "case": asdict(case), "found": new}) + "\n")
             file.flush()
-            say(f"  {n} of {len(todo)}: machine {case.machine}, fitted to {case.fit}, {new['fit_s']:.0f} s")
+            say(f"{n} of {len(todo)}: machine {case.machine}, fitted to {case.fit}: {band(new, FIRST):.2f} um")
     return {case: found[case] for case in cases}
 
 
