@@ -69,7 +69,10 @@ def markdown(*words: str) -> str:
 def _section(fitted_on: Sequence[str], found: dict[int, Found]) -> str:
     """All tables of one choice of runs."""
     title = f"Machines: {len(found)} of them, model fitted to {', '.join(fitted_on)}, judged on their other runs"
-    says = [f"Machines {', '.join(map(str, found))}, reference minus estimate, the truth unseen by fit and filter."]
+    says = [
+        "Reference minus estimate, the truth unseen by fit and filter. Blind: nothing is read from the middle of the "
+        "first drive on, and again in the hour after the last stop; judged is the last tick."
+    ]
     situations = [name for name in SITUATIONS if all(name in run for one in found.values() for run in _runs(one))]
     some = list(found.values())
     rows = [row for name in situations for row in (*_bands(some, name), *_sureness(some, name))]
@@ -155,12 +158,13 @@ def _fits(some: Sequence[Found]) -> Iterator[Row]:
 
 def _each(found: dict[int, Found], situations: Sequence[str]) -> str:
     """A line a machine."""
-    rows = [["machine", "laws of another form", *(f"band: {s}; in 2 sd" for s in situations), "noise", "fit, s"]]
+    head = [*(f"band: {s}; in 2 sd" for s in situations), "60 min after stops", "noise", "fit, s"]
+    rows = [["machine", "laws of another form", *head]]
     for number, one in found.items():
         cells = [f"{band(one, s):.2f}; {np.mean(_all([one], s, 'in_2sd')):.0%}" for s in situations]
-        ended = "" if one["converged"] else ", not converged"
-        laws = ", ".join(one["laws"])
-        rows.append([str(number), laws, *cells, f"{one['noise']:.2f}", f"{one['fit_s']:.0f}{ended}"])
+        cells += [f"{max(_all([one], FIRST, 'cooldown_um')):.2f}", f"{one['noise']:.2f}"]
+        ended = f"{one['fit_s']:.0f}, {one['kept']}{'' if one['converged'] else ', not converged'}"
+        rows.append([str(number), ", ".join(one["laws"]), *cells, ended])
     return section("Machine by machine", rows, level=3)
 
 
