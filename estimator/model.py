@@ -15,6 +15,7 @@ import numpy as np
 from estimator.effect import Effect, Param
 from estimator.errors import EffectError, SetupError, nearest
 from estimator.inputs.inputs import Inputs
+from estimator.record import Array
 from estimator.rig import Rig
 from estimator.terms import Term
 
@@ -28,6 +29,14 @@ class Value:
     value: Any
     sd: float | None = None
     fixed: bool = False
+
+
+@dataclass(frozen=True)
+class Doubts:
+    """How well parameters are known together: `paths` (p,) and their covariance (p, p)."""
+
+    paths: tuple[str, ...]
+    covariance: Array
 
 
 @dataclass(frozen=True)
@@ -118,6 +127,17 @@ class Model:
         """Values of one effect's parameters, as attributes."""
         effect = self.effects[name]
         return effect.namespace({key: self.values[f"{name}.{key}"].value for key in effect.params})
+
+    @property
+    def doubts(self) -> Doubts:
+        """What is known of the parameters that have an sd; together as far as a fit has kept its correlations."""
+        sd = {path: value.sd for path, value in self.values.items() if value.sd}
+        together = np.eye(len(sd))
+        kept = self.about.get("covariance", {"paths": (), "correlation": np.eye(0)})
+        known = {path: k for k, path in enumerate(kept["paths"]) if path in sd}
+        at, of = [list(sd).index(path) for path in known], list(known.values())
+        together[np.ix_(at, at)] = np.asarray(kept["correlation"])[np.ix_(of, of)]
+        return Doubts(tuple(sd), together * np.outer(list(sd.values()), list(sd.values())))
 
     def moved_by(self, name: str) -> list[str]:
         """The effects whose terms change with the parameters of this one: itself, and those that scale it."""

@@ -230,6 +230,15 @@ class Rig:
         """Which channels read a temperature, (m,) bool."""
         return np.array([channel.is_thermometer for channel in self.channels.values()], dtype=bool)
 
+    @cached_property
+    def seats(self) -> Vector:
+        """Share of each cell inside a bearing, (cells,); nothing without a screw."""
+        screw = self.screw
+        if screw is None:
+            return np.zeros(0)
+        ends = [(each.at_mm - each.width_mm / 2, each.at_mm + each.width_mm / 2) for each in self.supports.values()]
+        return np.clip(sum((screw.overlap(*each) for each in ends), np.zeros(screw.cells)), 0.0, 1.0)
+
     def index(self, name: str) -> int:
         """Column of a channel; an unknown name is a SetupError."""
         if name not in self.channels:

@@ -41,14 +41,17 @@ class Chain:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """Heat g (T_a - T_b) W flows from a to b; g in W/K, per cell where a node is the screw.
+    """Heat g over (T_a - T_b) W flows from a to b; g in W/K, per cell where a node is the screw.
 
-    b may be a measured input, or "start": the temperature at which the run started.
+    b     may be a measured input, or "start": the temperature at which the run started
+    over  share of g that each cell has, (cells,) or (ticks, cells): u.coverage or u.bare as they stand, which are
+          multiplied out for a few regimes instead of each tick
     """
 
     a: str
     b: str
     g: Any
+    over: Any = 1.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Heat that the screw's surface loses to the air and to the walls."""
+"""Heat that the screw's surface loses to the air and to the walls, where neither nut nor bearing hides it."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ class StillAir(Effect):
     """
 
     trace = "Everywhere, at rest and while driving; in proportion to how warm the screw is."
-    h = Param(8.0, "W/(m2 K)", lo=0.0, hi=25.0, null=0.0, source="7.8 - 8.4 measured on bare rods")
+    h = Param(8.0, "W/(m2 K)", lo=0.0, hi=25.0, null=0.0, sd=2.5, source="7.8 - 8.4 measured on bare rods")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        yield Link(SCREW, "ambient", p.h * rig.the_screw().surface)
+        yield Link(SCREW, "ambient", p.h * rig.the_screw().surface, over=u.bare)
 
 
 class RotatingConvection(Effect):
@@ -34,12 +34,12 @@ class RotatingConvection(Effect):
     """
 
     trace = "Everywhere; too warm while driving and right at rest, the more the faster it turns."
-    h = Param(20.0, "W/(m2 K)", lo=0.0, hi=120.0, null=0.0, source="18 - 53 at 1667 rpm, by correlation")
-    m = Param(0.67, "1", lo=0.4, hi=1.0, fixed=True, source="rotating cylinder, Nu ~ Re^(2/3)")
+    h = Param(20.0, "W/(m2 K)", lo=0.0, hi=120.0, null=0.0, sd=12.0, source="18 - 53 at 1667 rpm, by correlation")
+    m = Param(0.67, "1", lo=0.4, hi=1.0, sd=0.08, source="rotating cylinder, Nu ~ Re^(2/3)")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         h = p.h * rig.the_screw().relative_speed(u.omega) ** p.m
-        yield Link(SCREW, "ambient", h * rig.the_screw().surface)
+        yield Link(SCREW, "ambient", h * rig.the_screw().surface, over=u.bare)
 
 
 class Radiation(Effect):
@@ -53,4 +53,4 @@ class Radiation(Effect):
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         h = 4.0 * p.emissivity * STEFAN_BOLTZMANN * ROOM_K**3
-        yield Link(SCREW, "ambient", h * rig.the_screw().surface)
+        yield Link(SCREW, "ambient", h * rig.the_screw().surface, over=u.bare)

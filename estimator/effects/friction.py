@@ -66,7 +66,7 @@ class FrictionThinning(Effect):
         w = rig.the_screw().relative_speed(u.omega)
         nut = needed(p, "nut_friction")
         turn = p.rate * w**nut.n
-        yield Link(SCREW, START, turn * nut.power * per_cell(rig) * u.coverage)
+        yield Link(SCREW, START, turn * nut.power * per_cell(rig), over=u.coverage)
         if p.nut_body is not None:
             yield Link("nut", START, turn * nut.power_nut)
         for support in BEARINGS:

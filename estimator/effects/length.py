@@ -23,9 +23,9 @@ class Displacement(Effect):
 
     trace = "None of its own: without it no elongation is read."
     sd = Param(0.15, "um", lo=0.01, hi=5.0, fixed=True, source="0.1 um scatter, hold error up to 0.19 um")
-    probe = Param(0.3, "um/K", lo=0.0, hi=2.0, sd=0.3, fixed=True, source="at most 0.6 um in a run")
+    probe = Param(0.3, "um/K", lo=0.0, hi=2.0, sd=0.3, source="at most 0.6 um in a run")
     bar = Param(
-        0.5, "um/K", lo=0.0, hi=2.0, sd=0.3, fixed=True, source="super Invar, 0 - 1e-6 1/K over 0.94 m; at most 0.8 um"
+        0.5, "um/K", lo=0.0, hi=2.0, sd=0.3, source="super Invar, 0 - 1e-6 1/K over 0.94 m; at most 0.8 um"
     )
     zero_sd = Param(100.0, "um", lo=0.0, hi=1000.0, fixed=True, source="disc wobble")
     zero_walk = Param(0.002, "um/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="tuned")
@@ -42,7 +42,7 @@ class ExpansionError(Effect):
     """
 
     trace = "The elongation alone, in proportion to itself; the temperatures are right."
-    error = Param(0.0, "1", lo=-0.1, hi=0.1, null=0.0, sd=0.03, source="11.2 - 12.3e-6 1/K for SCM420")
+    error = Param(0.0, "1", lo=-0.1, hi=0.1, null=0.0, sd=0.02, source="11.2 - 12.3e-6 1/K for SCM420")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         yield Expand(p.error)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ class Inputs:
 
     omega     rad/s, mean of |speed| over the tick
     coverage  (ticks, cells) share of the tick in which the nut covers each cell
+    seats     (cells,) share of each cell inside a bearing
     values    other inputs by name, in the rig file's unit; "start": the temperature at which the run started
     rises     their changes since they were first seen; 0 before that
     motion    time since the start, and what the motion so far leaves behind
@@ -38,6 +40,7 @@ class Inputs:
     rises: Mapping[str, Array]
     motion: Motion
     unevenness: Array | float = 1.0
+    seats: Array | float = 0.0
     fault: Array = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int8))
 
     def __post_init__(self) -> None:
@@ -61,6 +64,11 @@ class Inputs:
 
     def __contains__(self, name: str) -> bool:
         return name in self.values
+
+    @cached_property
+    def bare(self) -> Array:
+        """(ticks, cells) share of each cell's surface that the air sees: under no nut, in no bearing's seat."""
+        return _read_only((1.0 - self.coverage) * (1.0 - self.seats))
 
     def speed_law(self, screw: Screw, n: Any) -> Array:
         """Mean of |omega / omega_ref|^n over each tick, (ticks, 1).
@@ -109,7 +117,7 @@ class InputReader:
         omega = np.nan_to_num(chunk.omega)
         uneven = np.where(np.isfinite(chunk.unevenness), chunk.unevenness, 1.0)
         motion = self._motion.read(omega)
-        return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], fault)
+        return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], self._rig.seats, fault)
 
 
 def nothing(rig: Rig) -> Inputs:
@@ -120,7 +128,7 @@ def nothing(rig: Rig) -> Inputs:
 def no_inputs(rig: Rig, omega: Array, coverage: Array) -> Inputs:
     """Speeds (ticks, 1) and coverage (ticks, cells), with every other input at zero."""
     none = {name: np.zeros_like(omega) for name in (*rig.inputs, START)}
-    return Inputs(omega, coverage, none, none, Motion.none(len(omega)))
+    return Inputs(omega, coverage, none, none, Motion.none(len(omega)), seats=rig.seats)
 
 
 def _read_only(array: Array) -> Array:

@@ -170,10 +170,10 @@ def _link(conductance: Array, inflow: Array, place: Layout, term: Link) -> None:
     a, b = (term.a, term.b) if term.a in place.nodes else (term.b, term.a)
     regimes, rows = len(conductance), place.rows(a)
     if b in place.nodes:
-        conductance += _squares(rows - place.rows(b), term.g, regimes)
+        conductance += _squares(rows - place.rows(b), term.g * term.over, regimes)
     else:
-        conductance += _squares(rows, term.g, regimes)
-        g = np.broadcast_to(term.g, (regimes, len(rows)))
+        g = np.broadcast_to(term.g * term.over, (regimes, len(rows)))
+        conductance += _squares(rows, g, regimes)
         inflow[:, :, place.inputs.index(b)] += g @ rows
         for k, shift in enumerate(place.shifts, start=len(place.inputs)):
             if shift.input == b and np.size(shift.over) in (1, len(rows)):

@@ -83,6 +83,6 @@ def _alike(terms: Sequence[Term], others: Sequence[Term]) -> bool:
     return all(
         np.array_equal(getattr(a, key), getattr(b, key))
         for a, b in pairs
-        for key in ("g", "capacity")
-        if hasattr(a, key)
+        for key in ("g", "capacity", "over")
+        if hasattr(a, key) and not isinstance(a, (Heat, Shift))
     )

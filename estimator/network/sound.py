@@ -39,7 +39,7 @@ class Number:
 NUMBERS: Mapping[type, Mapping[str, Number]] = {  # wide enough for any machine
     Store: {"capacity": Number(CELLS, 1e-6, 1e12, "J/K"), "noise": Number(BOTH, 1e-12, 1e9, "W/sqrt(Hz)")},
     Chain: {"g": Number(CELLS, 0.0, 1e9, "W/K")},
-    Link: {"g": Number(BOTH, 0.0, 1e9, "W/K")},
+    Link: {"g": Number(BOTH, 0.0, 1e9, "W/K"), "over": Number(BOTH, 0.0, 1e6)},
     Heat: {
         "q": Number(BOTH, -1e9, 1e9, "W", forced=True),
         "over": Number(BOTH, -1e6, 1e6),

@@ -86,7 +86,7 @@ def test_thinning_takes_heat_in_proportion_to_the_rise(rig, u):
         (node, START) for node in ("screw", "nut", "anchor_housing", "free_housing")
     }
     friction = {name: CATALOGUE[f"{name}_friction"].params for name in ("nut", "anchor", "free")}
-    total = np.array([np.broadcast_to(link.g, (3, rig.screw.cells)).sum(axis=1) for link in links if link.a == "screw"])
+    total = np.array([np.broadcast_to(link.g * link.over, (3, rig.screw.cells)).sum(axis=1) for link in links if link.a == "screw"])
     for w, tick in ((0.0, 0), (1 / 3, 1), (1.0, 2)):
         for k, (name, rate) in enumerate((("nut", 0.02), ("anchor", 0.03), ("free", 0.03))):
             less = rate * friction[name]["power"].value * w ** friction[name]["n"].value
@@ -202,8 +202,19 @@ def test_a_gradient_is_none_in_the_middle_and_half_at_the_outer_thermometers(rig
     np.testing.assert_allclose(at, [-2.0, 0.0, 2.0], atol=1e-9)
 
 
+@pytest.mark.parametrize("name", ["still_air", "rotating_convection", "radiation"])
+def test_neither_nut_nor_bearing_lets_the_screw_lose_heat_to_the_air(name, rig, u):
+    """As if the screw were shorter by the nut and both seats; they lie inside the screw, and apart."""
+    (link,) = terms_of(name, rig, u)
+    (whole,) = terms_of(name, rig, replace(u, coverage=np.zeros_like(u.coverage), seats=0.0))
+    loss, bare = (np.broadcast_to(each.g * each.over, (3, rig.screw.cells)).sum(axis=1) for each in (link, whole))
+    hidden_mm = rig.nut.length_mm + sum(each.width_mm for each in rig.supports.values())
+    np.testing.assert_allclose(loss, bare * (1 - hidden_mm / (rig.screw.to_mm - rig.screw.from_mm)), rtol=1e-9)
+
+
 def test_a_gradient_warms_one_end_as_it_cools_the_other(full, rig, u):
-    """A bar that only loses heat to the air: what a gradient gives sums up to nothing about its middle."""
+    """A bare bar that only loses heat to the air: what a gradient gives sums up to nothing about its middle."""
+    u = replace(u, coverage=np.zeros_like(u.coverage), seats=0.0)
     terms = [*terms_of("still_air", rig, u), *terms_of("ambient_gradient", rig, u), *terms_of("conduction", rig, u)]
     place = assemble.layout(terms, rig, reduced=False)
     network = assemble.network_of(terms, place, 3)

@@ -104,7 +104,7 @@ def cost_of_regimes(model, rig, drive, monkeypatch) -> tuple[float, float, int]:
 
 
 @pytest.mark.parametrize(
-    ("name", "um", "kelvin"), [("FS-2.5", 0.005, 0.003), ("ES-20", 0.017, 0.007), ("FS-20", 0.04, 0.03)]
+    ("name", "um", "kelvin"), [("FS-2.5", 0.005, 0.003), ("ES-20", 0.017, 0.010), ("FS-20", 0.04, 0.03)]
 )
 def test_what_regimes_cost(name, um, kelvin, full, rig, driven, monkeypatch):
     """0.003, 0.013 and 0.032 um in 330 s."""
