@@ -20,9 +20,10 @@ import numpy as np
 from estimator.faults.fault import Fault, Seen
 from estimator.model import Model
 from estimator.network.discretise import Transition
-from estimator.network.forcing import Ticks
+from estimator.network.forcing import Drive
 from estimator.record import Array, Recording, Sample, collect
 from estimator.rig import Rig
+from estimator.state.doubt import Course, Doubt
 from estimator.state.gate import Innovation, Mute, unmuted
 from estimator.state.report import Estimates, Reporter
 from estimator.state.run import Run, begin, variances
@@ -49,8 +50,7 @@ class Filter:
         rows = collect("", [sample])
         if self.run is None:
             return self._begin(rows)
-        ticks = self.run.forcing.ticks(self.run.forcing.read(rows))
-        return self._advance(self.run, sample, rows, ticks)
+        return self._advance(self.run, sample, rows, self.run.forcing.read(rows))
 
     def leave_out(self, effect: str) -> None:
         """Go on from the same estimate by the model without an effect, from the tick on that the effect failed in.
@@ -60,6 +60,7 @@ class Filter:
         model = self.model - effect
         if self.run is not None:
             self.run = self.run.by(model)
+            self._doubt = self._doubt.by(self.run)
             self._transitions.clear()
         self.model = model
 
@@ -68,13 +69,15 @@ class Filter:
         if run is None:
             return Track.waiting(self.rig.names, rows).step(0, ("waiting for a thermometer",) * len(self.rig.names))
         self.x, self.P, self._judge = run.x, run.P, run.judge()
-        self._open_loop, self._reporter = run.open_loop(), Reporter(run)
+        self._open_loop, self._doubt, self._reporter = run.open_loop(), Doubt(run), Reporter(run)
         self._transitions.clear()
         self.__dict__.pop("_filterpy", None)
         return self._reporter.first(rows).step(0, run.first.why(run.fault, run.muted))
 
-    def _advance(self, run: Run, sample: Sample, rows: Recording, ticks: Ticks) -> Step:
+    def _advance(self, run: Run, sample: Sample, rows: Recording, drive: Drive) -> Step:
+        ticks = run.forcing.ticks(drive)
         alone, offset, muted = self._open_loop, ticks.offset[0], self.mute(sample.time_s)
+        before = alone.now
         self._predict(run, int(ticks.regime[0]), ticks.heat[0])
         R = run.forcing.readings.sd**2 + (run.forcing.readings.lag_noise * alone.lag) ** 2
         grown_um = run.grown_um(alone.z)
@@ -86,7 +89,10 @@ class Filter:
             return self._begin(rows)
         fault = judged.fault[0]
         fuse = compared.usable & ~muted & (fault == Fault.NONE)
-        nis = self._update(sample.channels - d, fuse, H, R)
+        nis, gain = self._update(sample.channels - d, fuse, H, R)
+        late_share = np.clip(sample.ages_s / self.rig.tick_s, 0.0, 1.0)[None]
+        course = Course(*map(np.stack, zip(before, alone.now, strict=True)), np.array([grown_um]), late_share)
+        doubt = self._doubt.advance(drive, ticks, course, gain[None])
         self.P = self._filterpy.P = run.state.judged(self.P, judged)
         estimates = Estimates.of_tick(
             x=self.x,
@@ -101,6 +107,8 @@ class Filter:
             since_s=judged.since_s[0],
             jump=np.zeros(len(fuse)) if judged.jump is None else judged.jump,
             input_fault=run.forcing.input_fault,
+            doubt=doubt.states[0],
+            doubt_um=doubt.elongation[0],
         )
         return self._reporter.track(rows, estimates).step(0, compared.why(fault, muted))
 
@@ -115,15 +123,16 @@ class Filter:
         kf.predict(u=heat, B=move.J, F=move.F, Q=move.Q)
         self.x, self.P = kf.x, kf.P
 
-    def _update(self, reading: Array, fuse: Array, H: Array, R: Array) -> float:
-        """Fuse the channels that were found good; returns NIS = e' S^-1 e, NaN without channels."""
+    def _update(self, reading: Array, fuse: Array, H: Array, R: Array) -> tuple[float, Array]:
+        """Fuse the channels that were found good; returns NIS = e' S^-1 e, NaN without channels, and K (size, m)."""
+        gain = np.zeros(H.T.shape)
         if not fuse.any():
-            return float("nan")
+            return float("nan"), gain
         kf = self._filterpy
         kf.update(reading[fuse], R=np.diag(R[fuse]), H=H[fuse])
         kf.P = (kf.P + kf.P.T) / 2
-        self.x, self.P = kf.x, kf.P
-        return float(kf.y @ kf.SI @ kf.y)
+        self.x, self.P, gain[:, fuse] = kf.x, kf.P, kf.K
+        return float(kf.y @ kf.SI @ kf.y), gain
 
     @cached_property
     def _filterpy(self) -> Any:

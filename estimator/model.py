@@ -20,6 +20,7 @@ from estimator.rig import Rig
 from estimator.terms import Term
 
 MOST_TERMS = 2000  # of one effect
+EXPANSION = "expansion_error.error"
 
 
 @dataclass(frozen=True)
@@ -130,14 +131,22 @@ class Model:
 
     @property
     def doubts(self) -> Doubts:
-        """What is known of the parameters that have an sd; together as far as a fit has kept its correlations."""
-        sd = {path: value.sd for path, value in self.values.items() if value.sd}
+        """What is known of the parameters that have an sd; together as far as a fit has kept its correlations.
+
+        Not of the expansion coefficient, whose error is a state of the filter.
+        """
+        sd = {path: value.sd for path, value in self.values.items() if value.sd and path != EXPANSION}
         together = np.eye(len(sd))
         kept = self.about.get("covariance", {"paths": (), "correlation": np.eye(0)})
         known = {path: k for k, path in enumerate(kept["paths"]) if path in sd}
         at, of = [list(sd).index(path) for path in known], list(known.values())
         together[np.ix_(at, at)] = np.asarray(kept["correlation"])[np.ix_(of, of)]
         return Doubts(tuple(sd), together * np.outer(list(sd.values()), list(sd.values())))
+
+    def expansion_sd(self, rig: Rig) -> float:
+        """How well the expansion coefficient is known, as a share of it: by a fit, else as the rig file says."""
+        known = self.values.get(EXPANSION)
+        return known.sd if known and known.sd else rig.expansion_tolerance
 
     def moved_by(self, name: str) -> list[str]:
         """The effects whose terms change with the parameters of this one: itself, and those that scale it."""

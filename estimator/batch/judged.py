@@ -51,7 +51,7 @@ def judged(system: System, readings: Readings, judge: Judge, state: State) -> It
         chunk = batch.filtered(system, ticks, system.data.use[ticks] & judge.well, start)
         judgement = judge.judge(readings.seen(system, chunk))
         K = len(judgement.fault)
-        chunk = _as_judged(system, chunk.first(K), judgement, start)
+        chunk = _as_judged(system, chunk.rows(slice(0, K)), judgement, start)
         yield Judged(chunk, judgement)
         if judgement.anew:
             return

@@ -12,10 +12,13 @@ import numpy as np
 
 from estimator.batch import batch
 from estimator.batch.judged import Judged
+from estimator.batch.system import Chunk
 from estimator.batch.trial import Posed, Trial
 from estimator.model import Model
+from estimator.network.forcing import Ticks
 from estimator.record import Array, Recording
 from estimator.rig import Rig
+from estimator.state.doubt import Course, Doubt, Doubtful
 from estimator.state.gate import Mute, unmuted
 from estimator.state.report import Estimates, Reporter
 from estimator.state.run import Run, begin
@@ -51,7 +54,7 @@ class Replay:
     ) -> None:
         self._model, self._rig, self._recording, self._mute = model, rig, recording, mute or unmuted(rig)
         self._posed: Posed | None = None
-        self._jumped = np.zeros((0, len(rig.names)))
+        self._jumped, self._doubt_um2 = np.zeros((0, len(rig.names))), list[Array]()
         self.run: Run | None = None
         parts, at = [], 0
         while at < len(recording):
@@ -72,10 +75,13 @@ class Replay:
         if at + 1 == len(self._recording):
             return
         trial = Trial(self._model, self._rig, self._recording, self._mute, gated=False, since=at)
-        self._posed, self._jumped = trial.pose(self._model), np.zeros_like(trial.rest.channels)
-        for part in trial.filtered(self._posed):
+        posed = self._posed = trial.pose(self._model)
+        self._jumped, self._doubt_um2 = np.zeros_like(trial.rest.channels), []
+        doubt = Doubt(replace(trial.run, forcing=posed.forcing))
+        for part in trial.filtered(posed):
             judgement, ticks = part.judgement, part.chunk.ticks
-            for rows, estimates in _estimates(self._posed, part, trial.drive.inputs.fault[1:]):
+            for rows, estimates in _estimates(trial, posed, part, doubt):
+                self._doubt_um2.append((estimates.doubt_um**2).sum(axis=1))
                 yield reporter.track(trial.rest.rows(rows), estimates)
             if judgement.jump is not None:
                 self._jumped[ticks.stop :] += judgement.jump
@@ -90,12 +96,13 @@ class Replay:
             found = batch.smoothed(replace(self._posed, system=system).with_elongation(), channels=[elongation])
             grows = np.isfinite(self.track.elongation_um[-T:])
             um[-T:] = np.where(grows, found.reading[:, 0], np.nan)
-            sigma[-T:] = np.where(grows, np.sqrt(np.maximum(found.reading_var[:, 0], 0.0)), np.nan)
+            doubt_um2 = np.concatenate(self._doubt_um2)  # no reading makes a parameter better known, earlier or later
+            sigma[-T:] = np.where(grows, np.sqrt(np.maximum(found.reading_var[:, 0], 0.0) + doubt_um2), np.nan)
             um[-T - 1], sigma[-T - 1] = self.track.elongation_um[-T - 1], self.track.sigma_um[-T - 1]
         return SmoothedElongation(um, sigma)
 
 
-def _estimates(posed: Posed, part: Judged, input_fault: Array) -> Iterator[tuple[slice, Estimates]]:
+def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterator[tuple[slice, Estimates]]:
     """Ticks as far as the run goes on, some at a time."""
     run, offset, chunk, judgement = posed.run, posed.offset[1:], part.chunk, part.judgement
     last = chunk.ticks.stop - judgement.anew
@@ -105,6 +112,7 @@ def _estimates(posed: Posed, part: Judged, input_fault: Array) -> Iterator[tuple
     for k in range(0, last - chunk.ticks.start, ROWS):
         at = slice(chunk.ticks.start + k, min(chunk.ticks.start + k + ROWS, last))
         some = slice(k, k + at.stop - at.start)
+        doubtful = _doubtful(trial, posed, part.chunk.rows(some), doubt)
         estimates = Estimates(
             x=chunk.x[some],
             P=chunk.P[some],
@@ -117,6 +125,20 @@ def _estimates(posed: Posed, part: Judged, input_fault: Array) -> Iterator[tuple
             fault=judgement.fault[some],
             since_s=judgement.since_s[some],
             jump=jump[some],
-            input_fault=input_fault[at],
+            input_fault=trial.drive.inputs.fault[1:][at],
+            doubt=doubtful.states,
+            doubt_um=doubtful.elongation,
         )
         yield at, estimates
+
+
+def _doubtful(trial: Trial, posed: Posed, chunk: Chunk, doubt: Doubt) -> Doubtful:
+    """What some ticks are off by, next in order of time; the gain follows from what was found: K = P H' R^-1."""
+    at, system, run = chunk.ticks, posed.system, posed.run
+    after, ends = slice(at.start + 1, at.stop + 1), slice(at.start, at.stop + 1)
+    ticks = Ticks(system.regime[at], posed.heat[at], posed.offset[after], posed.outside[at])
+    lagged = np.vstack([run.spot[:1], run.lagged])[ends]
+    course = Course(run.z[ends], run.spot[ends], lagged, run.grown[at], run.late_share[at])
+    PH = chunk.P @ system.H.T + chunk.P[:, :, system.column, None] * (system.grown[at, None, None] * system.spans)
+    inverse = np.divide(1.0, system.R[at], out=np.zeros_like(system.R[at]), where=chunk.fused)
+    return doubt.advance(trial.drive.rows(after), ticks, course, PH * inverse[:, None, :])

@@ -105,10 +105,10 @@ class Chunk:
         """x and P after the last tick."""
         return self.x[-1], self.P[-1]
 
-    def first(self, ticks: int) -> Chunk:
-        """The first of the ticks."""
-        parts = {field.name: getattr(self, field.name)[:ticks] for field in fields(self) if field.name != "ticks"}
-        return Chunk(slice(self.ticks.start, self.ticks.start + ticks), **parts)
+    def rows(self, some: slice) -> Chunk:
+        """Some of the ticks, counted from the first."""
+        parts = {field.name: getattr(self, field.name)[some] for field in fields(self) if field.name != "ticks"}
+        return Chunk(slice(self.ticks.start + some.start, self.ticks.start + some.stop), **parts)
 
     def with_last(self, tick: Chunk) -> Chunk:
         """With another last tick."""

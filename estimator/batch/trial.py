@@ -167,7 +167,7 @@ class Trial:
         """The model as a linear system."""
         forcing = self._forcing.with_model(model)
         ticks = forcing.ticks(self.drive)
-        readings, state = forcing.readings, State(forcing.readings, self.rig)
+        readings, state = forcing.readings, State(forcing.readings, self.rig, model.expansion_sd(self.rig))
         x0, P0 = self.run.estimate(readings, forcing.terms, forcing.place, ticks.offset[0])
         F, response = forcing.response(ticks)
         regime, response = ticks.regime[1:], response[1:]

@@ -26,9 +26,7 @@ class BearingFriction(Effect):
     support: ClassVar[str]
     power = Param(30.0, "W", lo=0.0, hi=120.0, null=0.0, sd=12.0, source="41 W for a pair at 1667 rpm, Palmgren")
     power_housing = Param(15.0, "W", lo=0.0, hi=120.0, null=0.0, sd=10.0, source="the outer ring's share")
-    n = Param(
-        1.35, "1", lo=0.7, hi=1.8, sd=0.1, source="2.5 / 6 / 15 / 41 W at 208 / 417 / 833 / 1667 rpm: 1.3 - 1.4"
-    )
+    n = Param(1.35, "1", lo=0.7, hi=1.8, sd=0.1, source="2.5 / 6 / 15 / 41 W at 208 / 417 / 833 / 1667 rpm: 1.3 - 1.4")
     noise = Param(0.3, "sqrt(s)", lo=0.0, hi=10.0, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:

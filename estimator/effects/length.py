@@ -23,10 +23,8 @@ class Displacement(Effect):
 
     trace = "None of its own: without it no elongation is read."
     sd = Param(0.15, "um", lo=0.01, hi=5.0, fixed=True, source="0.1 um scatter, hold error up to 0.19 um")
-    probe = Param(0.3, "um/K", lo=0.0, hi=2.0, sd=0.3, source="at most 0.6 um in a run")
-    bar = Param(
-        0.5, "um/K", lo=0.0, hi=2.0, sd=0.3, source="super Invar, 0 - 1e-6 1/K over 0.94 m; at most 0.8 um"
-    )
+    probe = Param(0.3, "um/K", lo=0.0, hi=2.0, sd=0.15, source="at most 0.6 um in a run")
+    bar = Param(0.4, "um/K", lo=0.0, hi=2.0, sd=0.2, source="super Invar, 0 - 1e-6 1/K over 0.94 m; at most 0.8 um")
     zero_sd = Param(100.0, "um", lo=0.0, hi=1000.0, fixed=True, source="disc wobble")
     zero_walk = Param(0.002, "um/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="tuned")
 

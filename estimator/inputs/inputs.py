@@ -78,6 +78,13 @@ class Inputs:
         """
         return np.asarray(screw.relative_speed(self.omega) ** n * self.unevenness ** (n - 1))
 
+    def rows(self, at: slice) -> Inputs:
+        """Some of the ticks."""
+        values, rises = ({name: column[at] for name, column in each.items()} for each in (self.values, self.rises))
+        uneven = self.unevenness[at] if isinstance(self.unevenness, np.ndarray) else self.unevenness
+        motion = self.motion.rows(at)
+        return Inputs(self.omega[at], self.coverage[at], values, rises, motion, uneven, self.seats, self.fault[at])
+
     def rise(self, name: str) -> Array:
         """Change of an input since the start, (ticks, 1); 0 where the rig has no such input or it was never seen."""
         return self.rises.get(name, np.zeros_like(self.omega))

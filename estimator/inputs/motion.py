@@ -39,6 +39,19 @@ class Motion:
         """The first instant of a run, at rest."""
         return cls(*np.zeros((4, ticks, 1)))
 
+    def rows(self, at: slice) -> Motion:
+        """Some of the ticks."""
+        turning = self.turning[: at.start, 0] > 0
+        before, ends = list(self.before), np.append(np.flatnonzero(np.diff(turning)) + 1, len(turning))
+        for first, end in zip(np.append(0, ends), ends, strict=False):
+            turned, seconds = bool(turning[first]) if end else False, float(end - first) * self.tick_s
+            if before and before[-1][0] == turned:
+                before[-1] = turned, before[-1][1] + seconds
+            elif seconds:
+                before.append((turned, seconds))
+        columns = (self.time_s[at], self.turning[at], self.since_s[at], self.moved[at])
+        return Motion(*columns, tuple(before[-REMEMBERED:]), self.tick_s)
+
     def freshness(self, decay_s: float, recovery_s: float) -> Array:
         """1 after a long rest; fades while the screw turns and comes back while it stands: (ticks, 1).
 

@@ -33,6 +33,10 @@ class Drive:
     regime: Array
     _covered: dict[tuple[int, ...], Array] = field(default_factory=dict)
 
+    def rows(self, at: slice) -> Drive:
+        """Some of the ticks."""
+        return Drive(self.inputs.rows(at), self.regime[at])
+
     def spread(self, q: Any, over: Any, rows: Array) -> Array:
         """As `assemble.spread`, (K, n); the coverage is projected once for all models of a rig."""
         if over is not self.inputs.coverage or np.shape(q)[-1] != 1:
@@ -103,6 +107,10 @@ class Forcing:
     def modes(self) -> list[Modes]:
         """Modes of all regimes met so far."""
         return [self._solved[regime].modes for regime in range(len(self._regimes.omega))]
+
+    def modes_of(self, regime: int) -> Modes:
+        """Modes of a regime."""
+        return self._solved[regime].modes
 
     def transition(self, regime: int) -> Transition:
         """Transition of a regime."""

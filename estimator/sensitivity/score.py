@@ -20,7 +20,8 @@ from estimator.model import Model
 from estimator.network.assemble import Network
 from estimator.network.discretise import Transition
 from estimator.record import Array
-from estimator.sensitivity.tangent import ReadingsTangent, Tangent, tangent
+from estimator.sensitivity.tangent import Tangent, tangent
+from estimator.state.tangent import ReadingsTangent
 
 
 def score(trial: Trial, model: Model, paths: Sequence[str]) -> tuple[float, Array]:

@@ -21,8 +21,9 @@ from estimator.batch.nominal import lagging
 from estimator.batch.trial import Posed, Trial
 from estimator.model import Model
 from estimator.record import Array
-from estimator.sensitivity.tangent import ReadingsTangent, Tangent, tangent
+from estimator.sensitivity.tangent import Tangent, tangent
 from estimator.state.open_loop import lag_filter
+from estimator.state.tangent import ReadingsTangent
 
 
 def information(trial: Trial, model: Model, paths: Sequence[str], block_s: float) -> Array:
@@ -54,7 +55,7 @@ def columns(trial: Trial, posed: Posed, model: Model, paths: Sequence[str]) -> t
 def _column(trial: Trial, posed: Posed, moved: Tangent, x: Array) -> tuple[Array, Array, Array]:
     system, at = posed.system, posed.state.temperatures
     nominal = nominal_column(trial, posed, moved)
-    readings = moved.readings or _nothing(posed)
+    readings = moved.readings or ReadingsTangent.none(*posed.run.readings.rows.shape, posed.state.size)
     B = nominal.b + _by_regime(nominal.F, system.regime, x[:-1, at])
     predicted = system.b + x[:-1]
     predicted[:, at] += _by_regime(system.F, system.regime, x[:-1, at]) - x[:-1, at]
@@ -86,7 +87,7 @@ def nominal_column(trial: Trial, posed: Posed, moved: Tangent) -> NominalColumn:
         none = np.zeros_like(posed.heat)
         return NominalColumn(none, np.zeros_like(system.F), moved.offset, moved.offset, np.zeros(len(none)))
     b, F = _states(trial, posed, moved)
-    readings = moved.readings or _nothing(posed)
+    readings = moved.readings or ReadingsTangent.none(*posed.run.readings.rows.shape, posed.state.size)
     z0 = readings.x0[posed.state.temperatures]
     z = np.vstack([z0, coast(system.F, system.regime, b + _by_regime(F, system.regime, run.z[:-1]), z0)])
     spot = z @ run.readings.rows.T + run.z @ readings.rows.T
@@ -123,13 +124,3 @@ def _by_regime(F: Array, regime: Array, x: Array) -> Array:
     for r in np.unique(regime):
         out[regime == r] = x[regime == r] @ F[r].T
     return out
-
-
-def _nothing(posed: Posed) -> ReadingsTangent:
-    """Readings that do not move."""
-    m, n = posed.run.readings.rows.shape
-    size = posed.state.size
-    none = np.zeros(m)
-    return ReadingsTangent(
-        np.zeros((m, n)), np.zeros(n), none, none, none, none, none, none, np.zeros(size), np.zeros((size, size))
-    )

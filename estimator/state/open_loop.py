@@ -33,6 +33,11 @@ class OpenLoop:
         self._spot = spot
 
     @property
+    def now(self) -> tuple[Array, Array, Array]:
+        """States z (n,), spots (m,) and lagged readings (m,)."""
+        return self.z, self._spot, self._lagged
+
+    @property
     def lag(self) -> Array:
         """Reading minus spot of each channel, (m,): what a lagging thermometer still lacks."""
         return self._lagged - self._spot

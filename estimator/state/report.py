@@ -24,6 +24,8 @@ class Estimates:
     grown_um   (K,)   growth of the span since the start by the model alone
     fault, since_s  (K, m) of the channels, a Fault each and since when;   jump (K, m) of their zeros
     input_fault     (K, p) of the inputs
+    doubt      (K, size, q) what the states are off by, and doubt_um (K, q) the elongation, per standard normal error of
+               the model's parameters
     """
 
     x: Array
@@ -38,6 +40,8 @@ class Estimates:
     since_s: Array
     jump: Array
     input_fault: Array
+    doubt: Array
+    doubt_um: Array
 
     @classmethod
     def of_tick(cls, **tick: Array | float) -> Estimates:
@@ -71,6 +75,8 @@ class Reporter:
             since_s=judged,
             jump=np.zeros(len(judged)),
             input_fault=run.forcing.input_fault,
+            doubt=np.zeros((len(run.x), 0)),
+            doubt_um=np.zeros(0),
         )
         return replace(self.track(rows, estimate), begins=np.ones(1, dtype=bool))
 
@@ -78,11 +84,13 @@ class Reporter:
         """The next ticks: what was measured, and what is estimated of it."""
         view, state, x, P, fused = self._view, self._state, estimates.x, estimates.P, estimates.fused
         um = 1.0 if view.has_span else np.nan  # without a screw nothing grows
-        z, P_z = x[:, state.temperatures], P[:, state.temperatures, state.temperatures]
+        doubt = estimates.doubt[:, state.temperatures]
+        z, P_z = x[:, state.temperatures], P[:, state.temperatures, state.temperatures] + doubt @ doubt.mT
         grown_um = self._run.began_um + estimates.grown_um
         elongation = state.elongation(grown_um)
         position = self._position.held(rows.inputs.get("position", np.full(len(rows), np.nan)))
-        table, table_sd = self._table_error(position, x, P)
+        table, table_sd = self._table_error(position, x, P_z, P[:, state.expansion, state.expansion])
+        variance = variances(elongation[:, None], P)[:, 0] + (estimates.doubt_um**2).sum(axis=1)
         return Track(
             view.x_mm,
             view.bodies,
@@ -90,7 +98,7 @@ class Reporter:
             time_s=rows.time_s,
             mode=modes(fused, self._rig),
             elongation_um=um * (elongation * x).sum(axis=1),
-            sigma_um=um * np.sqrt(variances(elongation[:, None], P)[:, 0]),
+            sigma_um=um * np.sqrt(variance),
             open_loop_um=um * grown_um,
             profile_C=z @ view.profile.T,
             profile_sd_K=np.sqrt(variances(view.profile, P_z)),
@@ -113,17 +121,16 @@ class Reporter:
             position_mm=position,
         )
 
-    def _table_error(self, position_mm: Array, x: Array, P: Array) -> tuple[Array, Array]:
+    def _table_error(self, position_mm: Array, x: Array, P_z: Array, P_e: Array) -> tuple[Array, Array]:
         """Growth between the anchor bearing and the nut's centre since the start, and its sd: (K,) um each.
 
-        growth (1 + e), e the error of the expansion coefficient;   var = w' P w + growth^2 var(e) + (sum(w) zero_sd)^2
+        growth (1 + e), e the error of the expansion coefficient;   var = w' P_z w + growth^2 P_e + (sum(w) zero_sd)^2
         """
         state, weights = self._state, self._view.table_error(position_mm)
-        at, e = state.temperatures, state.expansion
-        growth = (weights * (x[:, at] - self._run.zero)).sum(axis=1)
-        variance = variances(weights[:, None], P[:, at, at])[:, 0] + growth**2 * P[:, e, e]
+        growth = (weights * (x[:, state.temperatures] - self._run.zero)).sum(axis=1)
+        variance = variances(weights[:, None], P_z)[:, 0] + growth**2 * P_e
         variance += (weights.sum(axis=1) * self._rig.zero_sd_K) ** 2
-        return growth * (1.0 + x[:, e]), np.sqrt(variance)
+        return growth * (1.0 + x[:, state.expansion]), np.sqrt(variance)
 
 
 def modes(fused: Array, rig: Rig) -> Array:

@@ -86,7 +86,7 @@ class Run:
 
     def estimate(self, readings: Readings, terms: Sequence[Term], place: Layout, offset: Array) -> tuple[Array, Array]:
         """Estimate after the same first readings by another model's terms; complex where its readings are."""
-        state = State(readings, self.forcing.rig)
+        state = State(readings, self.forcing.rig, self.forcing.model.expansion_sd(self.forcing.rig))
         before = prior(self.start, terms, place, self.sample.inputs)
         return state.first(before, self.sample.channels - offset, _variance(readings), self.fuse)
 
@@ -114,7 +114,7 @@ def begin(
     sd = np.sqrt(variances(readings.rows, cov) + readings.zero_sd**2 + R)
     predicted = readings.rows @ mean + offset
     first, muted = Innovation(predicted, sample.channels - predicted, sd), mute(sample.time_s)
-    state, fault = State(readings, rig), first_faults(first)
+    state, fault = State(readings, rig, model.expansion_sd(rig)), first_faults(first)
     fuse = first.usable & ~muted & (fault == Fault.NONE)
     x, P = state.first((mean, cov), sample.channels - offset, R, fuse)
     view = View(rig, place, forcing.terms)

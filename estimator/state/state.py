@@ -2,8 +2,8 @@
 
 temperatures  (n,) degC  of knots and bodies, z in the equations of the network
 zeros         (k,) K or um  of readings whose zero is unknown: constant but for a slow random walk
-expansion     1  by which share the screw expands more than the model says: constant, known within the rig's
-              tolerance; it acts on the open-loop growth, so that the system stays linear
+expansion     1  by which share the screw expands more than the model says: constant, known as a fit or the rig file
+              says; it acts on the open-loop growth, so that the system stays linear
 start         um  growth c z at the first sample, constant: kept as a state, so that the elongation c z - start knows
               how much of its uncertainty both share. Where the rig says its zero_C it is c zero_C, which the first
               sample tells nothing of; what all thermometers are off together is its uncertainty
@@ -28,7 +28,7 @@ class State:
     zero_of                         place of each channel's unknown zero, by the channel's index
     """
 
-    def __init__(self, readings: Readings, rig: Rig) -> None:
+    def __init__(self, readings: Readings, rig: Rig, expansion_sd: float) -> None:
         self.n = readings.rows.shape[1]
         with_zero = np.flatnonzero(np.real(readings.zero_sd))
         self.expansion = self.n + len(with_zero)
@@ -41,7 +41,7 @@ class State:
         self._rows = np.zeros((len(readings.rows), self.size), self.dtype)
         self._rows[:, self.temperatures] = readings.rows
         self._rows[with_zero, self.zeros] = np.eye(len(with_zero))
-        self._variance = np.append(readings.zero_sd[with_zero], rig.expansion_tolerance) ** 2
+        self._variance = np.append(readings.zero_sd[with_zero], expansion_sd) ** 2
         self._walk = np.append(readings.zero_walk[with_zero], 0.0) ** 2
 
     def channel_zeros(self, x: Array) -> Array:

@@ -86,7 +86,9 @@ def test_thinning_takes_heat_in_proportion_to_the_rise(rig, u):
         (node, START) for node in ("screw", "nut", "anchor_housing", "free_housing")
     }
     friction = {name: CATALOGUE[f"{name}_friction"].params for name in ("nut", "anchor", "free")}
-    total = np.array([np.broadcast_to(link.g * link.over, (3, rig.screw.cells)).sum(axis=1) for link in links if link.a == "screw"])
+    total = np.array(
+        [np.broadcast_to(link.g * link.over, (3, rig.screw.cells)).sum(axis=1) for link in links if link.a == "screw"]
+    )
     for w, tick in ((0.0, 0), (1 / 3, 1), (1.0, 2)):
         for k, (name, rate) in enumerate((("nut", 0.02), ("anchor", 0.03), ("free", 0.03))):
             less = rate * friction[name]["power"].value * w ** friction[name]["n"].value

@@ -1,0 +1,163 @@
+"""What the estimate may be off by because parameters are: considered, never estimated (Schmidt 1966, Jazwinski 1970).
+
+A true parameter is p + d, d with the covariance of a fit. To first order the true state is x + Z d for the open-loop
+run and, as the filter follows the readings,
+
+    Z <- F Z + dF z + d(J w)             how the open-loop run moves with each parameter
+    S <- F S - K (H F S + D)             what the filter lacks of the rest, D: how the readings move
+
+so that the true temperatures differ from the estimate by (S + Z) d beside the filter's own P, and the elongation alike.
+Estimates do not change by it: their uncertainty does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from estimator.network.forcing import Drive, Ticks
+from estimator.record import Array
+from estimator.state.open_loop import lag_filter
+from estimator.state.run import Run
+from estimator.state.tangent import Moved, ReadingsTangent
+
+REMEMBERED = 64  # regimes whose derivatives are kept
+
+
+@dataclass(frozen=True)
+class Course:
+    """The open-loop run over K ticks, from the tick before them on: states z (K + 1, n), spots and lagged readings
+    (K + 1, m), growth of the span since the start (K,) um, and the part of a tick by which readings are late (K, m)."""
+
+    z: Array
+    spot: Array
+    lagged: Array
+    grown_um: Array
+    late_share: Array
+
+
+@dataclass(frozen=True)
+class Doubtful:
+    """What K ticks are off by, per standard normal error of the parameters together: a (K, ..., p) has variance a a'.
+
+    states      (K, size, p) of the full state
+    elongation  (K, p) um
+    """
+
+    states: Array
+    elongation: Array
+
+    @classmethod
+    def none(cls, K: int, size: int) -> Doubtful:
+        """Parameters that are all known."""
+        return cls(np.zeros((K, size, 0)), np.zeros((K, 0)))
+
+
+class Doubt:
+    """Carries the sensitivities of one run to its model's doubtful parameters, in order of time."""
+
+    def __init__(self, run: Run, keep: int = REMEMBERED) -> None:
+        doubts = run.forcing.model.doubts
+        self._run, self._start = run, run.x[run.state.temperatures]
+        self._moved = [Moved(run.forcing, path) for path in doubts.paths]
+        self._paths, self._root = doubts.paths, root(doubts.covariance)
+        first = np.zeros(len(run.offset))
+        m, n, size = len(first), run.state.n, run.state.size
+        found = [moved.readings(run, run.offset, first) or ReadingsTangent.none(m, n, size) for moved in self._moved]
+        self._rows, self._growth, self._keep, self._ramp, x0 = (
+            stacked([getattr(each, key) for each in found], shape)
+            for key, shape in (("rows", (m, n)), ("growth", (n,)), ("keep", (m,)), ("ramp", (m,)), ("x0", (size,)))
+        )
+        self._zeros = np.array([run.state.channel_zeros(column) for column in x0.T]).reshape(-1, m).T
+        self._Z = self._Z0 = x0[run.state.temperatures]
+        self._spot = np.einsum("mn,np->mp", run.forcing.readings.rows, self._Z) + self._start @ self._rows
+        self._lagged, self._S = self._spot, np.zeros_like(x0)
+        self._of_regime = lru_cache(maxsize=keep)(self._regime_slopes)
+
+    def by(self, run: Run) -> Doubt:
+        """The same of the run by another model, of the parameters that it has too."""
+        other = Doubt(run)
+        at = [self._paths.index(path) for path in other._paths]
+        for key in ("_Z", "_Z0", "_spot", "_lagged", "_S"):
+            setattr(other, key, getattr(self, key)[:, at])
+        return other
+
+    def advance(self, drive: Drive, ticks: Ticks, course: Course, gain: Array) -> Doubtful:
+        """Over the next K ticks, which the filter has updated with `gain` (K, size, m), 0 where nothing was fused."""
+        B, offset, own, pushed = self._pushes(drive, ticks, course)
+        state, forcing = self._run.state, self._run.forcing
+        keep, ramp = (each[:, None] for each in lag_filter(forcing.readings.tau, forcing.rig.tick_s))
+        states = np.empty((len(B), *self._S.shape))
+        growth = np.empty((len(B), B.shape[2]))
+        at = state.temperatures
+        for k, regime in enumerate(ticks.regime.tolist()):
+            F, before = forcing.transition(regime).F, self._spot
+            self._Z = F @ self._Z + B[k]
+            self._spot = forcing.readings.rows @ self._Z + own[k]
+            self._lagged = keep * self._lagged + (1.0 - keep - ramp) * before + ramp * self._spot + pushed[k]
+            late = (before - self._spot) * course.late_share[k][:, None]
+            S = self._S.copy()
+            S[at] = F @ S[at]
+            H = state.rows(float(course.grown_um[k]))
+            S -= gain[k] @ (H @ S + self._zeros + offset[k] + self._lagged + late)
+            self._S = S
+            states[k] = S
+            growth[k] = state.elongation(float(course.grown_um[k])) @ S + state.growth @ (self._Z - self._Z0)
+            states[k, at] += self._Z
+        growth += (course.z[1:] - self._start) @ self._growth
+        return Doubtful(states @ self._root, growth @ self._root)
+
+    def _pushes(self, drive: Drive, ticks: Ticks, course: Course) -> tuple[Array, Array, Array, Array]:
+        """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
+        K, p = len(ticks.regime), len(self._moved)
+        B, offset = np.zeros((K, self._run.state.n, p)), np.zeros((K, len(self._zeros), p))
+        for i, moved in enumerate(self._moved):
+            own = moved.ticks(drive)
+            offset[:, :, i] = own.offset
+            for r in np.unique(ticks.regime).tolist():
+                at = ticks.regime == r
+                of, forcing = self._of_regime(r)[i], self._run.forcing
+                heat = own.heat[at] + ticks.outside[at] @ of.inflow.T + own.outside[at] @ forcing.inflow(r).T
+                B[at, :, i] = heat @ forcing.transition(r).J.T
+                if of.F is not None:
+                    B[at, :, i] += course.z[:-1][at] @ of.F.T + ticks.heat[at] @ of.J.T
+        own_spot = np.einsum("kn,mnp->kmp", course.z[1:], self._rows)
+        pushed = (course.lagged - course.spot)[:-1, :, None] * self._keep
+        pushed += np.diff(course.spot, axis=0)[:, :, None] * self._ramp
+        return B, offset, own_spot, pushed
+
+    def _regime_slopes(self, regime: int) -> list[RegimeSlopes]:
+        """How one regime's tick moves with each parameter."""
+        return [regime_slopes(moved, self._run, regime) for moved in self._moved]
+
+
+@dataclass(frozen=True)
+class RegimeSlopes:
+    """Derivatives of one regime: F and J (n, n), None where nothing conducts otherwise; inflow (n, boundaries)."""
+
+    F: Array | None
+    J: Array | None
+    inflow: Array
+
+
+def regime_slopes(moved: Moved, run: Run, regime: int) -> RegimeSlopes:
+    """How one regime's tick moves with a parameter."""
+    network = moved.network([regime])
+    if not (np.any(network.mass) or np.any(network.conductance)):
+        return RegimeSlopes(None, None, network.inflow[0])
+    F, J = run.forcing.modes_of(regime).along(network.mass, network.conductance[0])
+    return RegimeSlopes(F, J, network.inflow[0])
+
+
+def stacked(columns: Sequence[Array], shape: tuple[int, ...]) -> Array:
+    """Derivatives by each parameter side by side, (*shape, p)."""
+    return np.stack(columns, axis=-1) if columns else np.zeros((*shape, 0))
+
+
+def root(covariance: Array) -> Array:
+    """A (p, p) with A A' = covariance, also where that is rounded to something that is not quite positive."""
+    variance, ways = np.linalg.eigh(covariance)
+    return np.asarray(ways * np.sqrt(np.maximum(variance, 0.0)))

@@ -1,0 +1,102 @@
+"""How everything that a model's terms yield moves with one parameter, by complex step.
+
+The terms are evaluated once at p + i h; the imaginary part over h is the derivative, exact to rounding (Squire and
+Trapp 1998). No effect writes a derivative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.inputs.inputs import nothing
+from estimator.network import assemble
+from estimator.network.assemble import Network, Readings
+from estimator.network.forcing import Drive, Forcing
+from estimator.record import Array
+from estimator.state.open_loop import lag_filter
+from estimator.state.run import Run
+from estimator.terms import Expand, Lag, Read, Shift
+
+STEP = 1e-30
+
+
+@dataclass(frozen=True)
+class ReadingsTangent:
+    """Derivatives of rows (m, n), growth (n,), spans, variance, lag variance, walk, keep and ramp (m,), x0 and P0."""
+
+    rows: Array
+    growth: Array
+    spans: Array
+    variance: Array
+    lag_variance: Array
+    walk: Array
+    keep: Array
+    ramp: Array
+    x0: Array
+    P0: Array
+
+    @classmethod
+    def none(cls, channels: int, n: int, size: int) -> ReadingsTangent:
+        """Readings that do not move."""
+        m = np.zeros(channels)
+        return cls(np.zeros((channels, n)), np.zeros(n), m, m, m, m, m, m, np.zeros(size), np.zeros((size, size)))
+
+
+@dataclass(frozen=True)
+class TicksTangent:
+    """Derivatives of heat (K, n), outside (K, boundaries) and offset (K, m) of some ticks."""
+
+    heat: Array
+    outside: Array
+    offset: Array
+
+
+class Moved:
+    """A model that is forced by some inputs, with one parameter "effect.param" moved."""
+
+    def __init__(self, forcing: Forcing, path: str) -> None:
+        model = forcing.model
+        self._forcing, self._model = forcing, model.with_values({path: model[path] + 1j * STEP})
+        self._effects = model.moved_by(path.partition(".")[0])
+
+    def network(self, which: Sequence[int] | None = None) -> Network:
+        """Derivatives of the network of some regimes met so far, or of all."""
+        u, rig = self._forcing.regime_inputs(which), self._forcing.rig
+        terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
+        moves = assemble.network_of(terms, self._forcing.place, len(u))
+        return Network(**{key: slope(value) for key, value in vars(moves).items()})
+
+    def ticks(self, drive: Drive) -> TicksTangent:
+        """Derivatives of what the model makes of some ticks."""
+        u, rig, place = drive.inputs, self._forcing.rig, self._forcing.place
+        terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
+        outside = np.zeros((len(u), place.boundaries))
+        if any(isinstance(term, Shift) for term in terms):
+            outside = slope(assemble.outside(list(self._model.terms(u, rig)), u, place))
+        heat, offset = assemble.heat(terms, place, len(u), drive.spread), assemble.offsets(terms, rig, len(u))
+        return TicksTangent(slope(heat), outside, slope(offset))
+
+    def readings(self, run: Run, offset: Array, moved_offset: Array) -> ReadingsTangent | None:
+        """Derivatives of how the channels read, None where nothing of it moves; `offset` (m,): of the first sample."""
+        rig, place = self._forcing.rig, self._forcing.place
+        terms = list(self._model.terms(nothing(rig), rig))
+        if not any(isinstance(t, (Read, Lag, Expand)) for name in self._effects for t in self._own(name)):
+            return None
+        moved = assemble.readings(terms, rig, place)
+        keep, ramp = lag_filter(moved.tau, rig.tick_s)
+        known = np.isfinite(moved.sd)
+        variance = np.where(known, np.where(known, moved.sd, 1.0) ** 2, 1.0)
+        x0, P0 = run.estimate(moved, self._forcing.terms, place, offset + 1j * STEP * moved_offset)
+        parts = (moved.rows, moved.growth, moved.spans, variance, moved.lag_noise**2, moved.zero_walk**2, keep, ramp)
+        return ReadingsTangent(*(slope(value) for value in (*parts, x0, P0)))
+
+    def _own(self, name: str) -> list[object]:
+        return list(self._model.terms_of(name, nothing(self._forcing.rig), self._forcing.rig))
+
+
+def slope(value: Array) -> Array:
+    """Derivative of a value after a complex step."""
+    return np.asarray(np.imag(value) / STEP)
