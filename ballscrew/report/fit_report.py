@@ -13,10 +13,6 @@ from estimator.fit.fit import Fit, Fitted
 
 WORSE = 1.2  # times an error before
 WORTH_SAYING = 1.005  # factors of the process noise
-KEPT = {
-    "likelihood": "kept: the most likely parameters",
-    "open loop": "kept: the parameters with which the model alone follows best; the most likely ones predict worse",
-}
 
 
 def print_fit(terminal: Terminal, fit: Fit) -> None:
@@ -26,7 +22,7 @@ def print_fit(terminal: Terminal, fit: Fit) -> None:
     terminal.say()
     errors = [[title, *cells([fit.before[key], fit.after[key]])] for key, title in HORIZONS.items()]
     terminal.table([["error, rms", "before, K", "um", "after, K", "um"], *errors])
-    for sentence in (KEPT[fit.kept], *worse(fit), *_cautions(fit)):
+    for sentence in (*worse(fit), *_cautions(fit)):
         terminal.say(sentence)
 
 
@@ -62,9 +58,9 @@ def _cautions(fit: Fit) -> list[str]:
     if fit.raised >= WORTH_SAYING:
         said.append(f"process noise x {fit.raised:.2f}: ten minutes without readings ended further off than it said")
     if fit.stopped:
-        said.append(f"stopped by Ctrl-C after {fit.steps} steps: the best so far was kept")
+        said.append(f"stopped by Ctrl-C after {fit.steps} runs: the best so far was kept")
     elif not fit.converged:
-        said.append(f"not converged after {fit.steps} steps: the best so far was kept; fit again from it")
+        said.append(f"not converged after {fit.steps} runs: the best so far was kept; fit again from it")
     return said
 
 
@@ -77,8 +73,7 @@ def as_json(fit: Fit) -> dict[str, object]:
     }
     return {
         "recordings": recordings_json(fit.uses),
-        "parameters": parameters, **errors, "kept": fit.kept, "process_noise_raised": fit.raised,
+        "parameters": parameters, **errors, "process_noise_raised": fit.raised,
         "correlated": [{"parameters": [a, b], "correlation": rho} for a, b, rho in fit.alike],
-        "log_likelihood": {"open_loop": fit.loglike[0], "best": fit.loglike[1]},
         "converged": fit.converged, "stopped": fit.stopped, "steps": fit.steps,
     }  # fmt: skip

@@ -15,6 +15,12 @@ COLOURED = 0.15  # an autocorrelation beyond that of chance from which on innova
 CHANCE = 2.0  # times 1 / sqrt(readings): about the largest of many autocorrelations of white innovations
 
 
+def is_level(path: str, model: Model, trials: Iterable[Trial]) -> bool:
+    """Whether a parameter moves what is not known, and nothing of what is predicted."""
+    moved = [tangent(trial, trial.pose(model), model, path) for trial in trials]
+    return any(each.moves_noise for each in moved) and not any(each.moves_mean for each in moved)
+
+
 def noise_levels(model: Model, trials: Iterable[Trial]) -> dict[str, list[str]]:
     """Paths of the parameters that set a noise and nothing else: of measurement, and of the process."""
     posed = [trial.pose(model) for trial in trials]

@@ -27,9 +27,8 @@ from estimator.accuracy.quality import ChannelQuality, quality
 from estimator.batch.trials import Trials, trials_of
 from estimator.errors import SetupError
 from estimator.faults.use import Use
+from estimator.fit.likelihood import likely
 from estimator.fit.noise import channels_of, coloured, noise_levels
-from estimator.fit.optimiser import Optimiser, told
-from estimator.fit.posterior import Posterior
 from estimator.model import Model
 from estimator.work import Progress, Runs, silent
 
@@ -94,11 +93,10 @@ def _measured(model: Model, trials: Trials, paths: Sequence[str], progress: Prog
     """Measurement noise by the likelihood a tick ahead; not lowered for channels whose innovations are not white."""
     if not paths:
         return model
-    optimiser = Optimiser(Posterior(model, trials, paths), told(progress, "measurement noise"))
-    optimiser.run()
-    if optimiser.stopped:
+    search = likely(model, trials, paths, "measurement noise", progress)
+    if search.stopped:
         raise KeyboardInterrupt
-    found = optimiser.posterior.at(optimiser.c)
+    found = search.model
     lower = [path for path in paths if found[path] < model[path]]
     if not lower:
         return found

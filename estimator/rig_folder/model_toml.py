@@ -47,7 +47,10 @@ def save_model(model: Model, path: Path) -> None:
     """Write a model TOML that `load_model` reads back unchanged, in any folder, with units as comments."""
     document = tomlkit.document()
     if model.about:
-        document.add("about", tomlkit.item(dict(model.about)))
+        about = tomlkit.item(dict(model.about))
+        if "covariance" in about:
+            about["covariance"]["correlation"].multiline(True)
+        document.add("about", about)
     for name, effect in model.effects.items():
         table = tomlkit.table()
         table.comment(effect.sentence())

@@ -1,0 +1,98 @@
+"""The most likely noise levels, a tick ahead, by their logarithms inside their bounds.
+
+log p(theta | y) = sum over recordings of log p(y | theta)  -  sum of ((theta - theta0) / sd)^2 / 2
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from estimator.batch.trials import Trials
+from estimator.effect import Param
+from estimator.model import Model
+from estimator.record import Array
+from estimator.sensitivity.objective import prior_roots
+from estimator.sensitivity.score import score
+from estimator.work import Progress, silent
+
+ENOUGH = 0.01  # gain in log-likelihood below which a step was the last
+LOG_STEP = 0.02
+FLAT = 1e-6  # curvature of a direction of which readings say nothing
+FLOOR = 1e-6  # of the largest level: the smallest that has a logarithm
+
+
+@dataclass(frozen=True)
+class Likely:
+    """The model with its most likely levels; whether the search came to its end, or was stopped by Ctrl-C."""
+
+    model: Model
+    converged: bool = True
+    stopped: bool = False
+
+
+class Likelihood:
+    """Log-likelihood of some noise levels and their priors, as a function of their logarithms c (p,)."""
+
+    def __init__(self, model: Model, trials: Trials, paths: Sequence[str]) -> None:
+        self._model, self._trials, self._paths = model, trials, paths
+        params = [model.param(path) for path in paths]
+        self._root, self._middle = prior_roots(params), np.array([param.value for param in params])
+        self.bounds = np.log([(_floor(param), param.hi) for param in params])
+        self.start = np.log([max(model[path], _floor(param)) for path, param in zip(paths, params, strict=True)])
+
+    def at(self, c: Array) -> Model:
+        """The model with these levels."""
+        return self._model.with_values(dict(zip(self._paths, np.exp(c).tolist(), strict=True)))
+
+    def slope(self, c: Array) -> tuple[float, Array]:
+        """Log-likelihood, and its derivative with respect to c, (p,)."""
+        model, level = self.at(c), np.exp(c)
+        found = self._trials.each(lambda trial: score(trial, model, self._paths))
+        off = (level - self._middle) * self._root
+        value = sum(value for value, _ in found) - 0.5 * float(off @ off)
+        return value, level * (sum(slope for _, slope in found) - off * self._root)
+
+    def covariance(self) -> Array:
+        """Of the levels where the model has them, (p, p): the inverse curvature, by differences of the slope."""
+        here, rows = self.slope(self.start)[1], []
+        for i, hi in enumerate(self.bounds[:, 1]):
+            there, step = self.start.copy(), LOG_STEP if self.start[i] + LOG_STEP <= hi else -LOG_STEP
+            there[i] += step
+            rows.append((here - self.slope(there)[1]) / step)
+        rates, ways = np.linalg.eigh(0.5 * (np.array(rows) + np.transpose(rows)))
+        ways = ways * np.exp(self.start)[:, None]
+        return np.asarray(ways / np.maximum(np.abs(rates), FLAT) @ ways.T)
+
+
+def likely(model: Model, trials: Trials, paths: Sequence[str], stage: str, progress: Progress = silent) -> Likely:
+    """The levels at `paths` made most likely; every other parameter stays. Each evaluation is told under `stage`."""
+    target = Likelihood(model, trials, paths)
+    best, highest, count = target.start, -np.inf, 0
+
+    def unlikely(c: Array) -> tuple[float, Array]:
+        nonlocal best, highest, count
+        value, slope = target.slope(c)
+        count += 1
+        if value > highest:
+            best, highest = c.copy(), value
+        progress(f"{stage}, run {count}: log-likelihood {value:.1f}", count)
+        return -value, -slope
+
+    try:
+        first = abs(target.slope(target.start)[0])
+        found = minimize(
+            unlikely, target.start, jac=True, method="L-BFGS-B", bounds=target.bounds,
+            options={"ftol": ENOUGH / max(first, 1.0)},
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        return Likely(target.at(best), converged=False, stopped=True)
+    return Likely(target.at(best), converged=found.success)
+
+
+def _floor(param: Param) -> float:
+    highest = param.hi if np.isfinite(param.hi) else abs(param.value) or 1.0
+    return max(param.lo, FLOOR * highest)
