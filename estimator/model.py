@@ -24,12 +24,31 @@ EXPANSION = "expansion_error.error"
 
 
 @dataclass(frozen=True)
+class Prior:
+    """What is known of a parameter before anything was measured: a value and its standard deviation."""
+
+    value: float
+    sd: float
+
+
+@dataclass(frozen=True)
 class Value:
-    """A parameter's value in one model, with its standard deviation where it was fitted."""
+    """A parameter's value in one model, with its standard deviation where it was fitted.
+
+    prior, lo, hi  instead of what the effect says of it, where the model knows better
+    """
 
     value: Any
     sd: float | None = None
     fixed: bool = False
+    prior: Prior | None = None
+    lo: float | None = None
+    hi: float | None = None
+
+    def over(self, param: Param) -> Param:
+        """The declaration with what the model knows better."""
+        own = {key: bound for key in ("lo", "hi") if (bound := getattr(self, key)) is not None}
+        return replace(param, **own, **(vars(self.prior) if self.prior else {}))
 
 
 @dataclass(frozen=True)
@@ -76,9 +95,9 @@ class Model:
         return self.values[path].value
 
     def param(self, path: str) -> Param:
-        """Declaration of "effect.param"."""
+        """Declaration of "effect.param", bounds and prior as the model has them."""
         effect, _, key = path.partition(".")
-        return self.effects[effect].params[key]
+        return self.values[path].over(self.effects[effect].params[key])
 
     def free(self) -> list[str]:
         """Paths of the parameters that a fit may change."""

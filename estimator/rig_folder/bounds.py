@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from estimator.errors import SetupError
-from estimator.model import Value
+from estimator.model import Prior, Value
 from estimator.rig import RAD_S, Channel, Nut, Rig, Screw, Signal, Support
 
 
@@ -58,7 +58,8 @@ BOUNDS: Mapping[type, Mapping[str, Bound]] = {
     Support: {"at_mm": PLACE, "width_mm": WIDTH},
     Signal: SIGNAL,
     Channel: {**SIGNAL, "at_mm": PLACE},
-    Value: {"sd": Bound("", 0.0, 1e12)},
+    Value: {"sd": Bound("", 0.0, 1e12), "lo": ANY, "hi": ANY},
+    Prior: {"value": ANY, "sd": Bound("", 1e-12, 1e12)},
 }
 
 TEMPERATURES = ("ambient", "base", "anchor_bracket", "free_bracket", "nut", "probe", "bar", "board")

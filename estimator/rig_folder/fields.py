@@ -52,11 +52,13 @@ def record(cls: type[Record], table: Any, place: str) -> Record:
 
 
 def checked(value: Any, hint: Any, place: str, bound: Bound | None = None) -> Any:
-    """A value of the kind that a type hint asks for, in its bounds; a list as a tuple."""
+    """A value of the kind that a type hint asks for, in its bounds; a list as a tuple, a table as a record."""
     kinds = get_args(hint) if isinstance(hint, UnionType) else (hint,)
     lists = [kind for kind in kinds if get_origin(kind) is tuple]
     if lists and (isinstance(value, list) or len(kinds) == 1):
         return _items(value, get_args(lists[0])[0], place, bound)
+    if tables := [kind for kind in kinds if dataclasses.is_dataclass(kind)]:
+        return record(tables[0], value, place)
     if float in kinds:
         return _number(value, place, bound)
     for kind, word in KINDS.items():

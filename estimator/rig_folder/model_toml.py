@@ -5,10 +5,11 @@ from __future__ import annotations
 import importlib.util
 import os
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import tomlkit
 
 from estimator.effect import Effect, Param
@@ -18,8 +19,16 @@ from estimator.model import Model, Value
 from estimator.rig_folder import fields
 
 
+@dataclass(frozen=True)
+class Together:
+    """How the errors of fitted parameters go together: their paths (p,), their correlations (p, p)."""
+
+    paths: tuple[str, ...]
+    correlation: tuple[tuple[float, ...], ...]
+
+
 def load_model(path: Path | str) -> Model:
-    """Read a model TOML: one table an effect; each parameter a number or {value, sd, fixed}.
+    """Read a model TOML: one table an effect; each parameter a number or {value, sd, fixed, prior, lo, hi}.
 
     `use = "effects.py:CoolantJet"` in a table names a user's own effect: that file is Python, and runs.
     """
@@ -28,6 +37,8 @@ def load_model(path: Path | str) -> Model:
     about = table.pop("about", {})
     if not isinstance(about, Mapping) or not isinstance(about.get("fitted_on", {}), Mapping):
         raise SetupError(f"{path}: 'about' is what a fit writes: a table, with a table 'fitted_on'")
+    if "covariance" in about:
+        about = {**about, "covariance": _together(about["covariance"], f"{path}: about.covariance")}
     model = Model({}, {}, about=about, name=path.name)
     use = {}
     for name, entry in table.items():
@@ -73,15 +84,18 @@ def _seen_from(folder: Path, model: Model, name: str) -> str:
 
 
 def _item(value: Value, param: Param) -> tomlkit.items.Item:
-    number = float(f"{value.value:.6g}")
-    if value.sd is None and value.fixed == param.fixed:
-        return tomlkit.item(number)
-    table = tomlkit.inline_table()
-    table.add("value", number)
+    said: dict[str, Any] = {"value": float(f"{value.value:.6g}")}
     if value.sd is not None:
-        table.add("sd", float(f"{value.sd:.3g}"))
+        said["sd"] = float(f"{value.sd:.3g}")
     if value.fixed != param.fixed:
-        table.add("fixed", value.fixed)
+        said["fixed"] = value.fixed
+    if value.prior is not None:
+        said["prior"] = vars(value.prior)
+    said |= {key: bound for key in ("lo", "hi") if (bound := getattr(value, key)) is not None}
+    if len(said) == 1:
+        return tomlkit.item(said["value"])
+    table = tomlkit.inline_table()
+    table.update(said)
     return table
 
 
@@ -98,18 +112,40 @@ def _values(effect: type[Effect], entry: Mapping[str, Any], place: str) -> dict[
             continue
         if key not in effect.params:
             raise SetupError(f"{place} has no '{key}'; {nearest(key, effect.params)}")
-        param = effect.params[key]
-        default = Value(param.value, None, param.fixed)
-        if isinstance(item, Mapping):
-            value = fields.record(Value, {"value": param.value, "fixed": param.fixed, **item}, f"{place}.{key}")
-        else:
-            value = replace(default, value=item)
-        if isinstance(value.value, bool) or not isinstance(value.value, (int, float)):
-            raise SetupError(f"{place}.{key}: expected a number, got {value.value!r}")
-        if not param.lo <= value.value <= param.hi:
-            raise SetupError(f"{place}.{key} = {value.value:g} {param.unit} is outside {param.lo:g} ... {param.hi:g}")
-        values[f"{effect.name}.{key}"] = replace(value, value=float(value.value))
+        values[f"{effect.name}.{key}"] = _value(item, effect.params[key], f"{place}.{key}")
     return values
+
+
+def _together(entry: Any, place: str) -> dict[str, Any]:
+    """What a fit wrote of correlations; the nearest that can be, where rounding made a variance negative."""
+    told = fields.record(Together, entry, place)
+    p = len(told.paths)
+    if {len(told.correlation), *map(len, told.correlation)} != {p}:
+        raise SetupError(f"{place}.correlation: expected {p} rows of {p} numbers, as paths has {p}; fit again")
+    rho = np.array(told.correlation)
+    if not (np.array_equal(rho, rho.T) and (np.diag(rho) == 1.0).all() and (np.abs(rho) <= 1.0).all()):
+        raise SetupError(f"{place}.correlation: expected 1 from a corner to the other, alike on both sides; fit again")
+    rates, ways = np.linalg.eigh(rho)
+    if rates[0] < 0.0:
+        root = ways * np.sqrt(np.maximum(rates, 0.0))
+        root /= np.linalg.norm(root, axis=1)[:, None]
+        rho = root @ root.T
+    return {"paths": list(told.paths), "correlation": rho.tolist()}
+
+
+def _value(item: Any, param: Param, place: str) -> Value:
+    """A parameter's entry, a number or a table, with a value inside its bounds, and its prior's too."""
+    entry = item if isinstance(item, Mapping) else {"value": item}
+    value = fields.record(Value, {"value": param.value, "fixed": param.fixed, **entry}, place)
+    if isinstance(value.value, bool) or not isinstance(value.value, (int, float)):
+        raise SetupError(f"{place}: expected a number, got {value.value!r}")
+    param = value.over(param)
+    if not param.lo < param.hi:
+        raise SetupError(f"{place}: lo = {param.lo:g} is not below hi = {param.hi:g} {param.unit}")
+    for at, number in (("", value.value), (".prior.value", value.prior.value if value.prior else value.value)):
+        if not param.lo <= number <= param.hi:
+            raise SetupError(f"{place}{at} = {number:g} {param.unit} is outside {param.lo:g} ... {param.hi:g}")
+    return replace(value, value=float(value.value))
 
 
 def own_effect(use: str, folder: Path) -> type[Effect]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from estimator.effects.air import StillAir
 from estimator.effects.nut import NutBody, NutFriction
 from estimator.errors import SetupError
 from estimator.filter import Filter
-from estimator.model import Value, model_of
+from estimator.model import Prior, Value, model_of
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests.conftest import stepped
 
@@ -47,6 +48,7 @@ def test_a_saved_model_is_read_back_unchanged(full, tmp_path):
     changed = full.with_values({
         "nut_friction.power": Value(71.25, 0.5), "still_air.h": Value(7.5, None, True), "anchor_friction.n": 1.5,
         "rotating_convection.m": Value(0.7, 0.01, False), "thermometers.board": -1.25e-5,
+        "nut_body.capacity": Value(400.0, prior=Prior(390.0, 50.0), lo=100.0, hi=900.0),
     })  # fmt: skip
     save_model(changed, tmp_path / "m.toml")
     again = load_model(tmp_path / "m.toml")
@@ -66,6 +68,26 @@ def test_what_it_was_fitted_to_and_own_effects_are_kept(tmp_path):
     assert again.values == {"still_air.h": Value(6.0), "coolant_jet.power": Value(30.0, 2.0)}
 
 
+def test_what_a_model_says_of_bounds_and_prior_goes_before_what_its_effect_says(full):
+    own = full.with_values({"still_air.h": Value(6.0, prior=Prior(5.0, 0.5), hi=9.0)}).param("still_air.h")
+    assert (own.value, own.sd, own.lo, own.hi) == (5.0, 0.5, StillAir.params["h"].lo, 9.0)
+    assert full.param("still_air.h") == StillAir.params["h"]
+
+
+def test_correlations_are_read_back_so_that_no_variance_is_negative(full, tmp_path):
+    """Four digits of a correlation are not enough where parameters are hardly apart."""
+    paths = ["still_air.h", "nut_friction.power", "nut_body.g"]
+    rho = np.array([[1.0, 0.9999, 0.9999], [0.9999, 1.0, 0.9995], [0.9999, 0.9995, 1.0]])
+    assert np.linalg.eigvalsh(rho).min() < 0
+    known = full.with_values({path: Value(full[path], 0.1) for path in paths})
+    save_model(replace(known, about={"covariance": {"paths": paths, "correlation": rho.tolist()}}), tmp_path / "m.toml")
+    doubts = load_model(tmp_path / "m.toml").doubts
+    assert np.linalg.eigvalsh(doubts.covariance).min() > -1e-15
+    order = [doubts.paths.index(path) for path in paths]
+    np.testing.assert_allclose(doubts.covariance[np.ix_(order, order)], 0.01 * rho, atol=2e-6)
+    np.testing.assert_allclose(np.diag(doubts.covariance), 0.01, rtol=1e-9)
+
+
 def test_a_saved_model_explains_itself(tmp_path):
     save_model(model_of([StillAir]), tmp_path / "m.toml")
     head, line = (tmp_path / "m.toml").read_text().strip().splitlines()
@@ -79,11 +101,11 @@ def test_missing_parameters_have_their_defaults(tmp_path):
     assert model["nut_friction.n"] == 1.0
     assert model.values["nut_friction.noise"].fixed
     assert model.values["still_air.h"] == Value(8.0, None, True)
-    assert {"nut_friction.power", "nut_friction.power_nut"} <= set(model.free())
-    assert not {"still_air.h", "nut_friction.n", "nut_friction.noise"} & set(model.free())
+    assert model.free() == ["nut_friction.power", "nut_friction.power_nut", "nut_friction.n"]
 
 
 FRICTION = "[nut_friction]\n"
+ABOUT = "[about.covariance]\n"
 ERRORS = [
     ("[nut_frictoin]\n", "no effect 'nut_frictoin'; did you mean 'nut_friction'?"),
     (FRICTION + "powr = 3\n", "nut_friction has no 'powr'; did you mean 'power'?"),
@@ -96,10 +118,32 @@ ERRORS = [
     (FRICTION + "power = {value = [1]}\n", "nut_friction.power: expected a number, got [1]"),
     (FRICTION + "power = {valeu = 3}\n", "nut_friction.power has no 'valeu'; did you mean 'value'?"),
     (FRICTION + 'power = {sd = "x"}\n', "nut_friction.power.sd: expected a number, got 'x'"),
+    (FRICTION + "power = {prior = 60}\n", "nut_friction.power.prior: expected a table with value, sd"),
+    (FRICTION + "power = {prior = {value = 60}}\n", "nut_friction.power.prior: 'sd' is missing"),
+    (
+        FRICTION + "power = {prior = {value = 60, sd = 0}}\n",
+        "nut_friction.power.prior.sd is 0, must be 1e-12 ... 1e+12",
+    ),
+    (
+        FRICTION + "power = {prior = {value = -1, sd = 2}}\n",
+        "nut_friction.power.prior.value = -1 W is outside 0 ... 300",
+    ),
+    (FRICTION + "power = {lo = 70}\n", "nut_friction.power = 60 W is outside 70 ... 300"),
+    (FRICTION + "power = {lo = 70, hi = 50}\n", "nut_friction.power: lo = 70 is not below hi = 50 W"),
     (FRICTION + "power = {fixed = 1}\n", "nut_friction.power.fixed: expected bool, got 1"),
     ("nut_friction = 3\n", "'nut_friction' should be a table, one for each effect"),
     ("about = 3\n[still_air]\n", "'about' is what a fit writes: a table, with a table 'fitted_on'"),
     ("[about]\nfitted_on = 3\n[still_air]\n", "'about' is what a fit writes: a table, with a table 'fitted_on'"),
+    (ABOUT + "paths = 3\n[still_air]\n", "about.covariance: 'correlation' is missing"),
+    (
+        ABOUT + 'paths = ["a"]\ncorrelation = [[1, 0]]\n',
+        "about.covariance.correlation: expected 1 rows of 1 numbers, as paths has 1; fit again",
+    ),
+    (ABOUT + 'paths = ["a"]\ncorrelation = [["x"]]\n', "about.covariance.correlation: expected a number, got 'x'"),
+    (
+        ABOUT + 'paths = ["a", "b"]\ncorrelation = [[1, 0], [0.5, 1]]\n',
+        "about.covariance.correlation: expected 1 from a corner to the other, alike on both sides; fit again",
+    ),
     ('[jet]\nuse = "effects.py:CoolantJet"\n', "jet: the effect's name is 'coolant_jet'; call the table so"),
 ]
 

@@ -51,11 +51,11 @@ def test_it_starts_at_the_model(target, model):
 def test_the_value_is_the_sum_of_likelihoods(target, model, trials):
     moved = model.with_values({"thermometers.sd": 0.022 * np.e})
     expected = sum(trial.loglike(moved) for trial in trials)
-    assert target.slope(target.start + [1, 0, 0])[0] == pytest.approx(expected, rel=1e-12)
+    assert target.slope(target.start + np.eye(3)[0])[0] == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_slope_is_the_derivative_of_the_value(target):
-    for c in (target.start, target.start + [0.1, 0.2, 0.3]):
+    for c in (target.start, target.start + np.array([0.1, 0.2, 0.3])):
         differences = [difference(lambda c: target.slope(c)[0], c, i, 2e-3) for i in range(len(c))]
         np.testing.assert_allclose(target.slope(c)[1], differences, rtol=1e-5, atol=1e-4)
 
