@@ -21,7 +21,7 @@ class StillAir(Effect):
     """
 
     trace = "Everywhere, at rest and while driving; in proportion to how warm the screw is."
-    h = Param(8.0, "W/(m2 K)", lo=0.0, hi=25.0, null=0.0, sd=2.5, source="7.8 - 8.4 measured on bare rods")
+    h = Param(8.0, "W/(m2 K)", lo=0.0, hi=100.0, null=0.0, sd=2.5, source="7.8 - 8.4 measured on bare rods")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         yield Link(SCREW, "ambient", p.h * rig.the_screw().surface, over=u.bare)
@@ -34,8 +34,8 @@ class RotatingConvection(Effect):
     """
 
     trace = "Everywhere; too warm while driving and right at rest, the more the faster it turns."
-    h = Param(20.0, "W/(m2 K)", lo=0.0, hi=120.0, null=0.0, sd=12.0, source="18 - 53 at 1667 rpm, by correlation")
-    m = Param(0.67, "1", lo=0.4, hi=1.0, sd=0.08, source="rotating cylinder, Nu ~ Re^(2/3)")
+    h = Param(20.0, "W/(m2 K)", lo=0.0, hi=500.0, null=0.0, sd=12.0, source="18 - 53 at 1667 rpm, by correlation")
+    m = Param(0.67, "1", lo=0.3, hi=1.2, sd=0.08, source="rotating cylinder, Nu ~ Re^(2/3)")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         h = p.h * rig.the_screw().relative_speed(u.omega) ** p.m

@@ -24,9 +24,9 @@ class BearingFriction(Effect):
     """Friction of a bearing heats the screw, spread over the bearing's width, and its housing."""
 
     support: ClassVar[str]
-    power = Param(30.0, "W", lo=0.0, hi=120.0, null=0.0, sd=12.0, source="41 W for a pair at 1667 rpm, Palmgren")
-    power_housing = Param(15.0, "W", lo=0.0, hi=120.0, null=0.0, sd=10.0, source="the outer ring's share")
-    n = Param(1.35, "1", lo=0.7, hi=1.8, sd=0.1, source="2.5 / 6 / 15 / 41 W at 208 / 417 / 833 / 1667 rpm: 1.3 - 1.4")
+    power = Param(30.0, "W", lo=0.0, hi=2000.0, null=0.0, sd=12.0, source="41 W for a pair at 1667 rpm, Palmgren")
+    power_housing = Param(15.0, "W", lo=0.0, hi=2000.0, null=0.0, sd=10.0, source="the outer ring's share")
+    n = Param(1.35, "1", lo=0.5, hi=2.0, sd=0.1, source="2.5 / 6 / 15 / 41 W at 208 / 417 / 833 / 1667 rpm: 1.3 - 1.4")
     noise = Param(0.3, "sqrt(s)", lo=0.0, hi=10.0, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
@@ -58,17 +58,17 @@ class FreeFriction(BearingFriction):
 
     support = "free"
     trace = "The free side is too cold from the first minute of a drive on."
-    power = Param(15.0, "W", lo=0.0, hi=120.0, null=0.0, sd=8.0, source="up to 41 W for a pair at 1667 rpm, Palmgren")
-    power_housing = Param(8.0, "W", lo=0.0, hi=120.0, null=0.0, sd=6.0, source="the outer ring's share")
+    power = Param(15.0, "W", lo=0.0, hi=2000.0, null=0.0, sd=8.0, source="up to 41 W for a pair at 1667 rpm, Palmgren")
+    power_housing = Param(8.0, "W", lo=0.0, hi=2000.0, null=0.0, sd=6.0, source="the outer ring's share")
 
 
 class BearingHousing(Effect):
     """A housing is a body between the screw under the bearing and the base."""
 
     support: ClassVar[str]
-    capacity = Param(3000.0, "J/K", lo=800.0, hi=8000.0, sd=800.0, source="1800 - 4600 computed from drawings")
-    g = Param(2.0, "W/K", lo=0.0, hi=12.0, null=0.0, sd=0.8, source="bearing 1 - 3 W/K")
-    g_base = Param(6.0, "W/K", lo=0.0, hi=60.0, sd=4.0, source="bolted joint, by fit")
+    capacity = Param(3000.0, "J/K", lo=100.0, hi=50000.0, sd=800.0, source="1800 - 4600 computed from drawings")
+    g = Param(2.0, "W/K", lo=0.0, hi=50.0, null=0.0, sd=0.8, source="bearing 1 - 3 W/K")
+    g_base = Param(6.0, "W/K", lo=0.0, hi=500.0, sd=4.0, source="bolted joint, by fit")
     noise = Param(1.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
@@ -96,4 +96,4 @@ class FreeHousing(BearingHousing):
 
     support = "free"
     trace = "The first 100 mm at the free bearing: fast at the stop, slow later."
-    capacity = Param(2500.0, "J/K", lo=800.0, hi=8000.0, sd=800.0, source="1800 - 4600 computed from drawings")
+    capacity = Param(2500.0, "J/K", lo=100.0, hi=50000.0, sd=800.0, source="1800 - 4600 computed from drawings")

@@ -23,8 +23,8 @@ class Displacement(Effect):
 
     trace = "None of its own: without it no elongation is read."
     sd = Param(0.15, "um", lo=0.01, hi=5.0, fixed=True, source="0.1 um scatter, hold error up to 0.19 um")
-    probe = Param(0.3, "um/K", lo=0.0, hi=2.0, sd=0.15, source="at most 0.6 um in a run")
-    bar = Param(0.4, "um/K", lo=0.0, hi=2.0, sd=0.2, source="super Invar, 0 - 1e-6 1/K over 0.94 m; at most 0.8 um")
+    probe = Param(0.3, "um/K", lo=0.0, hi=50.0, sd=0.15, source="at most 0.6 um in a run")
+    bar = Param(0.4, "um/K", lo=0.0, hi=50.0, sd=0.2, source="super Invar, 0 - 1e-6 1/K over 0.94 m; at most 0.8 um")
     zero_sd = Param(100.0, "um", lo=0.0, hi=1000.0, fixed=True, source="disc wobble")
     zero_walk = Param(0.002, "um/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="tuned")
 
@@ -40,7 +40,7 @@ class ExpansionError(Effect):
     """
 
     trace = "The elongation alone, in proportion to itself; the temperatures are right."
-    error = Param(0.0, "1", lo=-0.1, hi=0.1, null=0.0, sd=0.02, source="11.2 - 12.3e-6 1/K for SCM420")
+    error = Param(0.0, "1", lo=-0.2, hi=0.2, null=0.0, sd=0.02, source="11.2 - 12.3e-6 1/K for SCM420")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         yield Expand(p.error)
@@ -53,7 +53,7 @@ class SupportYield(Effect):
     """
 
     trace = "The elongation alone; follows the anchor bearing's temperature, alike for long and short strokes."
-    rate = Param(0.5, "um/K", lo=-3.0, hi=3.0, null=0.0, sd=1.0, source="50 mm of steel bracket: 0.6 um/K")
+    rate = Param(0.5, "um/K", lo=-50.0, hi=50.0, null=0.0, sd=1.0, source="50 mm of steel bracket: 0.6 um/K")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         anchor = rig.the_support("anchor").at_mm
@@ -67,7 +67,7 @@ class ProbeExpansion(Effect):
     """
 
     trace = "The elongation alone, in step with the probes' temperature."
-    rate = Param(0.8, "um/K", lo=-3.0, hi=3.0, null=0.0, sd=1.0, source="up to 0.6 um in a run")
+    rate = Param(0.8, "um/K", lo=-50.0, hi=50.0, null=0.0, sd=1.0, source="up to 0.6 um in a run")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         u["probe"]
@@ -82,7 +82,7 @@ class BarExpansion(Effect):
 
     trace = "The elongation alone, in step with the bar's temperature, against its sign."
     rate = Param(
-        0.9, "um/K", lo=-3.0, hi=3.0, null=0.0, sd=1.0, source="super Invar 0.5e-6 1/K, steel 11e-6 1/K over 0.94 m"
+        0.9, "um/K", lo=-50.0, hi=50.0, null=0.0, sd=1.0, source="super Invar 0.5e-6 1/K, steel 11e-6 1/K over 0.94 m"
     )
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:

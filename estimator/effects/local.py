@@ -30,7 +30,7 @@ class LocalHeat(Effect):
     """
 
     trace = "One place too warm or too cold from the first minute on, at rest and while driving."
-    power = Param(1.5, "W", lo=-50.0, hi=50.0, null=0.0, source="a chip pile or an air jet, a few W")
+    power = Param(1.5, "W", lo=-500.0, hi=500.0, null=0.0, source="a chip pile or an air jet, a few W")
     at = Param(400.0, "mm", lo=-500.0, hi=5000.0, over="place", source="by fit")
     width = Param(30.0, "mm", lo=5.0, hi=300.0, fixed=True, source="a jet's footprint")
 
@@ -46,7 +46,7 @@ class LocalHeatDriving(Effect):
 
     trace = "One place too warm or too cold while driving, fading after every stop."
     power = Param(
-        2.0, "W", lo=-50.0, hi=50.0, null=0.0, source="a rubbing seal or a jet that follows the drive, a few W"
+        2.0, "W", lo=-500.0, hi=500.0, null=0.0, source="a rubbing seal or a jet that follows the drive, a few W"
     )
     at = Param(400.0, "mm", lo=-500.0, hi=5000.0, over="place", source="by fit")
     width = Param(30.0, "mm", lo=5.0, hi=300.0, fixed=True, source="a seal's or a jet's footprint")
@@ -62,7 +62,7 @@ class MotorHeat(Effect):
     """
 
     trace = "The motor end alone is too cold; grows with how long a drive lasts and not with its speed."
-    power = Param(15.0, "W", lo=0.0, hi=100.0, null=0.0, source="losses of a servo motor, 10 - 100 W, part of them")
+    power = Param(15.0, "W", lo=0.0, hi=1000.0, null=0.0, source="losses of a servo motor, 10 - 100 W, part of them")
     width = Param(40.0, "mm", lo=5.0, hi=200.0, fixed=True, source="length of a coupling hub's seat")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:

@@ -29,10 +29,10 @@ class NutFriction(Effect):
 
     trace = "Wherever the nut travels the screw is too cold while driving."
     power = Param(
-        60.0, "W", lo=0.0, hi=300.0, null=0.0, sd=20.0, source="109 W at 2 kN preload and 20 m/min, 0.3 - 0.7 of it"
+        60.0, "W", lo=0.0, hi=2000.0, null=0.0, sd=20.0, source="109 W at 2 kN preload and 20 m/min, 0.3 - 0.7 of it"
     )
-    power_nut = Param(50.0, "W", lo=0.0, hi=300.0, null=0.0, sd=20.0, source="the rest of the 109 W")
-    n = Param(1.0, "1", lo=0.7, hi=1.7, sd=0.12, source="1.0 constant torque ... 1.67 viscous")
+    power_nut = Param(50.0, "W", lo=0.0, hi=2000.0, null=0.0, sd=20.0, source="the rest of the 109 W")
+    n = Param(1.0, "1", lo=0.5, hi=2.0, sd=0.12, source="1.0 constant torque ... 1.67 viscous")
     noise = Param(0.3, "sqrt(s)", lo=0.0, hi=10.0, fixed=True, source="tuned")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
@@ -49,17 +49,17 @@ class NutBody(Effect):
     """
 
     trace = "Heat comes back after the stop, where the nut parks and nowhere else."
-    capacity = Param(1500.0, "J/K", lo=700.0, hi=3500.0, sd=300.0, source="1000 - 2000 computed from drawings")
+    capacity = Param(1500.0, "J/K", lo=100.0, hi=20000.0, sd=300.0, source="1000 - 2000 computed from drawings")
     g = Param(
         2.0,
         "W/K",
         lo=0.0,
-        hi=12.0,
+        hi=50.0,
         null=0.0,
         sd=1.0,
         source="0.8 - 1.6 unsealed, more with grease and balls under load",
     )
-    g_air = Param(1.0, "W/K", lo=0.0, hi=10.0, sd=0.6, source="surface 0.05 m2, and what the table takes")
+    g_air = Param(1.0, "W/K", lo=0.0, hi=50.0, sd=0.6, source="surface 0.05 m2, and what the table takes")
     noise = Param(5.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="by coverage on simulated runs")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:

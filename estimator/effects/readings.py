@@ -24,15 +24,15 @@ class Thermometers(Effect):
                weighs a reading as if its lag scattered by this much
     """
 
-    sd = Param(0.022, "K", lo=0.005, hi=0.5, fixed=True, source="0.02 K scatter and 0.01 K steps")
+    sd = Param(0.022, "K", lo=0.0005, hi=5.0, fixed=True, source="0.02 K scatter and 0.01 K steps")
     trace = "None of its own: without it no temperature is read."
-    tau = Param(8.0, "s", lo=0.0, hi=30.0, null=0.0, sd=3.0, source="3 - 15 s")
+    tau = Param(8.0, "s", lo=0.0, hi=120.0, null=0.0, sd=3.0, source="3 - 15 s")
     lag_noise = Param(
         1.0, "1", lo=0.0, hi=20.0, fixed=True, source="by coverage on simulated runs; lags spread by a quarter"
     )
     zero_sd = Param(0.015, "K", lo=0.0, hi=1.0, fixed=True, source="0.05 K between 15 channels after warm-up")
     zero_walk = Param(0.0001, "K/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="0.006 K in an hour")
-    board = Param(0.0, "K/K", lo=-0.02, hi=0.02, null=0.0, sd=0.003, source="0.03 K per 10 K")
+    board = Param(0.0, "K/K", lo=-0.3, hi=0.3, null=0.0, sd=0.003, source="0.03 K per 10 K")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         offset = p.board * u.rise("board")

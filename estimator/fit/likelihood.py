@@ -19,7 +19,7 @@ from estimator.sensitivity.objective import prior_roots
 from estimator.sensitivity.score import score
 from estimator.work import Progress, silent
 
-ENOUGH = 0.01  # gain in log-likelihood below which a step was the last
+ENOUGH = 0.001  # gain in log-likelihood below which a step was the last
 LOG_STEP = 0.02
 FLAT = 1e-6  # curvature of a direction of which readings say nothing
 FLOOR = 1e-6  # of the largest level: the smallest that has a logarithm

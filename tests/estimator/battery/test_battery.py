@@ -311,5 +311,5 @@ def test_the_examples_own_rigs(name):
         assert [f for f in found if not f.ok] == []
         assert {f.detail for f in found} - {""} <= {
             "board changes nothing",
-            "board = 0.02 leaves nothing in any reading",
+            "board = 0.3 leaves nothing in any reading",
         }
