@@ -11,6 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from estimator.effect import Effect, Param
 from estimator.errors import EffectError, SetupError, nearest
@@ -19,6 +20,8 @@ from estimator.record import Array
 from estimator.rig import Rig
 from estimator.terms import Term
 
+DIGITS = 4  # of a correlation
+SMALLEST = 1e-300
 MOST_TERMS = 2000  # of one effect
 EXPANSION = "expansion_error.error"
 
@@ -147,6 +150,19 @@ class Model:
         """Values of one effect's parameters, as attributes."""
         effect = self.effects[name]
         return effect.namespace({key: self.values[f"{name}.{key}"].value for key in effect.params})
+
+    def known(self, paths: Sequence[str], covariance: Array) -> Model:
+        """The model with how well these parameters are known, (p, p); correlations are kept to four digits."""
+        sd = np.sqrt(np.diag(covariance))
+        rho = covariance / np.maximum(np.outer(sd, sd), SMALLEST)
+        np.fill_diagonal(rho, 1.0)
+        old = self.about.get("covariance", {"paths": [], "correlation": []})
+        stay = [k for k, path in enumerate(old["paths"]) if path not in paths]
+        together = block_diag(np.array(old["correlation"]).reshape(len(old["paths"]), -1)[np.ix_(stay, stay)], rho)
+        names = [*(old["paths"][k] for k in stay), *paths]
+        values = {path: replace(self.values[path], sd=float(x)) for path, x in zip(paths, sd, strict=True)}
+        kept = {"paths": names, "correlation": together.round(DIGITS).tolist()}
+        return replace(self.with_values(values), about={**self.about, "covariance": kept})
 
     @property
     def doubts(self) -> Doubts:

@@ -11,7 +11,6 @@ noise says, it is raised (`tune`), and never lowered.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -32,7 +31,6 @@ from estimator.work import Runs
 AT_BOUND = 0.1  # sd
 ALIKE = 0.95  # a correlation worth naming
 TELLING = 0.9  # of the prior's sd: a parameter known no better is the table's
-DIGITS = 4  # of a correlation
 
 
 @dataclass(frozen=True)
@@ -97,11 +95,11 @@ def _outcome(model: Model, found: Likely, followed: Followed, trials: Trials, ru
     own = Likelihood(found.model, trials, followed.levels).covariance() if followed.levels else np.zeros((0, 0))
     covariance = block_diag(followed.covariance, own)
     fitted = {path: _fitted(model, found.model, path, covariance[i, i]) for i, path in enumerate(paths)}
-    values = {path: replace(model.values[path], value=f.value, sd=f.sd) for path, f in fitted.items()}
+    better = model.with_values({path: f.value for path, f in fitted.items()}).known(paths, covariance)
     for path, like in followed.left.items():
         fitted[path] = Fitted(path, model[path], model[path], model.param(path).unit, like=like)
-    better, raised = _raised(model.with_values(values), trials)
-    better = replace(better, about={**model.about, **_about(paths, covariance, runs)})
+    about = {"rig": runs.rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in runs.recordings}}
+    better, raised = _raised(replace(better, about={**better.about, **about}), trials)
     return Fit(
         better, tuple(fitted[path] for path in model.values if path in fitted), raised, alike(paths, covariance),
         errors(trials, model), errors(trials, better), followed.converged and found.converged,
@@ -116,15 +114,6 @@ def _raised(model: Model, trials: Trials) -> tuple[Model, float]:
     return (louder, factor) if factor > 1 else (model, 1.0)
 
 
-def _about(paths: tuple[str, ...], covariance: Array, runs: Runs) -> dict[str, Any]:
-    """What a model file keeps of a fit: of what, to what, and how the errors of its parameters go together."""
-    correlation = correlations(covariance).round(DIGITS).tolist()
-    return {
-        "rig": runs.rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in runs.recordings},
-        "covariance": {"paths": list(paths), "correlation": correlation},
-    }  # fmt: skip
-
-
 def _fitted(before: Model, after: Model, path: str, variance: float) -> Fitted:
     param, value, sd = before.param(path), float(after[path]), float(np.sqrt(variance))
     bound = min(value - param.lo, param.hi - value) < AT_BOUND * sd
@@ -132,14 +121,9 @@ def _fitted(before: Model, after: Model, path: str, variance: float) -> Fitted:
     return Fitted(path, before[path], value, param.unit, sd, bool(bound), bool(known))
 
 
-def correlations(covariance: Array) -> Array:
-    """The same of errors measured by their own sd, (p, p)."""
-    sd = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    return np.asarray(covariance / np.outer(sd, sd))
-
-
 def alike(paths: tuple[str, ...], covariance: Array) -> tuple[tuple[str, str, float], ...]:
     """Pairs whose errors go together."""
-    rho = correlations(covariance)
+    sd = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    rho = covariance / np.outer(sd, sd)
     pairs = [(j, i) for i in range(len(rho)) for j in range(i) if abs(rho[i, j]) > ALIKE]
     return tuple((paths[j], paths[i], float(rho[i, j])) for j, i in pairs)

@@ -42,14 +42,14 @@ class Hypothesis:
         """Mean square misfit on recordings left out, 1: as good as a good model."""
         return self.judged.misfit
 
-    def parameters(self) -> dict[str, Value]:
-        """Values and sd of the parameters that moved."""
-        pairs = zip(self.paths, self.judged.sd, strict=True)
-        return {path: Value(self.model[path], float(sd)) for path, sd in pairs}
+    def known(self) -> Model:
+        """The model with how well the parameters that moved are known."""
+        return self.model.known(self.paths, self.judged.covariance)
 
     def own(self) -> dict[str, Value]:
-        """The same of the effects to add alone."""
-        return {path: value for path, value in self.parameters().items() if path.partition(".")[0] in self.names}
+        """Values and sd of the parameters of the effects to add."""
+        values = self.known().values
+        return {path: values[path] for path in self.paths if path.partition(".")[0] in self.names}
 
 
 def refined(

@@ -100,6 +100,6 @@ def _fitted(found: Suggestion) -> Hypothesis | None:
 
 
 def _step(added: str, tie: tuple[str, ...], h: Hypothesis, held_out: Trials) -> ImprovedModel:
-    model = h.model.with_values(dict(h.parameters()))  # with the sd of what was fitted
+    model = h.known()
     held = open_loop_error(model, held_out) if len(held_out) else None
     return ImprovedModel(added, tie, model, h.judged.error, held)

@@ -27,19 +27,24 @@ RIDGE = 1e-9  # of a direction's own curvature, where two columns are the same
 class Explanation:
     """A set of parameters and how well they explain the recordings.
 
-    change   (k,) of each parameter, from all recordings
-    sd       (k,) of it, from how independent the readings are taken to be
-    misfit   mean square of what is left on recordings left out, 1: as good as a good model; and what the priors add
-    error    open-loop error there
-    runs     misfit of each recording
+    change      (k,) of each parameter, from all recordings
+    covariance  (k, k) of it, from how independent the readings are taken to be
+    misfit      mean square of what is left on recordings left out, 1: as good as a good model; and what the priors add
+    error       open-loop error there
+    runs        misfit of each recording
     """
 
     chosen: tuple[int, ...]
     change: Array
-    sd: Array
+    covariance: Array
     misfit: float
     error: Error
     runs: Array
+
+    @property
+    def sd(self) -> Array:
+        """Of the change, (k,)."""
+        return np.sqrt(np.diag(self.covariance))
 
 
 class Panel:
@@ -79,7 +84,7 @@ class Panel:
         """Free these parameters, by number; all if None."""
         chosen = np.array(range(len(self.columns)) if parameters is None else parameters, dtype=int)
         whole = self._weighted.sum(axis=0)
-        change, sd = self._solve(whole, chosen), self._sd(whole, chosen)
+        change, covariance = self._solve(whole, chosen), self._covariance(whole, chosen)
         several = len(self.found) > 1
         left = [self._solve(whole - own, chosen) if several else change for own in self._weighted]
         runs, heat, length = (np.array([_rest(s, chosen, x) for s, x in zip(sums, left, strict=True)]) for sums in (
@@ -91,7 +96,7 @@ class Panel:
         length_um = np.sqrt(length.sum() / lengths) if lengths else np.nan
         misfit = (runs.sum() + self._unlikely(chosen, change)) / weights.sum()
         error = Error(float(heat_K), float(length_um))
-        return Explanation(tuple(chosen), change, sd, float(misfit), error, runs / weights)
+        return Explanation(tuple(chosen), change, covariance, float(misfit), error, runs / weights)
 
     def with_another(self, new: Moments) -> float:
         """Root of the least misfit on one recording more, where the others and the priors hold the parameters."""
@@ -138,12 +143,12 @@ class Panel:
             change = lsq_linear(lower.T, half, (lo / scale, wide / scale), method="bvls").x * scale
         return np.asarray(change)
 
-    def _sd(self, sums: Array, chosen: Array) -> Array:
+    def _covariance(self, sums: Array, chosen: Array) -> Array:
         if not len(chosen):
-            return np.zeros(0)
+            return np.zeros((0, 0))
         lower, scale, _ = self._factor(sums, chosen)
-        inverse = np.linalg.inv(lower)
-        return np.asarray(np.sqrt((inverse**2).sum(axis=0)) * scale)
+        inverse = np.linalg.inv(lower) * scale
+        return np.asarray(inverse.T @ inverse)
 
     def _factor(self, sums: Array, chosen: Array) -> tuple[Array, Array, Array]:
         """Cholesky factor of the scaled curvature, the scale, and the slope."""

@@ -57,7 +57,7 @@ def checked(value: Any, hint: Any, place: str, bound: Bound | None = None) -> An
     lists = [kind for kind in kinds if get_origin(kind) is tuple]
     if lists and (isinstance(value, list) or len(kinds) == 1):
         return _items(value, get_args(lists[0])[0], place, bound)
-    if tables := [kind for kind in kinds if dataclasses.is_dataclass(kind)]:
+    if tables := [kind for kind in kinds if isinstance(kind, type) and dataclasses.is_dataclass(kind)]:
         return record(tables[0], value, place)
     if float in kinds:
         return _number(value, place, bound)

@@ -158,7 +158,7 @@ def test_a_fit_in_full_finds_place_and_size(plain, bar, lives):
     wide, found = candidates(plain, bar, [CATALOGUE["local_heat"]])
     seat = min(found, key=lambda c: abs(c.at["local_heat.at"] - 120.0))
     h = refined(plain, slow_trials_of(wide, Runs(bar, runs)), [seat], False, {"local_heat.power": 1.0})
-    values = h.parameters()
+    values = h.known().values
     assert values["local_heat.at"].value == pytest.approx(150.0, abs=3.0)
     assert values["local_heat.power"].value == pytest.approx(2.0, rel=0.03)
     assert h.misfit < 1.0
