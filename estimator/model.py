@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 from traceback import extract_tb
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from estimator.terms import Term
 
 DIGITS = 4  # of a correlation
 SMALLEST = 1e-300
+UNKNOWN: Mapping[str, Any] = MappingProxyType({"paths": (), "correlation": np.eye(0)})
 MOST_TERMS = 2000  # of one effect
 EXPANSION = "expansion_error.error"
 
@@ -155,14 +156,14 @@ class Model:
         """The model with how well these parameters are known, (p, p); correlations are kept to four digits."""
         sd = np.sqrt(np.diag(covariance))
         rho = covariance / np.maximum(np.outer(sd, sd), SMALLEST)
-        np.fill_diagonal(rho, 1.0)
-        old = self.about.get("covariance", {"paths": [], "correlation": []})
+        old = self.about.get("covariance", UNKNOWN)
         stay = [k for k, path in enumerate(old["paths"]) if path not in paths]
-        together = block_diag(np.array(old["correlation"]).reshape(len(old["paths"]), -1)[np.ix_(stay, stay)], rho)
+        together = block_diag(np.asarray(old["correlation"])[np.ix_(stay, stay)], rho).round(DIGITS)
+        np.fill_diagonal(together, 1.0)
         names = [*(old["paths"][k] for k in stay), *paths]
         values = {path: replace(self.values[path], sd=float(x)) for path, x in zip(paths, sd, strict=True)}
-        kept = {"paths": names, "correlation": together.round(DIGITS).tolist()}
-        return replace(self.with_values(values), about={**self.about, "covariance": kept})
+        kept = {"covariance": {"paths": names, "correlation": together.tolist()}} if names else {}
+        return replace(self.with_values(values), about={**self.about, **kept})
 
     @property
     def doubts(self) -> Doubts:
@@ -172,7 +173,7 @@ class Model:
         """
         sd = {path: value.sd for path, value in self.values.items() if value.sd and path != EXPANSION}
         together = np.eye(len(sd))
-        kept = self.about.get("covariance", {"paths": (), "correlation": np.eye(0)})
+        kept = self.about.get("covariance", UNKNOWN)
         known = {path: k for k, path in enumerate(kept["paths"]) if path in sd}
         at, of = [list(sd).index(path) for path in known], list(known.values())
         together[np.ix_(at, at)] = np.asarray(kept["correlation"])[np.ix_(of, of)]

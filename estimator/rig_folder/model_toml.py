@@ -120,7 +120,7 @@ def _together(entry: Any, place: str) -> dict[str, Any]:
     """What a fit wrote of correlations; the nearest that can be, where rounding made a variance negative."""
     told = fields.record(Together, entry, place)
     p = len(told.paths)
-    if {len(told.correlation), *map(len, told.correlation)} != {p}:
+    if p == 0 or {len(told.correlation), *map(len, told.correlation)} != {p}:
         raise SetupError(f"{place}.correlation: expected {p} rows of {p} numbers, as paths has {p}; fit again")
     rho = np.array(told.correlation)
     if not (np.array_equal(rho, rho.T) and (np.diag(rho) == 1.0).all() and (np.abs(rho) <= 1.0).all()):
