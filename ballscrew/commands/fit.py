@@ -21,13 +21,13 @@ from estimator.rig_folder.model_toml import save_model
 def command(work: Workspace, out: Path) -> int:
     """Fit the free parameters of the model to all LOGs at once.
 
-    First so that the model alone follows the measurements (least squares, open loop), then by maximum likelihood; what
-    predicts better ten minutes ahead is kept. A truth file is never opened. Parameters marked fixed in the model file
-    stay, and so do those that these recordings cannot tell from others. Ctrl-C ends the search; the best model so far
-    is written, if there is one.
+    So that the model alone follows the measurements (least squares, open loop), as near to the table value of each
+    parameter as they leave open; noise levels that are free then by likelihood. A truth file is never opened. Parameters
+    marked fixed in the model file stay, and so do those without a table value that these recordings cannot tell from
+    others. Ctrl-C ends the search; the best model so far is written, if there is one.
     """
     work.read()
-    work.terminal.say_if_compiling("passes", "loglike", "score", "gram", "ahead")
+    work.terminal.say_if_compiling("passes", "score", "ahead")
     label = f"fitting {len(work.model.free())} parameters to {len(work.loaded)} recordings"
     with work.runs(label, None) as runs:
         fitted = fit(work.model, runs)

@@ -23,7 +23,7 @@ class Start:
     """What the first sample says.
 
     level_C   median of the thermometers
-    spread_K  highest minus lowest of those that are within 10 K of it
+    spread_K  highest minus lowest of those that are within 10 K of it; of all where none is
     zero_K    what is taken off each temperature input: in a steady rig all are in equilibrium with the screw, so that a
               difference is either a sensor's error or a flow that has been there all along; 0 in a warm rig, and in
               proportion between both, so that a hundredth of a kelvin does not decide
@@ -49,7 +49,8 @@ def read_start(sample: Sample, rig: Rig, muted: Array | None = None) -> Start | 
         return None
     level = float(np.median(known))
     apart = np.abs(known - level)
-    spread = float(np.ptp(known[apart <= ODD_K]))
+    near = known[apart <= ODD_K]
+    spread = float(np.ptp(near if len(near) else known))
     others = np.delete(known, apart.argmax()) if len(known) > 2 else known  # one may be a spike
     steady = float(np.clip((WARM_K - np.ptp(others)) / (WARM_K - UNIFORM_K), 0.0, 1.0)) * (not turns(sample.omega))
     zero = {}

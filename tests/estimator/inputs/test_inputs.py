@@ -92,6 +92,11 @@ def test_an_odd_thermometer_does_not_make_a_steady_rig_warm(odd, small, driven):
     assert found.zero_K["ambient"] == pytest.approx(21.0 - found.level_C)
 
 
+def test_two_that_are_26_K_apart_are_both_odd_and_the_start_as_unknown(small, driven):
+    found = read_start(first(small, driven, [9.0, 35.0, NAN, NAN, NAN]), small)
+    assert (found.level_C, found.spread_K) == (22.0, 26.0)
+
+
 def test_a_warm_rig_s_own_spread_is_not_odd(small, driven):
     """Where all differ, none is odd: 4 K at one end beside half a kelvin around the middle."""
     found = read_start(first(small, driven, [22.0, 22.8, 23.4, 26.0, NAN]), small)
