@@ -7,7 +7,6 @@ and readings scatter as the model says. The fit begins from the defaults.
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
@@ -42,7 +41,6 @@ class Recovered:
 
     off: Array
     share: Array
-    kept: str
     raised: float
     converged: bool
 
@@ -103,7 +101,7 @@ def one(seed: int) -> Recovered:
     by_path = {f.path: f for f in found.parameters}
     fitted, sd = (np.array([getattr(by_path[path], key) for path in PATHS]) for key in ("value", "sd"))
     wanted = np.array([true[path] for path in PATHS])
-    return Recovered((fitted - wanted) / sd, (fitted - wanted) / wanted, found.kept, found.raised, found.converged)
+    return Recovered((fitted - wanted) / sd, (fitted - wanted) / wanted, found.raised, found.converged)
 
 
 def markdown() -> str:
@@ -112,7 +110,7 @@ def markdown() -> str:
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         for done, each in enumerate(pool.map(one, range(SEEDS)), start=1):
             found.append(each)
-            say(f"  {done} of {SEEDS}: {np.round(each.off, 1)} sd, {each.kept}")
+            say(f"  {done} of {SEEDS}: {np.round(each.off, 1)} sd")
     return table(f"Recovery: {SEEDS} recordings that the model has lived", _table(found), _says(perf_counter() - began))
 
 
@@ -120,7 +118,6 @@ def _table(found: Sequence[Recovered]) -> list[Row]:
     off = np.abs([each.off for each in found])
     share = np.array([each.share for each in found])
     within = {k: float((off < k).mean()) for k in (1, 2, 3)}
-    kept = Counter(each.kept for each in found)
     raised = [each.raised for each in found]
     rows = [
         Row("parameters within 3 sd of the truth", f"{within[3]:.1%}", within[3], 0.95, least=True),
@@ -132,7 +129,6 @@ def _table(found: Sequence[Recovered]) -> list[Row]:
         rows.append(Row(path, f"{text} {np.sqrt(np.mean(share[:, i] ** 2)):.2%}, mean {share[:, i].mean():+.2%}"))
     return [
         *rows,
-        *(Row(f"fits that kept the {name} parameters", str(count)) for name, count in kept.most_common()),
         Row("fits that converged", str(sum(each.converged for each in found))),
         Row("fits that raised the process noise", f"{sum(r > 1 for r in raised)}, at most {max(raised):.2f} times"),
     ]

@@ -22,9 +22,9 @@ def command(work: Workspace, out: Path) -> int:
     """Fit the free parameters of the model to all LOGs at once.
 
     So that the model alone follows the measurements (least squares, open loop), as near to the table value of each
-    parameter as they leave open; noise levels that are free then by likelihood. A truth file is never opened. Parameters
-    marked fixed in the model file stay, and so do those without a table value that these recordings cannot tell from
-    others. Ctrl-C ends the search; the best model so far is written, if there is one.
+    parameter as they leave open; noise levels that are free then by likelihood. A truth file is never opened. What is
+    fixed in the model file stays, and so does what has no table value and is like others in these recordings. Ctrl-C
+    ends the search; the best model so far is written, if there is one.
     """
     work.read()
     work.terminal.say_if_compiling("passes", "score", "ahead")

@@ -29,6 +29,7 @@ from estimator.record import Array
 from estimator.work import Runs
 
 AT_BOUND = 0.1  # sd
+ENOUGH = 1.1  # a factor that is sought to a tenth of its logarithm says no more than 1
 ALIKE = 0.95  # a correlation worth naming
 TELLING = 0.9  # of the prior's sd: a parameter known no better is the table's
 
@@ -110,8 +111,8 @@ def _outcome(model: Model, found: Likely, followed: Followed, trials: Trials, ru
 def _raised(model: Model, trials: Trials) -> tuple[Model, float]:
     """The model with its process noise raised to what ten blind minutes show, and the factor (1: it was enough)."""
     fixed = [path for path in noise_levels(model, trials)["process"] if model.values[path].fixed]
-    louder, factor = scaled(model, trials, fixed)
-    return (louder, factor) if factor > 1 else (model, 1.0)
+    louder, factor = scaled(model, trials, fixed, lowest=0.0)
+    return (louder, factor) if factor > ENOUGH else (model, 1.0)
 
 
 def _fitted(before: Model, after: Model, path: str, variance: float) -> Fitted:

@@ -105,8 +105,13 @@ def _measured(model: Model, trials: Trials, paths: Sequence[str], progress: Prog
     return found.with_values({path: model[path] for path in kept})
 
 
-def scaled(model: Model, trials: Trials, paths: Sequence[str], progress: Progress = silent) -> tuple[Model, float]:
-    """Levels scaled together to be most likely after ten blind minutes, and the factor; 1 where no run is so long."""
+def scaled(
+    model: Model, trials: Trials, paths: Sequence[str], progress: Progress = silent, lowest: float = -WIDEST
+) -> tuple[Model, float]:
+    """Levels scaled together to be most likely after ten blind minutes, and the factor; 1 where no run is so long.
+
+    lowest  logarithm of the least factor that is looked at
+    """
     if not paths or not any(len(blind(trial, model).error) for trial in trials):
         return model, 1.0
     count = 0
@@ -123,8 +128,8 @@ def scaled(model: Model, trials: Trials, paths: Sequence[str], progress: Progres
         progress(f"blind minutes, run {count}: log-likelihood {value:.1f}", count)
         return 0.5 * (log_factor / KNOWN) ** 2 - value
 
-    grid = np.arange(-WIDEST, WIDEST, STEP)
+    grid = np.arange(lowest, WIDEST, STEP)
     best = grid[np.argmin([unlikely(float(x)) for x in grid])]
-    near = max(best - STEP, -WIDEST), min(best + STEP, WIDEST)
+    near = max(best - STEP, lowest), min(best + STEP, WIDEST)
     found = minimize_scalar(unlikely, bounds=near, method="bounded", options={"xatol": CLOSE})
     return at(found.x), float(np.exp(found.x))
