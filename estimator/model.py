@@ -171,13 +171,17 @@ class Model:
 
         Not of the expansion coefficient, whose error is a state of the filter.
         """
-        sd = {path: value.sd for path, value in self.values.items() if value.sd and path != EXPANSION}
-        together = np.eye(len(sd))
+        paths = tuple(path for path, value in self.values.items() if value.sd and path != EXPANSION)
+        return Doubts(paths, self.covariance(paths))
+
+    def covariance(self, paths: Sequence[str]) -> Array:
+        """Of the errors of parameters that have an sd, (p, p)."""
+        sd, together = np.array([self.values[path].sd for path in paths], dtype=float), np.eye(len(paths))
         kept = self.about.get("covariance", UNKNOWN)
-        known = {path: k for k, path in enumerate(kept["paths"]) if path in sd}
-        at, of = [list(sd).index(path) for path in known], list(known.values())
+        known = {path: k for k, path in enumerate(kept["paths"]) if path in paths}
+        at, of = [paths.index(path) for path in known], list(known.values())
         together[np.ix_(at, at)] = np.asarray(kept["correlation"])[np.ix_(of, of)]
-        return Doubts(tuple(sd), together * np.outer(list(sd.values()), list(sd.values())))
+        return together * np.outer(sd, sd)
 
     def expansion_sd(self, rig: Rig) -> float:
         """How well the expansion coefficient is known, as a share of it: by a fit, else as the rig file says."""

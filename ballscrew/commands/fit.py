@@ -17,8 +17,9 @@ from estimator.rig_folder.model_toml import save_model
 
 @click.command("fit")
 @model_output()
+@click.option("--learned", is_flag=True, help="Go on from what the model's own fit found, not from table values.")
 @workspace_options
-def command(work: Workspace, out: Path) -> int:
+def command(work: Workspace, out: Path, learned: bool) -> int:
     """Fit the free parameters of the model to all LOGs at once.
 
     So that the model alone follows the measurements (least squares, open loop), as near to the table value of each
@@ -30,7 +31,7 @@ def command(work: Workspace, out: Path) -> int:
     work.terminal.say_if_compiling("passes", "score", "ahead")
     label = f"fitting {len(work.model.free())} parameters to {len(work.loaded)} recordings"
     with work.runs(label, None) as runs:
-        fitted = fit(work.model, runs)
+        fitted = fit(work.model, runs, learned)
     save_model(fitted.model, out)
     print_fit(work.terminal, fitted)
     print_use(work.terminal, fitted.uses, work.rig)

@@ -1,1 +1,1 @@
-"""Parameters and noise levels from recordings: fit, tune, open_loop_fit, untold, likelihood, noise."""
+"""Parameters and noise levels from recordings: fit, tune, open_loop_fit, prior, untold, likelihood, noise."""

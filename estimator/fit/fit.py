@@ -75,12 +75,15 @@ class Fit:
     uses: tuple[Use, ...]
 
 
-def fit(model: Model, runs: Runs) -> Fit:
-    """Fit all free parameters to all recordings; those that say nothing of any of them are an InputError."""
+def fit(model: Model, runs: Runs, learned: bool = False) -> Fit:
+    """Fit all free parameters to all recordings; those that say nothing of any of them are an InputError.
+
+    learned  whether what the model knows of its parameters, from recordings fitted before, is their prior
+    """
     paths = model.free()
     if not paths:
         raise SetupError(f"{model.name}: every parameter is fixed; nothing to fit")
-    followed = follow(model, runs, paths)
+    followed = follow(model, runs, paths, learned)
     if len(followed.left) == len(paths):
         named = ", ".join(followed.left)
         raise InputError(f"these recordings say nothing of {named}: free others, or record a longer drive")

@@ -23,10 +23,11 @@ from scipy.optimize import least_squares
 from estimator.batch.open_loop import measured, open_loop_misfit
 from estimator.batch.trials import slow_trials_of
 from estimator.fit.noise import is_level
+from estimator.fit.prior import prior_of
 from estimator.fit.untold import untold
 from estimator.model import Model
 from estimator.record import Array
-from estimator.sensitivity.objective import good, prior_roots, reading_slope, weights
+from estimator.sensitivity.objective import good, reading_slope, weights
 from estimator.work import Progress, Runs, silent
 
 LEAST = 0.25  # of `few`: no model is known better than from misfits half as large as a good one's
@@ -85,16 +86,16 @@ class Followed:
     runs: int = 0
 
 
-def follow(model: Model, runs: Runs, paths: Sequence[str]) -> Followed:
-    """The model with these parameters fitted open loop."""
+def follow(model: Model, runs: Runs, paths: Sequence[str], learned: bool = False) -> Followed:
+    """The model with these parameters fitted open loop; `learned`: what it knows of them is their prior, not tables."""
     objective = Objective(model, runs)
     levels = tuple(path for path in paths if is_level(path, model, objective.trials))
     mean = [path for path in paths if path not in levels]
-    left = _left(objective, model, mean)
+    left = _left(objective, model, mean, learned)
     told = tuple(path for path in mean if path not in left)
     if not told:
         return Followed(model, (), np.zeros((0, 0)), left, levels)
-    search = Search(objective, model, told, runs.progress)
+    search = Search(objective, model, told, runs.progress, learned)
     search.run()
     return Followed(search.model, told, search.covariance, left, levels, search.converged, search.stopped, search.runs)
 
@@ -102,14 +103,20 @@ def follow(model: Model, runs: Runs, paths: Sequence[str]) -> Followed:
 class Search:
     """The way down to the least misfit, priors included; `best` (p,) is the lowest place seen, in steps of `unit`."""
 
-    def __init__(self, objective: Objective, model: Model, paths: Sequence[str], progress: Progress = silent) -> None:
+    def __init__(
+        self,
+        objective: Objective,
+        model: Model,
+        paths: Sequence[str],
+        progress: Progress = silent,
+        learned: bool = False,
+    ) -> None:
         self._objective, self._model, self._paths, self._progress = objective, model, paths, progress
         params = [model.param(path) for path in paths]
         start = np.array([model[path] for path in paths])
         self._unit = np.array([size(value, p.lo, p.hi) for value, p in zip(start, params, strict=True)])
         self._bounds = np.array([p.lo for p in params]) / self._unit, np.array([p.hi for p in params]) / self._unit
-        self._root = prior_roots(params)
-        self._middle = np.array([p.value for p in params])
+        self._middle, self._root = prior_of(model, paths, learned)
         self.best, self._least = self._inside(start / self._unit), np.inf
         self.runs, self.converged, self.stopped = 0, False, False
 
@@ -121,7 +128,7 @@ class Search:
     @property
     def covariance(self) -> Array:
         """Of the parameters' errors at the best place, (p, p)."""
-        rows, prior = self._objective.slopes(self.model, self._paths), np.diag(self._root**2)
+        rows, prior = self._objective.slopes(self.model, self._paths), self._root.T @ self._root
         curvature, rest = rows.T @ rows, self._objective.misfit(self.model)
         bread = np.linalg.pinv(curvature + prior, hermitian=True)
         few = max(self._objective.mean_square(rest), LEAST)
@@ -164,7 +171,7 @@ class Search:
 
     def _residual(self, scaled: Array) -> Array:
         """All misfits, then how far each parameter is from its prior's middle."""
-        off = (scaled * self._unit - self._middle) * self._root
+        off = self._root @ (scaled * self._unit - self._middle)
         rest = np.append(self._objective.misfit(self._at(scaled)), off)
         if rest @ rest < self._least:
             self.best, self._least = scaled.copy(), float(rest @ rest)
@@ -172,7 +179,7 @@ class Search:
 
     def _slopes(self, scaled: Array) -> Array:
         rows = self._objective.slopes(self._at(scaled), self._paths)
-        return np.vstack([rows * self._unit, np.diag(self._root * self._unit)])
+        return np.vstack([rows, self._root]) * self._unit
 
 
 def size(value: float, lo: float, hi: float) -> float:
@@ -180,7 +187,7 @@ def size(value: float, lo: float, hi: float) -> float:
     return abs(value) if value else min(1.0, 0.1 * (hi - lo))
 
 
-def _left(objective: Objective, model: Model, paths: Sequence[str]) -> dict[str, str]:
+def _left(objective: Objective, model: Model, paths: Sequence[str], learned: bool) -> dict[str, str]:
     """Parameters to leave where they are: without influence, or without a prior and like others without one.
 
     Where a prior is, it decides what readings cannot.
@@ -188,5 +195,6 @@ def _left(objective: Objective, model: Model, paths: Sequence[str]) -> dict[str,
     if not paths:
         return {}
     slopes = objective.slopes(model, paths)
-    loose = [i for i, path in enumerate(paths) if not (model.param(path).sd and slopes[:, i].any())]
+    prior = prior_of(model, paths, learned)[1]
+    loose = [i for i in range(len(paths)) if not (prior[:, i].any() and slopes[:, i].any())]
     return untold(slopes[:, loose], [paths[i] for i in loose])

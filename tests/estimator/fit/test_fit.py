@@ -192,6 +192,19 @@ def test_noise_levels_are_fitted_beside_the_parameters_and_after_them(rig, full,
     assert max(values) > values[0]
 
 
+def test_a_fit_that_goes_on_knows_what_both_recordings_say(rig, full, drive, live, lived):
+    """Of two recordings one after the other as much as of both at once, as far as the model is linear."""
+    free = ("nut_friction.power", "anchor_friction.power", "nut_body.g")
+    again = live(full.with_values(TRUE), rig, drive, seed=6).recording
+    first = fit(only(full, *free), Runs(rig, [lived]))
+    after, both = fit(first.model, Runs(rig, [again]), learned=True), fit(only(full, *free), Runs(rig, [lived, again]))
+    alone = fit(first.model, Runs(rig, [again]))
+    for one, two, single in zip(after.parameters, both.parameters, alone.parameters, strict=True):
+        assert one.value == pytest.approx(two.value, abs=0.2 * two.sd), one.path
+        assert one.sd == pytest.approx(two.sd, rel=0.15), one.path
+        assert one.sd < 0.85 * single.sd, one.path
+
+
 def test_a_model_without_free_parameters_cannot_be_fitted(rig, full, lived):
     with pytest.raises(SetupError, match=r"^full: every parameter is fixed; nothing to fit$"):
         fit(only(full), Runs(rig, [lived]))
