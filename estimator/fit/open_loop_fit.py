@@ -73,7 +73,7 @@ class Followed:
 
     left       those left where they were: without influence ("") or like the one named with each
     levels     those that set a noise and move no prediction
-    converged  whether nothing lower is left nearby;  stopped: by Ctrl-C, at the best so far;  runs: how many it took
+    converged  whether nothing lower is left nearby;  stopped: by Ctrl-C;  runs: how many it took
     """
 
     model: Model
@@ -129,9 +129,9 @@ class Search:
     def covariance(self) -> Array:
         """Of the parameters' errors at the best place, (p, p)."""
         rows, prior = self._objective.slopes(self.model, self._paths), self._root.T @ self._root
-        curvature, rest = rows.T @ rows, self._objective.misfit(self.model)
+        curvature = rows.T @ rows
         bread = np.linalg.pinv(curvature + prior, hermitian=True)
-        few = max(self._objective.mean_square(rest), LEAST)
+        few = max(self._objective.mean_square(self._objective.misfit(self.model)), LEAST)
         return np.asarray(bread @ (few * curvature + prior) @ bread)
 
     def run(self) -> None:
