@@ -103,7 +103,7 @@ def test_one_effect_in_full():
     assert "q = P around the place `at`" in out
     assert CATALOGUE["local_heat"].trace in out
     power = next(line for line in out.splitlines() if line.strip().startswith("power"))
-    assert all(word in power for word in ("1.5", "W", "-50 ... 50", "0", "a chip pile"))
+    assert all(word in power for word in ("1.5", "W", "-500 ... 500", "0", "a chip pile"))
     assert "fixed" in next(line for line in out.splitlines() if line.strip().startswith("width"))
 
 
