@@ -60,7 +60,7 @@ class Filter:
         model = self.model - effect
         if self.run is not None:
             self.run = self.run.by(model)
-            self._doubt = self._doubt.by(self.run)
+            self._doubt: Doubt = self._doubt.by(self.run)
             self._transitions.clear()
         self.model = model
 
@@ -91,7 +91,8 @@ class Filter:
         fuse = compared.usable & ~muted & (fault == Fault.NONE)
         nis, gain = self._update(sample.channels - d, fuse, H, R)
         late_share = np.clip(sample.ages_s / self.rig.tick_s, 0.0, 1.0)[None]
-        course = Course(*map(np.stack, zip(before, alone.now, strict=True)), np.array([grown_um]), late_share)
+        z, spot, lagged = (np.stack(pair) for pair in zip(before, alone.now, strict=True))
+        course = Course(z, spot, lagged, np.array([grown_um]), late_share)
         doubt = self._doubt.advance(drive, ticks, course, gain[None])
         self.P = self._filterpy.P = run.state.judged(self.P, judged)
         estimates = Estimates.of_tick(

@@ -88,6 +88,7 @@ class Read:
     offset     what the reading shows beside the temperatures, in the channel's unit
     zero_sd    above 0: the reading's zero is unknown and becomes a state, with this sd at the start ...
     zero_walk  ... that wanders, in unit/sqrt(s)
+    gain_sd    sd of the share by which the channel shows too much of its rise since the start
     """
 
     channel: str
@@ -96,6 +97,7 @@ class Read:
     offset: Any = 0.0
     zero_sd: Any = 0.0
     zero_walk: Any = 0.0
+    gain_sd: Any = 0.0
 
 
 @dataclass(frozen=True, eq=False)

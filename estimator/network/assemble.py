@@ -77,7 +77,7 @@ class Network:
 
 @dataclass(frozen=True)
 class Readings:
-    """What the channels read: rows (m, n) of H, scatter sd (m,), lag tau (m,) s with its noise, the unknown zeros.
+    """What the channels read: rows (m, n) of H, scatter sd (m,), lag tau (m,) s with its noise, unknown zeros, gains.
 
     spans   (m,) how much of the elongation a channel reads: 1 for the displacement, 0 for thermometers
     growth  (n,) um/K of the measured span
@@ -89,6 +89,7 @@ class Readings:
     lag_noise: Array
     zero_sd: Array
     zero_walk: Array
+    gain_sd: Array
     spans: Array
     growth: Array
 
@@ -229,7 +230,7 @@ def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
     """H, scatter, lags and zeros of the channels; one that no effect reads has a row of zeros and sd inf."""
     m, dtype = len(rig.names), _dtype(terms)
     rows, known = np.zeros((m, place.size), dtype), np.zeros(m, dtype=bool)
-    variance, tau, lag_noise, zero_sd, zero_walk, spans = np.zeros((6, m), dtype)
+    variance, tau, lag_noise, zero_sd, zero_walk, gain_sd, spans = np.zeros((7, m), dtype)
     for term in terms:
         if isinstance(term, Read):
             i = rig.index(term.channel)
@@ -239,12 +240,13 @@ def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
             known[i] = True
             zero_sd[i] = np.sqrt(zero_sd[i] ** 2 + term.zero_sd**2)
             zero_walk[i] = np.sqrt(zero_walk[i] ** 2 + term.zero_walk**2)
+            gain_sd[i] = np.sqrt(gain_sd[i] ** 2 + term.gain_sd**2)
         elif isinstance(term, Lag):
             i = rig.index(term.channel)
             tau[i] += term.tau
             lag_noise[i] = np.sqrt(lag_noise[i] ** 2 + term.noise**2)
     sd = np.where(known, np.sqrt(variance), np.inf)
-    return Readings(rows, sd, tau, lag_noise, zero_sd, zero_walk, spans, span_growth(terms, rig, place))
+    return Readings(rows, sd, tau, lag_noise, zero_sd, zero_walk, gain_sd, spans, span_growth(terms, rig, place))
 
 
 def _row(node: str, weight: Any, terms: Sequence[Term], rig: Rig, place: Layout) -> Array:

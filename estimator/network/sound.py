@@ -50,6 +50,7 @@ NUMBERS: Mapping[type, Mapping[str, Number]] = {  # wide enough for any machine
         "offset": Number(TICKS, -1e6, 1e6, forced=True),
         "zero_sd": Number(ONE, 0.0, 1e6),
         "zero_walk": Number(ONE, 0.0, 1e6),
+        "gain_sd": Number(ONE, 0.0, 1.0),
     },
     Lag: {"tau": Number(ONE, 0.0, 1e6, "s"), "noise": Number(ONE, 0.0, 1e6)},
     Expand: {"error": Number(ONE, -0.9, 9.0)},

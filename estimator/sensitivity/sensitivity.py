@@ -55,7 +55,7 @@ def columns(trial: Trial, posed: Posed, model: Model, paths: Sequence[str]) -> t
 def _column(trial: Trial, posed: Posed, moved: Tangent, x: Array) -> tuple[Array, Array, Array]:
     system, at = posed.system, posed.state.temperatures
     nominal = nominal_column(trial, posed, moved)
-    readings = moved.readings or ReadingsTangent.none(*posed.run.readings.rows.shape, posed.state.size)
+    readings = moved.readings or _none(posed)
     B = nominal.b + _by_regime(nominal.F, system.regime, x[:-1, at])
     predicted = system.b + x[:-1]
     predicted[:, at] += _by_regime(system.F, system.regime, x[:-1, at]) - x[:-1, at]
@@ -87,7 +87,7 @@ def nominal_column(trial: Trial, posed: Posed, moved: Tangent) -> NominalColumn:
         none = np.zeros_like(posed.heat)
         return NominalColumn(none, np.zeros_like(system.F), moved.offset, moved.offset, np.zeros(len(none)))
     b, F = _states(trial, posed, moved)
-    readings = moved.readings or ReadingsTangent.none(*posed.run.readings.rows.shape, posed.state.size)
+    readings = moved.readings or _none(posed)
     z0 = readings.x0[posed.state.temperatures]
     z = np.vstack([z0, coast(system.F, system.regime, b + _by_regime(F, system.regime, run.z[:-1]), z0)])
     spot = z @ run.readings.rows.T + run.z @ readings.rows.T
@@ -124,3 +124,9 @@ def _by_regime(F: Array, regime: Array, x: Array) -> Array:
     for r in np.unique(regime):
         out[regime == r] = x[regime == r] @ F[r].T
     return out
+
+
+def _none(posed: Posed) -> ReadingsTangent:
+    """Readings that do not move."""
+    channels, n = posed.run.readings.rows.shape
+    return ReadingsTangent.none(channels, n, posed.state.size)

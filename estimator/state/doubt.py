@@ -6,6 +6,8 @@ run and, as the filter follows the readings,
     Z <- F Z + dF z + d(J w)             how the open-loop run moves with each parameter
     S <- F S - K (H F S + D)             what the filter lacks of the rest, D: how the readings move
 
+The gains of the thermometers, each its own, are parameters as well: D is what the channel has risen.
+
 so that the true temperatures differ from the estimate by (S + Z) d beside the filter's own P, and the elongation alike.
 Estimates do not change by it: their uncertainty does.
 """
@@ -17,6 +19,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from estimator.network.forcing import Drive, Ticks
 from estimator.record import Array
@@ -63,12 +66,14 @@ class Doubt:
         doubts = run.forcing.model.doubts
         self._run, self._start = run, run.x[run.state.temperatures]
         self._moved = [Moved(run.forcing, path) for path in doubts.paths]
-        self._paths, self._root = doubts.paths, root(doubts.covariance)
+        gain_sd = run.forcing.readings.gain_sd
+        self._gains = np.flatnonzero(gain_sd)
+        self._paths, self._root = doubts.paths, block_diag(root(doubts.covariance), np.diag(gain_sd[self._gains]))
         first = np.zeros(len(run.offset))
         m, n, size = len(first), run.state.n, run.state.size
         found = [moved.readings(run, run.offset, first) or ReadingsTangent.none(m, n, size) for moved in self._moved]
         self._rows, self._growth, self._keep, self._ramp, x0 = (
-            stacked([getattr(each, key) for each in found], shape)
+            stacked([getattr(each, key) for each in found], shape, len(self._gains))
             for key, shape in (("rows", (m, n)), ("growth", (n,)), ("keep", (m,)), ("ramp", (m,)), ("x0", (size,)))
         )
         self._zeros = np.array([run.state.channel_zeros(column) for column in x0.T]).reshape(-1, m).T
@@ -81,6 +86,7 @@ class Doubt:
         """The same of the run by another model, of the parameters that it has too."""
         other = Doubt(run)
         at = [self._paths.index(path) for path in other._paths]
+        at += range(len(self._paths), len(self._root))
         for key in ("_Z", "_Z0", "_spot", "_lagged", "_S"):
             setattr(other, key, getattr(self, key)[:, at])
         return other
@@ -112,8 +118,10 @@ class Doubt:
 
     def _pushes(self, drive: Drive, ticks: Ticks, course: Course) -> tuple[Array, Array, Array, Array]:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
-        K, p = len(ticks.regime), len(self._moved)
+        K, p = len(ticks.regime), len(self._root)
         B, offset = np.zeros((K, self._run.state.n, p)), np.zeros((K, len(self._zeros), p))
+        rise = course.lagged[1:] - self._run.forcing.readings.rows @ self._start
+        offset[:, self._gains, len(self._moved) + np.arange(len(self._gains))] = rise[:, self._gains]
         for i, moved in enumerate(self._moved):
             own = moved.ticks(drive)
             offset[:, :, i] = own.offset
@@ -122,7 +130,7 @@ class Doubt:
                 of, forcing = self._of_regime(r)[i], self._run.forcing
                 heat = own.heat[at] + ticks.outside[at] @ of.inflow.T + own.outside[at] @ forcing.inflow(r).T
                 B[at, :, i] = heat @ forcing.transition(r).J.T
-                if of.F is not None:
+                if of.F is not None and of.J is not None:
                     B[at, :, i] += course.z[:-1][at] @ of.F.T + ticks.heat[at] @ of.J.T
         own_spot = np.einsum("kn,mnp->kmp", course.z[1:], self._rows)
         pushed = (course.lagged - course.spot)[:-1, :, None] * self._keep
@@ -152,9 +160,9 @@ def regime_slopes(moved: Moved, run: Run, regime: int) -> RegimeSlopes:
     return RegimeSlopes(F, J, network.inflow[0])
 
 
-def stacked(columns: Sequence[Array], shape: tuple[int, ...]) -> Array:
-    """Derivatives by each parameter side by side, (*shape, p)."""
-    return np.stack(columns, axis=-1) if columns else np.zeros((*shape, 0))
+def stacked(columns: Sequence[Array], shape: tuple[int, ...], more: int) -> Array:
+    """Derivatives by each parameter side by side, then some that are zero, (*shape, p)."""
+    return np.stack([*columns, *[np.zeros(shape)] * more], axis=-1) if columns or more else np.zeros((*shape, 0))
 
 
 def root(covariance: Array) -> Array:

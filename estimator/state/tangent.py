@@ -13,7 +13,7 @@ import numpy as np
 
 from estimator.inputs.inputs import nothing
 from estimator.network import assemble
-from estimator.network.assemble import Network, Readings
+from estimator.network.assemble import Network
 from estimator.network.forcing import Drive, Forcing
 from estimator.record import Array
 from estimator.state.open_loop import lag_filter
