@@ -84,7 +84,6 @@ def study(case: Case) -> dict[str, Any]:
         "fit_s": fit_s,
         "tune_s": tune_s,
         "converged": found.converged,
-        "kept": found.kept,
         "raised": found.raised,
         "noise": found.raised * tuned.factor,
         "parameters": against(found, true_parameters(own)),

@@ -163,7 +163,7 @@ def _each(found: dict[int, Found], situations: Sequence[str]) -> str:
     for number, one in found.items():
         cells = [f"{band(one, s):.2f}; {np.mean(_all([one], s, 'in_2sd')):.0%}" for s in situations]
         cells += [f"{max(_all([one], FIRST, 'cooldown_um')):.2f}", f"{one['noise']:.2f}"]
-        ended = f"{one['fit_s']:.0f}, {one['kept']}{'' if one['converged'] else ', not converged'}"
+        ended = f"{one['fit_s']:.0f}{'' if one['converged'] else ', not converged'}"
         rows.append([str(number), ", ".join(one["laws"]), *cells, ended])
     return section("Machine by machine", rows, level=3)
 

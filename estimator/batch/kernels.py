@@ -31,6 +31,7 @@ import numpy as np
 from numba import njit
 
 from estimator.record import Array
+from estimator.state import doubt
 
 LOG_2PI = float(np.log(2.0 * np.pi))
 VECTOR = 8  # numbers that the processor works on at once: rows of P are filled up to whole vectors
@@ -534,3 +535,14 @@ def coast(F: Array, regime: Array, b: Array, start: Array) -> Array:
     """x (T, n): x[t] = F[regime[t]] x[t - 1] + b[t] from `start` (n,) on; F (R, n, n), regime (T,), b (T, n)."""
     F, b, start = (np.require(each, np.float64, ["C", "W"]) for each in (F, b, start))
     return _coast(F, np.require(regime, np.int64, ["C", "W"]), b, start)
+
+
+_carried = kernel(doubt.carried)
+
+
+def carried(*arrays: Array) -> doubt.Carried:
+    """What `doubt.carried` does, compiled."""
+    regime = 1
+    kinds = [np.int64 if k == regime else np.float64 for k in range(len(arrays))]
+    done: doubt.Carried = _carried(*(np.require(a, kind, ["C", "W"]) for a, kind in zip(arrays, kinds, strict=True)))
+    return done

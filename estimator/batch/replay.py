@@ -12,6 +12,7 @@ import numpy as np
 
 from estimator.batch import batch
 from estimator.batch.judged import Judged
+from estimator.batch.kernels import carried
 from estimator.batch.system import Chunk
 from estimator.batch.trial import Posed, Trial
 from estimator.model import Model
@@ -77,7 +78,7 @@ class Replay:
         trial = Trial(self._model, self._rig, self._recording, self._mute, gated=False, since=at)
         posed = self._posed = trial.pose(self._model)
         self._jumped, self._doubt_um2 = np.zeros_like(trial.rest.channels), []
-        doubt = Doubt(replace(trial.run, forcing=posed.forcing))
+        doubt = Doubt(replace(trial.run, forcing=posed.forcing), carried)
         for part in trial.filtered(posed):
             judgement, ticks = part.judgement, part.chunk.ticks
             for rows, estimates in _estimates(trial, posed, part, doubt):

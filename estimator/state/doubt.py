@@ -14,7 +14,7 @@ Estimates do not change by it: their uncertainty does.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -27,6 +27,7 @@ from estimator.state.open_loop import lag_filter
 from estimator.state.run import Run
 from estimator.state.tangent import Moved, ReadingsTangent
 
+Carried = tuple[Array, Array, Array, Array]
 REMEMBERED = 64  # regimes whose derivatives are kept
 
 
@@ -59,10 +60,38 @@ class Doubtful:
         return cls(np.zeros((K, size, 0)), np.zeros((K, 0)))
 
 
-class Doubt:
-    """Carries the sensitivities of one run to its model's doubtful parameters, in order of time."""
+def carried(
+    F: Array, regime: Array, B: Array, own: Array, pushed: Array, offset: Array, late_share: Array,
+    keep: Array, ramp: Array, rows: Array, H: Array, gain: Array, Z: Array, spot: Array, lagged: Array, S: Array,
+) -> Carried:  # fmt: skip
+    """Z (K, n, p) and S (K, size, p) after each of K ticks; spots and lagged readings (m, p) after the last.
 
-    def __init__(self, run: Run, keep: int = REMEMBERED) -> None:
+    Written so that it can be compiled: F (R, n, n), what moves states B (K, n, p), spots, lagged readings and readings
+    by itself (K, m, p), H (K, m, size), gain (K, size, m); Z, spot, lagged and S before the first tick
+    """
+    K, n = B.shape[:2]
+    Zs, Ss = np.empty(B.shape), np.empty((K, *S.shape))
+    for k in range(K):
+        Z = F[regime[k]] @ Z + B[k]
+        now = rows @ Z + own[k]
+        late = (spot - now) * late_share[k].reshape(-1, 1)
+        lagged = (keep * lagged.T + (1.0 - keep - ramp) * spot.T + ramp * now.T).T + pushed[k]
+        spot = now
+        S = S.copy()
+        S[:n] = F[regime[k]] @ S[:n]
+        S -= gain[k] @ (H[k] @ S + offset[k] + lagged + late)
+        Zs[k], Ss[k] = Z, S
+    return Zs, Ss, spot, lagged
+
+
+class Doubt:
+    """Carries the sensitivities of one run to its model's doubtful parameters, in order of time.
+
+    carry  what does it tick by tick: `carried`, or that compiled
+    """
+
+    def __init__(self, run: Run, carry: Callable[..., Carried] | None = None) -> None:
+        self._carry = carry or carried
         doubts = run.forcing.model.doubts
         self._run, self._start = run, run.x[run.state.temperatures]
         self._moved = [Moved(run.forcing, path) for path in doubts.paths]
@@ -77,10 +106,10 @@ class Doubt:
             for key, shape in (("rows", (m, n)), ("growth", (n,)), ("keep", (m,)), ("ramp", (m,)), ("x0", (size,)))
         )
         self._zeros = np.array([run.state.channel_zeros(column) for column in x0.T]).reshape(-1, m).T
-        self._Z = self._Z0 = x0[run.state.temperatures]
+        self._Z = self._Z0 = np.ascontiguousarray(x0[run.state.temperatures])
         self._spot = np.einsum("mn,np->mp", run.forcing.readings.rows, self._Z) + self._start @ self._rows
         self._lagged, self._S = self._spot, np.zeros_like(x0)
-        self._of_regime = lru_cache(maxsize=keep)(self._regime_slopes)
+        self._of_regime = lru_cache(maxsize=REMEMBERED)(self._regime_slopes)
 
     def by(self, run: Run) -> Doubt:
         """The same of the run by another model, of the parameters that it has too."""
@@ -95,26 +124,21 @@ class Doubt:
         """Over the next K ticks, which the filter has updated with `gain` (K, size, m), 0 where nothing was fused."""
         B, offset, own, pushed = self._pushes(drive, ticks, course)
         state, forcing = self._run.state, self._run.forcing
-        keep, ramp = (each[:, None] for each in lag_filter(forcing.readings.tau, forcing.rig.tick_s))
-        states = np.empty((len(B), *self._S.shape))
-        growth = np.empty((len(B), B.shape[2]))
-        at = state.temperatures
-        for k, regime in enumerate(ticks.regime.tolist()):
-            F, before = forcing.transition(regime).F, self._spot
-            self._Z = F @ self._Z + B[k]
-            self._spot = forcing.readings.rows @ self._Z + own[k]
-            self._lagged = keep * self._lagged + (1.0 - keep - ramp) * before + ramp * self._spot + pushed[k]
-            late = (before - self._spot) * course.late_share[k][:, None]
-            S = self._S.copy()
-            S[at] = F @ S[at]
-            H = state.rows(float(course.grown_um[k]))
-            S -= gain[k] @ (H @ S + self._zeros + offset[k] + self._lagged + late)
-            self._S = S
-            states[k] = S
-            growth[k] = state.elongation(float(course.grown_um[k])) @ S + state.growth @ (self._Z - self._Z0)
-            states[k, at] += self._Z
-        growth += (course.z[1:] - self._start) @ self._growth
-        return Doubtful(states @ self._root, growth @ self._root)
+        met, regime = np.unique(ticks.regime, return_inverse=True)
+        F = np.array([forcing.transition(r).F for r in met.tolist()])
+        rows, grown = np.ascontiguousarray(forcing.readings.rows), course.grown_um
+        H = np.array([state.rows(float(um)) for um in grown])
+        lags = lag_filter(forcing.readings.tau, forcing.rig.tick_s)
+        offset += self._zeros
+        Z, S, self._spot, self._lagged = self._carry(
+            F, regime, B, own, pushed, offset, course.late_share, *lags, rows, H, gain,
+            self._Z, self._spot, self._lagged, self._S,
+        )  # fmt: skip
+        self._Z, self._S = Z[-1].copy(), S[-1].copy()
+        growth = np.einsum("ks,ksp->kp", state.elongation(grown), S)
+        growth += np.einsum("n,knp->kp", state.growth, Z - self._Z0) + (course.z[1:] - self._start) @ self._growth
+        S[:, state.temperatures] += Z
+        return Doubtful(S @ self._root, growth @ self._root)
 
     def _pushes(self, drive: Drive, ticks: Ticks, course: Course) -> tuple[Array, Array, Array, Array]:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
