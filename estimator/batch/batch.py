@@ -33,7 +33,7 @@ def is_cold(*functions: Callable[..., Any]) -> bool:
     forward = kernels.forward
     needs: dict[Callable[..., Any], tuple[Any, ...]] = {
         loglike: (forward,),
-        passes: (kernels.compare, kernels._carried),
+        passes: (kernels.compare,),
         smoothed: (forward, kernels.smooth),
         score: (forward, kernels.score),
         gram: (kernels.columns,),

@@ -122,6 +122,8 @@ class Doubt:
 
     def advance(self, drive: Drive, ticks: Ticks, course: Course, gain: Array) -> Doubtful:
         """Over the next K ticks, which the filter has updated with `gain` (K, size, m), 0 where nothing was fused."""
+        if not len(self._root):
+            return Doubtful.none(len(gain), len(self._S))
         B, offset, own, pushed = self._pushes(drive, ticks, course)
         state, forcing = self._run.state, self._run.forcing
         met, regime = np.unique(ticks.regime, return_inverse=True)

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from estimator.batch.replay import Replay
+from estimator.batch.replay import Replay, replay
 from estimator.filter import Filter
+from estimator.model import Value
 from tests.conftest import stepped
 
 
@@ -32,8 +33,10 @@ def outcomes(small, model, driven, live, seeds: int, seconds: int):
 
 @pytest.fixture(scope="module")
 def exact(small_model):
-    """The small model without lag: then the filter's model of its own thermometers is exact."""
-    return small_model.with_values({"thermometers.tau": 0.0, "conduction.noise": 8.0, "displacement.zero_sd": 20.0})
+    """The small model without lag and with equal gains: then the filter's model of its own thermometers is exact."""
+    return small_model.with_values(
+        {"thermometers.gain_sd": 0.0, "thermometers.tau": 0.0, "conduction.noise": 8.0, "displacement.zero_sd": 20.0}
+    )
 
 
 def judge(errors, nis: float, count: int, coverage: tuple[float, float]) -> None:
@@ -42,6 +45,9 @@ def judge(errors, nis: float, count: int, coverage: tuple[float, float]) -> None
     assert errors.std() == pytest.approx(1, abs=0.1)
     lo, hi = chi2.ppf([0.001, 0.999], count)
     assert lo <= nis <= hi
+
+
+OFF = {"nut_friction.power": 0.05, "nut_body.capacity": 0.2, "still_air.h": 0.2, "displacement.probe": 0.5}
 
 
 def known_to(rig, tolerance: float):
@@ -61,6 +67,26 @@ def test_after_the_fact_too_it_is_inside_two_sigma_as_often_as_it_should(small, 
         lived = live(exact, rig, drive, seed, process=True)
         smoothed = Replay(exact, rig, lived.recording, None, lambda _: None).smoothed()
         errors.append((smoothed.elongation_um - lived.elongation_um)[20:80:20] / smoothed.sigma_um[20:80:20])
+    assert 0.90 <= (abs(np.array(errors)) <= 2).mean() <= 0.99
+    assert np.std(errors) == pytest.approx(1, abs=0.15)
+
+
+def test_with_parameters_and_gains_that_are_off_it_is_inside_two_sigma_as_often_as_it_should(
+    small, exact, driven, live
+):
+    """Each run of another rig: parameters off by as much as the model says of them, thermometers by their gains."""
+    rig, drive, errors = known_to(small, 0.01), driven(small, 300, (10, 200), stroke=(0.0, 100.0)), []
+    doubtful = exact.with_values({path: Value(exact[path], share * exact[path]) for path, share in OFF.items()})
+    doubtful = doubtful.with_values({"thermometers.gain_sd": 0.004})
+    for seed in range(60):
+        dice = np.random.default_rng([seed, 1])
+        own = exact.with_values({path: exact[path] * (1 + share * dice.normal()) for path, share in OFF.items()})
+        made = live(own, rig, drive, seed, process=True, expansion=0.01 * dice.normal())
+        channels, gain = made.recording.channels, np.append(0.004 * dice.standard_normal(4), 0.0)
+        recording = replace(made.recording, channels=channels + gain * (channels - channels[0]))
+        track = replay(doubtful, rig, recording)
+        at = [60, 150, 205, 299]
+        errors.append((track.elongation_um - made.elongation_um)[at] / track.sigma_um[at])
     assert 0.90 <= (abs(np.array(errors)) <= 2).mean() <= 0.99
     assert np.std(errors) == pytest.approx(1, abs=0.15)
 

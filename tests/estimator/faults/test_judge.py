@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from estimator.batch.replay import replay
 from estimator.batch.trial import Trial
 from estimator.faults.fault import Fault
-from estimator.faults.neighbours import Neighbours
+from estimator.faults.neighbours import FEWEST, Neighbours
 from estimator.filter import Filter
 from tests.conftest import stepped
 
@@ -122,7 +122,7 @@ def test_the_one_outlier_is_the_one_that_is_off_by_most_sd(read, wrong, size):
     """Whatever the others have in common, and whichever of them are read."""
     x = np.arange(15) * 62.0
     at = np.flatnonzero(np.array(read) | (np.arange(15) == wrong))
-    if abs(size) < 0.5 or len(at) < 4:
+    if abs(size) < 0.5 or len(at) < FEWEST:
         return
     change = 3.0 + 0.001 * x
     change[wrong] += size
