@@ -110,7 +110,7 @@ def scaled(
 ) -> tuple[Model, float]:
     """Levels scaled together to be most likely after ten blind minutes, and the factor; 1 where no run is so long.
 
-    lowest  logarithm of the least factor that is looked at
+    lowest  logarithm of the least factor that is looked at; from 0 on it stays where two looks upwards gain nothing
     """
     if not paths or not any(len(blind(trial, model).error) for trial in trials):
         return model, 1.0
@@ -128,6 +128,9 @@ def scaled(
         progress(f"blind minutes, run {count}: log-likelihood {value:.1f}", count)
         return 0.5 * (log_factor / KNOWN) ** 2 - value
 
+    few = [unlikely(look) for look in (0.0, STEP, 4.0 * STEP)] if lowest == 0.0 else []
+    if few and few[0] < min(few[1:]):
+        return model, 1.0
     grid = np.arange(lowest, WIDEST, STEP)
     best = grid[np.argmin([unlikely(float(x)) for x in grid])]
     near = max(best - STEP, lowest), min(best + STEP, WIDEST)
