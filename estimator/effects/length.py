@@ -40,7 +40,7 @@ class ExpansionError(Effect):
     """
 
     trace = "The elongation alone, in proportion to itself; the temperatures are right."
-    error = Param(0.0, "1", lo=-0.2, hi=0.2, null=0.0, sd=0.02, source="11.2 - 12.3e-6 1/K for SCM420")
+    error = Param(0.0, "1", lo=-0.2, hi=0.2, null=0.0, sd=0.03, source="11.2 - 12.3e-6 1/K for SCM420")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         yield Expand(p.error)

@@ -49,8 +49,8 @@ class Tangent:
 
 
 def tangent(trial: Trial, posed: Posed, model: Model, path: str) -> Tangent:
-    """Derivatives along parameter "effect.param"."""
-    moved = Moved(posed.forcing, path)
+    """Derivatives along parameter "effect.param" of a model, which differs from the one posed in values at most."""
+    moved = Moved(posed.forcing, model, path)
     ticks = moved.ticks(trial.drive)
     readings = moved.readings(trial.run, posed.offset[0], ticks.offset[0])
     return Tangent(moved.network(), ticks.heat[1:], ticks.outside[1:], ticks.offset[1:], readings)

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -94,7 +93,7 @@ class Doubt:
         self._carry = carry or carried
         doubts = run.forcing.model.doubts
         self._run, self._start = run, run.x[run.state.temperatures]
-        self._moved = [Moved(run.forcing, path) for path in doubts.paths]
+        self._moved = [Moved(run.forcing, run.forcing.model, path) for path in doubts.paths]
         gain_sd = run.forcing.readings.gain_sd
         self._gains = np.flatnonzero(gain_sd)
         self._paths, self._root = doubts.paths, block_diag(root(doubts.covariance), np.diag(gain_sd[self._gains]))
@@ -109,7 +108,7 @@ class Doubt:
         self._Z = self._Z0 = np.ascontiguousarray(x0[run.state.temperatures])
         self._spot = np.einsum("mn,np->mp", run.forcing.readings.rows, self._Z) + self._start @ self._rows
         self._lagged, self._S = self._spot, np.zeros_like(x0)
-        self._of_regime = lru_cache(maxsize=REMEMBERED)(self._regime_slopes)
+        self._slopes: dict[int, list[RegimeSlopes]] = {}
 
     def by(self, run: Run) -> Doubt:
         """The same of the run by another model, of the parameters that it has too."""
@@ -153,7 +152,7 @@ class Doubt:
             offset[:, :, i] = own.offset
             for r in np.unique(ticks.regime).tolist():
                 at = ticks.regime == r
-                of, forcing = self._of_regime(r)[i], self._run.forcing
+                of, forcing = self._regime_slopes(r)[i], self._run.forcing
                 heat = own.heat[at] + ticks.outside[at] @ of.inflow.T + own.outside[at] @ forcing.inflow(r).T
                 B[at, :, i] = heat @ forcing.transition(r).J.T
                 if of.F is not None and of.J is not None:
@@ -165,7 +164,11 @@ class Doubt:
 
     def _regime_slopes(self, regime: int) -> list[RegimeSlopes]:
         """How one regime's tick moves with each parameter."""
-        return [regime_slopes(moved, self._run, regime) for moved in self._moved]
+        if regime not in self._slopes:
+            if len(self._slopes) >= REMEMBERED:
+                self._slopes.clear()
+            self._slopes[regime] = [regime_slopes(moved, self._run, regime) for moved in self._moved]
+        return self._slopes[regime]
 
 
 @dataclass(frozen=True)

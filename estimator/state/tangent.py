@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.inputs.inputs import nothing
+from estimator.model import Model
 from estimator.network import assemble
 from estimator.network.assemble import Network
 from estimator.network.forcing import Drive, Forcing
@@ -55,10 +56,9 @@ class TicksTangent:
 
 
 class Moved:
-    """A model that is forced by some inputs, with one parameter "effect.param" moved."""
+    """A model, forced as another of the same structure, with one parameter "effect.param" moved."""
 
-    def __init__(self, forcing: Forcing, path: str) -> None:
-        model = forcing.model
+    def __init__(self, forcing: Forcing, model: Model, path: str) -> None:
         self._forcing, self._model = forcing, model.with_values({path: model[path] + 1j * STEP})
         self._effects = model.moved_by(path.partition(".")[0])
 

@@ -22,7 +22,7 @@ from estimator.missing_effect.stand_ins import UnknownHeat
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.wrong_input import corrected, mislabel
-from estimator.model import Model
+from estimator.model import Model, Prior
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
 from estimator.work import Runs
@@ -46,10 +46,13 @@ def bar(small: Rig) -> Rig:
 
 @pytest.fixture(scope="module")
 def plain(small_model: Model) -> Model:
-    """What is known of the bar."""
-    return small_model.with_values(
+    """What is known of the bar: table values that are right for it, as well known as the catalogue says."""
+    model = small_model.with_values(
         {"nut_friction.power": 20.0, "nut_friction.power_nut": 10.0, "thermometers.board": 0.0}
     )
+    known = {path: value for path, value in model.values.items() if model.param(path).sd}
+    priors = {path: Prior(value.value, model.param(path).sd) for path, value in known.items()}
+    return model.with_values({path: replace(value, prior=priors[path]) for path, value in known.items()})
 
 
 @pytest.fixture(scope="module")
@@ -107,26 +110,34 @@ def panel(plain, bar, lives) -> Panel:
     return Panel(columns, moments(slow_trials_of(wide, Runs(bar, runs)), wide, columns))
 
 
+def prior_of(panel: Panel) -> np.ndarray:
+    """1 / sd^2 of each parameter; all are at their table values, or have none."""
+    sds = [column.model.param(column.path).sd for column in panel.columns]
+    return np.array([1.0 / sd**2 if sd else 0.0 for sd in sds])
+
+
 def test_left_out_misfit_is_what_the_others_predict(panel):
-    """Against least squares and products written out."""
+    """Against least squares, priors and products written out."""
     chosen = [0, 1, 2]
+    prior = prior_of(panel)[chosen]
     weighted = [m.weighted for m in panel.found]
     rests = []
     for out in range(len(weighted)):
         sums = sum(w for i, w in enumerate(weighted) if i != out)
-        change = np.linalg.solve(sums[np.ix_(chosen, chosen)], sums[chosen, -1])
+        change = np.linalg.solve(sums[np.ix_(chosen, chosen)] + np.diag(prior), sums[chosen, -1])
         d = np.append(-change, 1.0)
         at = [*chosen, -1]
         rests.append(d @ weighted[out][np.ix_(at, at)] @ d)
     judged = panel.judge(chosen)
-    assert judged.misfit == pytest.approx(sum(rests) / sum(m.weight for m in panel.found), rel=1e-5)
+    unlikely = judged.change**2 @ prior
+    assert judged.misfit == pytest.approx((sum(rests) + unlikely) / sum(m.weight for m in panel.found), rel=1e-5)
     assert judged.runs.sum() == pytest.approx(
         sum(r / m.weight for r, m in zip(rests, panel.found, strict=True)), rel=1e-5
     )
 
 
 def test_gains_are_what_a_fit_takes_off(panel):
-    whole = sum(m.weighted for m in panel.found)
+    whole, prior = sum(m.weighted for m in panel.found), prior_of(panel)
     for beside in ([], [0, 1]):
         gains = panel.gains(beside)
         for k in (2, 3):
@@ -134,7 +145,7 @@ def test_gains_are_what_a_fit_takes_off(panel):
             for chosen in (beside, [*beside, k]):
                 change = panel.judge(chosen).change
                 d, at = np.append(-change, 1.0), [*chosen, -1]
-                solved[len(chosen)] = d @ whole[np.ix_(at, at)] @ d
+                solved[len(chosen)] = d @ whole[np.ix_(at, at)] @ d + change**2 @ prior[chosen]
             taken = solved[len(beside)] - solved[len(beside) + 1]
             assert gains[k] == pytest.approx(taken, rel=1e-4, abs=1e-6)
 
@@ -187,6 +198,8 @@ def test_nothing_planted_is_nothing_missing(plain, bar, lives):
 
 
 def test_radiation_and_still_air_are_a_tie(plain, bar, lives):
+    """Where nobody knows the still air: a table value that it would be far from decides for radiation."""
+    plain = plain.with_values({"still_air.h": replace(plain.values["still_air.h"], prior=Prior(8.0, 50.0))})
     found = search(plain, bar, lives(with_effect(plain, "radiation", emissivity=0.8)))
     assert found.verdict == "tie"
     assert set(found.tie) == {"radiation", "still_air"}
