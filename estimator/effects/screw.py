@@ -23,7 +23,7 @@ class Conduction(Effect):
     """
 
     trace = "Peaks too sharp or too flat."
-    scale = Param(1.0, "1", lo=0.5, hi=2.0, sd=0.04, source="SCM420: 42 - 50 W/(m K)")
+    scale = Param(1.0, "1", lo=0.5, hi=2.0, sd=0.04, fixed=True, source="SCM420: 42 - 50 W/(m K)")
     noise = Param(1.2, "W/sqrt(Hz m)", lo=0.01, hi=100.0, fixed=True, source="by coverage on simulated runs")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
