@@ -77,7 +77,8 @@ class Search:
         progress("looking for a wrong input", 0.75)
         wrong = self._wrong(best)
         progress("looking for something unknown", 0.85)
-        unexplained = self._unexplained(min(self.before.misfit, best))
+        rivals = [self.before.misfit, best, *([wrong.judged.misfit] if wrong else [])]
+        unexplained = self._unexplained(min(rivals))
         return self._verdict(fitted, pair, wrong, unexplained, found)
 
     def _fitted(self, found: Screening) -> list[Hypothesis]:
@@ -129,7 +130,7 @@ class Search:
         return least if least.judged.misfit < min(MATERIAL * self.before.misfit, best / ALIKE) else None
 
     def _unexplained(self, best: float) -> Screened | None:
-        """What explains clearly more than the best effects, and is in no catalogue."""
+        """What explains clearly more than the best effects or a wrong input, and is in no catalogue."""
         if best <= GOOD:
             return None
         wide, unknown = candidates(self.model, self.runs.rig, [UnknownHeat, UnknownBodyHeat, UnknownReading])
@@ -149,6 +150,7 @@ class Search:
         if two and not set(two) & {fitted[0].names[0]}:
             fitted = sorted(fitted, key=lambda h: h.names[0] not in two)
         found: list[Hypothesis] = []
+        wrong = None if unexplained is not None else wrong  # it leaves clearly more
         far = self._far(wrong.judged.error if wrong else self.before.judged.error)
         if wrong is not None:
             verdict = "input_error"
