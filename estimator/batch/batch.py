@@ -1,4 +1,4 @@
-"""A whole recording at once: likelihood, smoother, derivatives, and effects taken through the filter as columns.
+"""A whole recording at once: likelihood, smoother, and derivatives.
 
     predict   x <- F x + b         P <- F P F' + Q
     compare   e = y - H x          S = H P H' + R
@@ -25,8 +25,6 @@ from estimator.record import Array
 BUDGET = 250_000_000  # bytes for what is kept of each tick until the way back
 NEAR = 2_000_000  # bytes that stay close to the processor, for what is used up at once
 
-Columns = Callable[[slice], tuple[Array, Array]]
-
 
 def is_cold(*functions: Callable[..., Any]) -> bool:
     """Whether any of these functions of this module, or of all, is still to be compiled: some seconds each, once."""
@@ -36,7 +34,6 @@ def is_cold(*functions: Callable[..., Any]) -> bool:
         passes: (kernels.compare,),
         smoothed: (forward, kernels.smooth),
         score: (forward, kernels.score),
-        gram: (kernels.columns,),
         ahead: (kernels.compare, kernels._coast),
     }
     return not all(_is_compiled(kernel) for function in functions or needs for kernel in needs[function])
@@ -98,27 +95,6 @@ def score(system: System, rows: Array | None = None) -> Score:
         total += value
     H[~wanted] = 0.0
     return Score(total, F, 0.5 * Q, b, y, R, H, grown, r, 0.5 * (np.outer(r, r) - N))
-
-
-def gram(system: System, columns: Columns, k: int, start: Array | None = None, blocks: Array | None = None) -> Array:
-    """Gram matrices (blocks, k + 1, k + 1) of k effects and, last, of the data, after the filter has whitened them.
-
-    columns(ticks) gives what each effect adds to b, (K, n, k), and to the readings, (K, m, k); start (n, k), to x0.
-    blocks (T,): to which of the matrices a tick adds, as whole numbers; else there is one. With their sum G,
-
-        loglike(b + B a, y - D a, x0 + start a) = loglike + g a - a G a / 2      g = G[:k, k], G = G[:k, :k]
-
-    so that the best amplitudes a solve G a = g.
-    """
-    T, (m, n) = len(system.y), system.H.shape
-    X = np.zeros((n, k + 1))
-    X[:, :k] = 0.0 if start is None else start
-    block = np.zeros(T, dtype=np.int64) if blocks is None else np.require(blocks, np.int64, ["C", "W"])
-    G, states = np.zeros((block.max(initial=0) + 1, k + 1, k + 1)), system.start
-    for ticks in _chunks(system, (n + m) * k, NEAR):
-        B, D = (np.require(a, np.float64, ["C", "W"]) for a in columns(ticks))
-        kernels.columns(system.model, _part(system.data, ticks), states, B, D, block[ticks], X, G)
-    return 0.5 * (G + G.transpose(0, 2, 1))
 
 
 def ahead(system: System, steps: int, every: int) -> tuple[Array, Array]:

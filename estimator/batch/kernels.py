@@ -19,7 +19,8 @@ with H, y and R of the channels fused,
 long as an array lies in one piece and is not transposed. Loops are spelled out: whole arrays in one expression take
 numba seconds to compile. What a tick works on is allocated once (Now, Carry): an allocation costs as much as a reading.
 
-All kernels stay in one module: numba's cache does not notice that a compiled function of another file has changed.
+All kernels stay in one module: numba's cache does not notice that a compiled function of another file has changed. What
+only has to be compiled here, `doubt.carried`, calls none.
 """
 
 from __future__ import annotations
@@ -456,68 +457,6 @@ def score(model: Model, data: Data, rows: Array, states: States, r: Array, N: Ar
         for i in range(d):
             for j in range(d):
                 F[i, j] += b[i] * z[j] - NWP[i, j]
-
-
-@part
-def _push(F: Array, B: Array, X: Array) -> None:
-    """X <- W X + B for each effect, k columns of B; X has one more."""
-    FX = np.dot(F, X[: len(F)])
-    for i in range(len(X)):
-        for j in range(B.shape[1]):
-            X[i, j] = (FX[i, j] if i < len(F) else X[i, j]) + B[i, j]
-
-
-@part
-def _innovations(model: Model, H: Array, data: Data, t: int, D: Array, X: Array, x: Array) -> Array:
-    """D + H X of each effect, and last y - H x, of the channels fused at tick t, else 0: (m, k + 1)."""
-    v, k = np.dot(H, X), D.shape[1]
-    for o in range(len(H)):
-        for j in range(k):
-            v[o, j] = v[o, j] + D[o, j] if data.use[t, o] else 0.0
-        v[o, k] = data.y[t, o] - _row_dot(model, H, o, x) if data.use[t, o] else 0.0
-    return v
-
-
-@part
-def _regress(model: Model, H: Array, data: Data, t: int, v: Array, P: Array, X: Array, G: Array) -> None:
-    """X <- X - P H' R^-1 v for each effect, and G <- G + v' S^-1 v, with innovations v (m, k + 1) and filtered P."""
-    HP, g = np.empty_like(H), data.inverse[t]
-    for o in range(len(H)):
-        _row_times(model, H, o, P, HP[o])
-    S = np.dot(HP, H.T)
-    _remainder(g, S)
-    vSv = np.dot(v.T, np.dot(S, v))
-    for i in range(len(G)):
-        for j in range(len(G)):
-            G[i, j] += vSv[i, j]
-    for o in range(len(H)):
-        for j in range(len(G)):
-            v[o, j] *= g[o]
-    Kv = np.dot(HP.T, v)
-    for i in range(len(X)):
-        for j in range(len(G) - 1):
-            X[i, j] -= Kv[i, j]
-
-
-@kernel
-def columns(model: Model, data: Data, states: States, B: Array, D: Array, block: Array, X: Array, G: Array) -> None:
-    """Filter, and take k effects along as columns.
-
-    B      (K, n, k)      what each adds to b
-    D      (K, m, k)      what each adds to the reading
-    block  (K,)           which of the Gram matrices a tick adds to
-    X      (n, k + 1)     its filtered state; the last column is kept 0. Changed
-    G      (blocks, k + 1, k + 1)  sums of v' S^-1 v, v the innovations; the last column is the data's. Changed
-    """
-    H, now, ticks = model.H.copy(), _begin(model, states), len(B)
-    for t in range(ticks):
-        _vary(model, H, data.grown[t])
-        _push(model.F[data.regime[t]], B[t], X)
-        _predict(model, data, t, now)
-        v = _innovations(model, H, data, t, D[t], X, now.x)
-        _fuse(model, H, data, t, now)
-        _keep(now, states, t + 1, ticks)
-        _regress(model, H, data, t, v, now.P, X, G[block[t]])
 
 
 @kernel

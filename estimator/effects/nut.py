@@ -50,15 +50,7 @@ class NutBody(Effect):
 
     trace = "Heat comes back after the stop, where the nut parks and nowhere else."
     capacity = Param(1500.0, "J/K", lo=100.0, hi=20000.0, sd=300.0, source="1000 - 2000 computed from drawings")
-    g = Param(
-        2.0,
-        "W/K",
-        lo=0.0,
-        hi=50.0,
-        null=0.0,
-        sd=1.0,
-        source="0.8 - 1.6 unsealed, more with grease and balls under load",
-    )
+    g = Param(2.0, "W/K", lo=0.0, hi=50.0, null=0.0, sd=1.0, source="0.8 - 1.6 unsealed, more with grease and load")
     g_air = Param(1.0, "W/K", lo=0.0, hi=50.0, sd=0.6, source="surface 0.05 m2, and what the table takes")
     noise = Param(5.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="by coverage on simulated runs")
 

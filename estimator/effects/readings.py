@@ -33,7 +33,7 @@ class Thermometers(Effect):
     )
     zero_sd = Param(0.015, "K", lo=0.0, hi=1.0, fixed=True, source="0.05 K between 15 channels after warm-up")
     zero_walk = Param(0.0001, "K/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="0.006 K in an hour")
-    gain_sd = Param(0.004, "1", lo=0.0, hi=0.1, fixed=True, source="thermocouple wire of one reel, 0.3 - 0.7 %")
+    gain_sd = Param(0.004, "1", lo=0.0, hi=0.1, fixed=True, source="0.4 % of the temperature, class 1 of IEC 60584")
     board = Param(0.0, "K/K", lo=-0.3, hi=0.3, null=0.0, sd=0.003, fixed=True, source="0.03 K per 10 K")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -41,10 +42,9 @@ class Motion:
 
     def rows(self, at: slice) -> Motion:
         """Some of the ticks."""
-        turning = self.turning[: at.start, 0] > 0
-        before, ends = list(self.before), np.append(np.flatnonzero(np.diff(turning)) + 1, len(turning))
-        for first, end in zip(np.append(0, ends), ends, strict=False):
-            turned, seconds = bool(turning[first]) if end else False, float(end - first) * self.tick_s
+        turning, before = self.turning[: at.start, 0] > 0, list(self.before)
+        for first, end in pairwise([0, *(np.flatnonzero(np.diff(turning)) + 1), len(turning)]):
+            turned, seconds = bool(turning[first:end].any()), (end - first) * self.tick_s
             if before and before[-1][0] == turned:
                 before[-1] = turned, before[-1][1] + seconds
             elif seconds:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from estimator.batch import batch
-from estimator.batch.batch import ahead, gram, loglike, passes, score, smoothed
+from estimator.batch.batch import ahead, loglike, passes, score, smoothed
 from estimator.batch.system import System
 from tests.processes import ended
 
@@ -228,39 +228,6 @@ def test_without_a_varying_column_grown_is_nothing(system):
     assert not score(flat).grown.any()
 
 
-def effects(k: int, seed: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    rng = np.random.default_rng(seed)
-    B = rng.standard_normal((T, N, k))
-    B[:, MOVING:] = 0.0
-    return B, rng.standard_normal((T, CHANNELS, k)), rng.standard_normal((N, k))
-
-
-@pytest.mark.usefixtures("chunked")
-@pytest.mark.parametrize("k", [1, 7, 10])
-def test_gram_tells_what_refitting_would(system, k):
-    B, D, start = effects(k)
-    G = gram(system, lambda ticks: (B[ticks], D[ticks]), k, start)
-    assert G.shape == (1, k + 1, k + 1)
-    G = G[0]
-    rng = np.random.default_rng(1)
-    for a in (*0.1 * rng.standard_normal((3, k)), np.linalg.lstsq(G[:k, :k], G[:k, k], rcond=None)[0]):
-        changed = replace(system, b=system.b + B @ a, y=system.y - D @ a, x0=system.x0 + start @ a)
-        gain = G[:k, k] @ a - 0.5 * a @ G[:k, :k] @ a
-        assert loglike(changed) == pytest.approx(loglike(system) + gain, rel=1e-8)
-    assert G[k, k] == pytest.approx(np.nansum(collected(system)["nis"]), rel=1e-12)
-
-
-@pytest.mark.usefixtures("chunked")
-def test_gram_of_blocks_of_time(system):
-    B, D, _ = effects(4)
-    blocks = np.arange(T) // 7
-    parts = gram(system, lambda ticks: (B[ticks], D[ticks]), 4, blocks=blocks)
-    assert parts.shape == (blocks[-1] + 1, 5, 5)
-    assert parts.sum(axis=0) == pytest.approx(gram(system, lambda ticks: (B[ticks], D[ticks]), 4)[0], rel=1e-11)
-    nis = np.nan_to_num(collected(system)["nis"])
-    assert parts[:, 4, 4] == pytest.approx(np.bincount(blocks, nis), rel=1e-11)
-
-
 def test_ahead(system):
     _, _, after = plain(system)
     starts, readings = ahead(system, steps=4, every=3)
@@ -280,7 +247,6 @@ def test_no_ticks_at_all(system):
     assert not score(empty).P0.any()
     assert smoothed(empty, covariances=True).cov.shape == (0, N, N)
     assert [len(chunk.x) for chunk in passes(empty)] == [0]
-    assert not gram(empty, lambda ticks: (np.zeros((0, N, 2)), np.zeros((0, CHANNELS, 2))), 2).any()
     assert len(ahead(empty, 3, 3)[0]) == 0
 
 
@@ -294,10 +260,6 @@ def test_many_channels_and_entries_of_a_size_that_would_overflow():
         P0=np.full((1, 1), 1e-8),
     )  # fmt: skip
     assert loglike(one) == pytest.approx(given(one, 5)[2], rel=1e-10)
-    columns = np.ones((5, 1, 1)), np.zeros((5, m, 1))
-    assert gram(one, lambda ticks: (columns[0][ticks], columns[1][ticks]), 1)[0, 1, 1] == pytest.approx(
-        sum(chunk.nis.sum() for chunk in passes(one)), rel=1e-12
-    )
 
 
 def test_what_it_is_given_is_not_changed_and_may_be_read_only(system):
@@ -349,10 +311,8 @@ def test_it_works_where_nothing_can_be_written(tmp_path):
 
 def test_compiled_once_and_known_to_be(system):
     loglike(system), score(system), smoothed(system), list(passes(system)), ahead(system, 3, 3)
-    B, D, _ = effects(1)
-    gram(system, lambda ticks: (B[ticks], D[ticks]), 1)
     assert not batch.is_cold()
     assert not batch.is_cold(passes, smoothed)
     used = batch.kernels
-    for kernel in (used.forward, used.compare, used.smooth, used.score, used.columns, used._coast):
+    for kernel in (used.forward, used.compare, used.smooth, used.score, used._coast):
         assert len(kernel.signatures) == 1

@@ -35,6 +35,12 @@ def test_pieces_are_the_whole(stretches, cuts, tick_s):
         np.testing.assert_array_equal(np.vstack([getattr(piece, name) for piece in pieces]), getattr(whole, name))
     fresh = np.vstack([piece.freshness(30.0, 70.0) for piece in pieces])
     np.testing.assert_allclose(fresh, whole.freshness(30.0, 70.0), rtol=0, atol=1e-12)
+    ends = np.cumsum([len(piece.time_s) for piece in pieces])
+    for piece, end in zip(pieces, ends, strict=True):
+        part = whole.rows(slice(end - len(piece.time_s), end))
+        for name in COLUMNS:
+            np.testing.assert_array_equal(getattr(part, name), getattr(piece, name))
+        np.testing.assert_allclose(part.freshness(30.0, 70.0), piece.freshness(30.0, 70.0), rtol=0, atol=1e-12)
 
 
 @settings(max_examples=30)

@@ -1,4 +1,4 @@
-"""Columns of sensitivities against refits and differences; their Gram matrix against the exact score."""
+"""How the open-loop run moves with each parameter, against differences."""
 
 from __future__ import annotations
 
@@ -8,14 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.batch import batch
-from estimator.batch.trial import Posed, Trial
+from estimator.batch.trial import Trial
 from estimator.effect import Effect, Param
 from estimator.model import Model, model_of
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.sensitivity.score import score
-from estimator.sensitivity.sensitivity import columns, information, nominal_column
+from estimator.sensitivity.sensitivity import nominal_column
 from estimator.sensitivity.tangent import tangent
 from estimator.terms import SCREW, Heat
 from tests.conftest import SMALL, SMALL_VALUES
@@ -71,54 +69,6 @@ def linear(rig, full, driven, live) -> tuple[Trial, Model]:
     """The paper's rig with all that makes a heat's power act on the mean alone, and linearly."""
     model = (full + Lamp).with_values(QUIET)
     return recorded(model, exact(rig), driven, live, 200, (0.0, 400.0)), model
-
-
-# --- linear in the heat: everything is exact
-
-
-def test_the_slope_of_a_power_is_its_exact_score(linear):
-    trial, model = linear
-    paths = [*POWERS, "lamp.power"]
-    (whole,) = information(trial, model, paths, 1e9)
-    np.testing.assert_allclose(whole[:-1, -1], score(trial, model, paths)[1], rtol=1e-8)
-
-
-@pytest.mark.parametrize("path", [*POWERS, "lamp.power"])
-def test_another_power_changes_the_likelihood_as_its_column_says(path, linear):
-    """loglike(p + dp) = loglike(p) + g dp - G dp^2 / 2."""
-    trial, model = linear
-    (whole,) = information(trial, model, [path], 1e9)
-    for step in (-0.3, 4.0):
-        gained = trial.loglike(model.with_values({path: model[path] + step})) - trial.loglike(model)
-        assert gained == pytest.approx(whole[0, 1] * step - 0.5 * whole[0, 0] * step**2, rel=1e-8)
-
-
-def test_several_powers_at_once_change_it_by_the_whole_matrix(linear):
-    trial, model = linear
-    (whole,) = information(trial, model, POWERS, 1e9)
-    step = np.array([3.0, -2.0, 1.0, 4.0, -1.5])
-    moved = model.with_values({path: model[path] + d for path, d in zip(POWERS, step, strict=True)})
-    gained = trial.loglike(moved) - trial.loglike(model)
-    assert gained == pytest.approx(step @ whole[:-1, -1] - 0.5 * step @ whole[:-1, :-1] @ step, rel=1e-8)
-
-
-def test_scatter_in_proportion_to_a_power_tells_of_the_power_too(linear):
-    """It is in the score, and not in the columns."""
-    trial, model = linear
-    noisy = model.with_values({"nut_friction.noise": 3.0})
-    (whole,) = information(trial, noisy, POWERS[:1], 1e9)
-    assert abs(score(trial, noisy, POWERS[:1])[1][0] / whole[0, 1] - 1) > 1e-3
-
-
-def test_blocks_of_time_sum_up_to_the_whole(linear):
-    trial, model = linear
-    parts = information(trial, model, POWERS[:2], 60.0)
-    (whole,) = information(trial, model, POWERS[:2], 1e9)
-    assert parts.shape == (4, 3, 3)
-    np.testing.assert_allclose(parts.sum(axis=0), whole, rtol=1e-9)
-    np.testing.assert_allclose(parts, parts.transpose(0, 2, 1), rtol=0)
-    short = Trial(model, trial.rig, trial.recording.rows(slice(0, 61)))  # 60 ticks after the first
-    np.testing.assert_allclose(parts[0], information(short, model, POWERS[:2], 1e9)[0], rtol=1e-9)
 
 
 # --- every parameter, against differences
@@ -182,43 +132,3 @@ def test_noise_moves_the_open_loop_run_through_the_first_estimate_only(small_tri
         assert not moved.moves_mean
         reading = nominal_column(trial, posed, moved).reading
         assert (abs(reading).max() > 1e-3) == moves, path
-
-
-def test_columns_are_how_the_linear_system_moves(small_trial):
-    """B = dF x + db;   D = dH x_predicted - dy, the gains held."""
-    trial, model = small_trial
-    posed = trial.pose(model)
-    paths = [path for path in model.values if tangent(trial, posed, model, path).moves_mean]
-    assert len(paths) > 12
-    system, d = posed.system, posed.system.F.shape[1]
-    x = np.vstack([system.x0, *(chunk.x for chunk in batch.passes(system))])
-    predicted = system.b + x[:-1]
-    predicted[:, :d] += np.einsum("tij,tj->ti", system.F[system.regime] - np.eye(d), x[:-1, :d])
-    read = np.isfinite(system.y)
-
-    def states(model: Model) -> Array:
-        there = trial.pose(model).system
-        moved = there.b.copy()
-        moved[:, :d] += np.einsum("tij,tj->ti", there.F[there.regime], x[:-1, :d])
-        return moved[:, :d]
-
-    def readings(model: Model) -> Array:
-        there = trial.pose(model).system
-        grown = predicted[:, there.column] * there.grown
-        return (predicted @ there.H.T + grown[:, None] * there.spans - there.y)[read]
-
-    found = columns(trial, posed, model, paths)
-    for i, path in enumerate(paths):
-        B, D, start = (part[..., i] for part in found)
-        alike(B, difference(states, model, path), model, path)
-        alike(D[read], difference(readings, model, path), model, path)
-        alike(start, difference(lambda m: trial.pose(m).system.x0, model, path), model, path)
-
-
-def test_no_parameters_leave_the_data_alone(small_trial):
-    trial, model = small_trial
-    posed: Posed = trial.pose(model)
-    (whole,) = information(trial, model, [], 1e9)
-    nis = np.concatenate([chunk.nis for chunk in batch.passes(posed.system)])
-    assert whole.shape == (1, 1)
-    assert whole[0, 0] == pytest.approx(np.nansum(nis), rel=1e-9)
