@@ -91,6 +91,8 @@ def policy(page: bytes, stream: str) -> str:
 class _Server(ThreadingHTTPServer):
     """Serves the files in a folder and nothing else, to whoever asks for this very address."""
 
+    request_queue_size = 128  # with five, who comes among many at once waits for seconds
+
     def __init__(self, bind: str, port: int, folder: Path, rules: str) -> None:
         self._open: deque[socket.socket] = deque()
         super().__init__((bind, port), partial(_Handler, directory=str(folder)))
