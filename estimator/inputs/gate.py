@@ -40,8 +40,8 @@ class InputGate:
         self._level, self._last = np.full((2, p), np.nan)
         self._variance, self._standstill = np.zeros(p), Standstill(p)
 
-    def passed(self, chunk: Recording) -> tuple[dict[str, Array], Array]:
-        """The inputs of the next ticks, by name, NaN where they are refused, and the faults (K, p) that they have."""
+    def passed(self, chunk: Recording) -> tuple[Array, Array]:
+        """The inputs of the next ticks (K, p), NaN where they are refused, and the faults (K, p) that they have."""
         given = np.array([chunk.inputs[name] for name in self._names]).reshape(-1, len(chunk)).T
         repeats = self._standstill.compare(np.where(self._slow, given, np.nan))
         self._standstill.learn(repeats, len(given))
@@ -49,7 +49,7 @@ class InputGate:
         stuck = repeats.count >= STUCK
         fault = np.where(jumped, Fault.JUMPED, np.where(stuck, Fault.STUCK, Fault.NONE)).astype(np.int8)
         self.fault = fault[-1] if len(fault) else self.fault
-        return dict(zip(self._names, np.where(jumped, np.nan, given).T)), fault
+        return np.where(jumped, np.nan, given), fault
 
     def _jumped(self, row: Array) -> Array:
         """Which of the inputs (p,) of one tick are refused; the others are learnt."""

@@ -99,23 +99,21 @@ class InputReader:
     def __init__(self, rig: Rig, start: Start) -> None:
         self._rig, self._start = rig, start
         self._motion, self.gate = MotionReader(rig.tick_s), InputGate(rig, start)
-        self._last: dict[str, float] = {}
-        self._first: dict[str, float] = {}
+        self._zero = np.array([start.zero_K.get(name, 0.0) for name in rig.inputs])
+        self._unseen = np.array([start.level_C if each.unit == "degC" else 0.0 for each in rig.inputs.values()])
+        self._last, self._first = np.full((2, len(rig.inputs)), np.nan)
         self._coverage = np.zeros(rig.screw.cells if rig.screw else 0)
 
     def read(self, chunk: Recording) -> Inputs:
         """Inputs of the next ticks; call in order of time."""
-        values, rises = {}, {}
         passed, fault = self.gate.passed(chunk)
-        for name in self._rig.inputs:
-            column = _held(passed[name] - self._start.zero_K[name], self._last.get(name, np.nan))
-            seen = column[np.isfinite(column)]
-            if name not in self._first and len(seen):
-                self._first[name] = float(seen[0])
-            self._last[name] = float(column[-1])
-            unseen = self._start.level_C if self._rig.inputs[name].unit == "degC" else 0.0
-            values[name] = np.where(np.isfinite(column), column, unseen)[:, None]
-            rises[name] = np.nan_to_num(column - self._first.get(name, np.nan))[:, None]
+        columns = _held(passed - self._zero, self._last)
+        known = np.isfinite(columns)
+        first = columns[np.argmax(known, axis=0), np.arange(len(self._first))]
+        self._first = np.where(np.isnan(self._first), first, self._first)
+        self._last = columns[-1]
+        values = self._by_name(np.where(known, columns, self._unseen))
+        rises = self._by_name(np.where(known, columns - self._first, 0.0))
         values[START] = np.full((len(chunk), 1), self._start.level_C)
         coverage = np.array(chunk.coverage, dtype=float)
         for k in np.flatnonzero(np.isnan(chunk.omega) | np.isnan(coverage).any(axis=1)):
@@ -125,6 +123,10 @@ class InputReader:
         uneven = np.where(np.isfinite(chunk.unevenness), chunk.unevenness, 1.0)
         motion = self._motion.read(omega)
         return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], self._rig.seats, fault)
+
+    def _by_name(self, columns: Array) -> dict[str, Array]:
+        """Columns (ticks, p) in the order of Rig.inputs, each (ticks, 1)."""
+        return {name: columns[:, i : i + 1] for i, name in enumerate(self._rig.inputs)}
 
 
 def nothing(rig: Rig) -> Inputs:
@@ -145,11 +147,11 @@ def _read_only(array: Array) -> Array:
     return view
 
 
-def _held(column: Array, before: float) -> Array:
-    """The column with each gap filled by the value before it."""
-    column = np.concatenate([[before], column])
-    at = np.maximum.accumulate(np.where(np.isfinite(column), np.arange(len(column)), 0))
-    return column[at][1:]
+def _held(columns: Array, before: Array) -> Array:
+    """The columns (ticks, p) with each gap filled by the value before it, the first by those `before` (p,)."""
+    rows = np.vstack([before, columns])
+    at = np.maximum.accumulate(np.where(np.isfinite(rows), np.arange(len(rows))[:, None], 0), axis=0)
+    return rows[at[1:], np.arange(rows.shape[1])]
 
 
 class Held:

@@ -145,7 +145,7 @@ def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
 
 def _dtype(terms: Sequence[Term]) -> Any:
     """complex where a term's value is, else float."""
-    return np.result_type(float, *(np.asarray(v).dtype for t in terms for v in _values(t) if _numeric(v)))
+    return complex if any(_complex(value) for term in terms for value in _values(term)) else float
 
 
 def _values(term: Term) -> Iterator[object]:
@@ -155,8 +155,8 @@ def _values(term: Term) -> Iterator[object]:
             yield part.weight if isinstance(part, Spot) else part
 
 
-def _numeric(value: object) -> bool:
-    return isinstance(value, (float, complex, np.ndarray, np.generic))
+def _complex(value: object) -> bool:
+    return isinstance(value, complex) or (isinstance(value, np.ndarray) and value.dtype.kind == "c")
 
 
 def _squares(rows: Array, weights: Any, regimes: int) -> Array:
@@ -220,9 +220,10 @@ def span_growth(terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
 def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
     """d: what the channels read beside the temperatures, (ticks, m)."""
     reads = [term for term in terms if isinstance(term, Read)]
-    total = np.zeros((ticks, len(rig.names)), np.result_type(float, *(np.asarray(term.offset) for term in reads)))
+    total = np.zeros((ticks, len(rig.names)), complex if any(_complex(term.offset) for term in reads) else float)
     for term in reads:
-        total[:, rig.index(term.channel)] += np.broadcast_to(term.offset, (ticks, 1))[:, 0]
+        i = rig.index(term.channel)
+        total[:, i : i + 1] += term.offset
     return total
 
 

@@ -126,11 +126,12 @@ class Forcing:
     def ticks(self, drive: Drive) -> Ticks:
         """What the model makes of these inputs; an EffectError where an effect makes no number of them."""
         u, regime = drive.inputs, drive.regime
-        self._solve(np.unique(regime).tolist())
+        met = sorted(set(regime.tolist()))
+        self._solve(met)
         terms = self._sound.terms(u)
         heat = assemble.heat(terms, self.place, len(u), drive.spread)
         outside = assemble.outside(terms, u, self.place)
-        for r in np.unique(regime):
+        for r in met:
             heat[regime == r] += outside[regime == r] @ self._solved[r].inflow.T
         offset = assemble.offsets(terms, self.rig, len(u))
         if not (np.isfinite(heat).all() and np.isfinite(offset).all()):

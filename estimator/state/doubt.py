@@ -108,7 +108,7 @@ class Doubt:
         self._Z = self._Z0 = np.ascontiguousarray(x0[run.state.temperatures])
         self._spot = np.einsum("mn,np->mp", run.forcing.readings.rows, self._Z) + self._start @ self._rows
         self._lagged, self._S = self._spot, np.zeros_like(x0)
-        self._slopes: dict[int, list[RegimeSlopes]] = {}
+        self._slopes: dict[int, RegimeSlopes] = {}
 
     def by(self, run: Run) -> Doubt:
         """The same of the run by another model, of the parameters that it has too."""
@@ -143,50 +143,52 @@ class Doubt:
 
     def _pushes(self, drive: Drive, ticks: Ticks, course: Course) -> tuple[Array, Array, Array, Array]:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
-        K, p = len(ticks.regime), len(self._root)
+        K, p, q, forcing = len(ticks.regime), len(self._root), len(self._moved), self._run.forcing
         B, offset = np.zeros((K, self._run.state.n, p)), np.zeros((K, len(self._zeros), p))
-        rise = course.lagged[1:] - self._run.forcing.readings.rows @ self._start
-        offset[:, self._gains, len(self._moved) + np.arange(len(self._gains))] = rise[:, self._gains]
+        rise = course.lagged[1:] - forcing.readings.rows @ self._start
+        offset[:, self._gains, q + np.arange(len(self._gains))] = rise[:, self._gains]
+        heat, outside = np.zeros((q, *ticks.heat.shape)), np.zeros((q, *ticks.outside.shape))
         for i, moved in enumerate(self._moved):
             own = moved.ticks(drive)
-            offset[:, :, i] = own.offset
-            for r in np.unique(ticks.regime).tolist():
-                at = ticks.regime == r
-                of, forcing = self._regime_slopes(r)[i], self._run.forcing
-                heat = own.heat[at] + ticks.outside[at] @ of.inflow.T + own.outside[at] @ forcing.inflow(r).T
-                B[at, :, i] = heat @ forcing.transition(r).J.T
-                if of.F is not None and of.J is not None:
-                    B[at, :, i] += course.z[:-1][at] @ of.F.T + ticks.heat[at] @ of.J.T
+            heat[i], outside[i], offset[:, :, i] = own.heat, own.outside, own.offset
+        for r in set(ticks.regime.tolist()):
+            at, of = ticks.regime == r, self._regime_slopes(r)
+            put = heat[:, at] + ticks.outside[at] @ of.inflow.mT + outside[:, at] @ forcing.inflow(r).T
+            states = put @ forcing.transition(r).J.T + course.z[:-1][at] @ of.F.mT + ticks.heat[at] @ of.J.mT
+            B[at, :, :q] = states.transpose(1, 2, 0)
         own_spot = np.einsum("kn,mnp->kmp", course.z[1:], self._rows)
         pushed = (course.lagged - course.spot)[:-1, :, None] * self._keep
         pushed += np.diff(course.spot, axis=0)[:, :, None] * self._ramp
         return B, offset, own_spot, pushed
 
-    def _regime_slopes(self, regime: int) -> list[RegimeSlopes]:
+    def _regime_slopes(self, regime: int) -> RegimeSlopes:
         """How one regime's tick moves with each parameter."""
         if regime not in self._slopes:
             if len(self._slopes) >= REMEMBERED:
                 self._slopes.clear()
-            self._slopes[regime] = [regime_slopes(moved, self._run, regime) for moved in self._moved]
+            self._slopes[regime] = regime_slopes(self._moved, self._run, regime)
         return self._slopes[regime]
 
 
 @dataclass(frozen=True)
 class RegimeSlopes:
-    """Derivatives of one regime: F and J (n, n), None where nothing conducts otherwise; inflow (n, boundaries)."""
+    """Derivatives of one regime by q parameters: F and J (q, n, n), inflow (q, n, boundaries)."""
 
-    F: Array | None
-    J: Array | None
+    F: Array
+    J: Array
     inflow: Array
 
 
-def regime_slopes(moved: Moved, run: Run, regime: int) -> RegimeSlopes:
-    """How one regime's tick moves with a parameter."""
-    network = moved.network([regime])
-    if not (np.any(network.mass) or np.any(network.conductance)):
-        return RegimeSlopes(None, None, network.inflow[0])
-    F, J = run.forcing.modes_of(regime).along(network.mass, network.conductance[0])
-    return RegimeSlopes(F, J, network.inflow[0])
+def regime_slopes(moved: Sequence[Moved], run: Run, regime: int) -> RegimeSlopes:
+    """How one regime's tick moves with each parameter."""
+    q, n = len(moved), run.state.n
+    of = RegimeSlopes(np.zeros((q, n, n)), np.zeros((q, n, n)), np.zeros((q, n, run.forcing.place.boundaries)))
+    for i, each in enumerate(moved):
+        network = each.network([regime])
+        of.inflow[i] = network.inflow[0]
+        if np.any(network.mass) or np.any(network.conductance):
+            of.F[i], of.J[i] = run.forcing.modes_of(regime).along(network.mass, network.conductance[0])
+    return of
 
 
 def stacked(columns: Sequence[Array], shape: tuple[int, ...], more: int) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from estimator.network.forcing import Drive, Forcing
 from estimator.record import Array
 from estimator.state.open_loop import lag_filter
 from estimator.state.run import Run
-from estimator.terms import Expand, Lag, Read, Shift
+from estimator.terms import Expand, Heat, Lag, Read, Shift
 
 STEP = 1e-30
 
@@ -54,6 +55,11 @@ class TicksTangent:
     outside: Array
     offset: Array
 
+    @classmethod
+    def none(cls, ticks: int, n: int, boundaries: int, channels: int) -> TicksTangent:
+        """Ticks that do not move, but for their regimes."""
+        return cls(np.zeros((ticks, n)), np.zeros((ticks, boundaries)), np.zeros((ticks, channels)))
+
 
 class Moved:
     """A model, forced as another of the same structure, with one parameter "effect.param" moved."""
@@ -72,9 +78,11 @@ class Moved:
     def ticks(self, drive: Drive) -> TicksTangent:
         """Derivatives of what the model makes of some ticks."""
         u, rig, place = drive.inputs, self._forcing.rig, self._forcing.place
+        if not self._kinds & {Heat, Read, Shift}:
+            return TicksTangent.none(len(u), place.size, place.boundaries, len(rig.names))
         terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
         outside = np.zeros((len(u), place.boundaries))
-        if any(isinstance(term, Shift) for term in terms):
+        if Shift in self._kinds:
             outside = slope(assemble.outside(list(self._model.terms(u, rig)), u, place))
         heat, offset = assemble.heat(terms, place, len(u), drive.spread), assemble.offsets(terms, rig, len(u))
         return TicksTangent(slope(heat), outside, slope(offset))
@@ -82,9 +90,9 @@ class Moved:
     def readings(self, run: Run, offset: Array, moved_offset: Array) -> ReadingsTangent | None:
         """Derivatives of how the channels read, None where nothing of it moves; `offset` (m,): of the first sample."""
         rig, place = self._forcing.rig, self._forcing.place
-        terms = list(self._model.terms(nothing(rig), rig))
-        if not any(isinstance(t, (Read, Lag, Expand)) for name in self._effects for t in self._own(name)):
+        if not self._kinds & {Read, Lag, Expand}:
             return None
+        terms = list(self._model.terms(nothing(rig), rig))
         moved = assemble.readings(terms, rig, place)
         keep, ramp = lag_filter(moved.tau, rig.tick_s)
         known = np.isfinite(moved.sd)
@@ -93,8 +101,11 @@ class Moved:
         parts = (moved.rows, moved.growth, moved.spans, variance, moved.lag_noise**2, moved.zero_walk**2, keep, ramp)
         return ReadingsTangent(*(slope(value) for value in (*parts, x0, P0)))
 
-    def _own(self, name: str) -> list[object]:
-        return list(self._model.terms_of(name, nothing(self._forcing.rig), self._forcing.rig))
+    @cached_property
+    def _kinds(self) -> set[type]:
+        """Of which kinds the terms are that move: the same whatever the inputs."""
+        u, rig = nothing(self._forcing.rig), self._forcing.rig
+        return {type(term) for name in self._effects for term in self._model.terms_of(name, u, rig)}
 
 
 def slope(value: Array) -> Array:
