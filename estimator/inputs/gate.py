@@ -45,20 +45,20 @@ class InputGate:
         given = np.array([chunk.inputs[name] for name in self._names]).reshape(-1, len(chunk)).T
         repeats = self._standstill.compare(np.where(self._slow, given, np.nan))
         self._standstill.learn(repeats, len(given))
-        jumped = np.array([self._jumped(row) for row in given]).reshape(given.shape)
+        read, at_first = np.isfinite(given) & self._slow, far(given, self._start)
+        jumped = np.array([self._jumped(*of) for of in zip(given, read, at_first)]).reshape(given.shape)
         stuck = repeats.count >= STUCK
         fault = np.where(jumped, Fault.JUMPED, np.where(stuck, Fault.STUCK, Fault.NONE)).astype(np.int8)
         self.fault = fault[-1] if len(fault) else self.fault
         return np.where(jumped, np.nan, given), fault
 
-    def _jumped(self, row: Array) -> Array:
-        """Which of the inputs (p,) of one tick are refused; the others are learnt."""
-        read = np.isfinite(row) & self._slow
+    def _jumped(self, row: Array, read: Array, at_first: Array) -> Array:
+        """Which of the inputs (p,) of one tick are refused, and would be `at_first`; the others are learnt."""
         known = np.isfinite(self._level)
         off = np.abs(row - self._level)
         limit = np.maximum(SCATTERS * np.sqrt(self._variance), self._least)
         sudden = np.abs(row - self._last) > 0.7 * limit
-        jumped = read & np.where(known, (off > limit) & sudden, far(row, self._start))
+        jumped = read & np.where(known, (off > limit) & sudden, at_first)
         good = read & ~jumped
         gain = np.where(good, 1.0 / TICKS, 0.0)
         difference = np.where(good & known, row - self._last, 0.0)

@@ -46,6 +46,7 @@ class Regimes:
     _recent: dict[int, None] = field(default_factory=dict)
     _moving: deque[tuple[float, Array]] = field(default_factory=deque)
     _sum: Array | float = 0.0
+    _speeds: float = 0.0
     _unsettled_s: float = 0.0
 
     def index(self, omega: float, coverage: Array, unknown: bool = False) -> int:
@@ -61,13 +62,14 @@ class Regimes:
     def _mean(self, omega: float, coverage: Array) -> tuple[float, Array]:
         if not turns(omega):
             self._moving.clear()
-            self._sum = 0.0
+            self._sum = self._speeds = 0.0
             return 0.0, coverage
         if len(self._moving) * self.tick_s >= WINDOW_S:
-            self._sum = self._sum - self._moving.popleft()[1]
+            speed, covered = self._moving.popleft()
+            self._speeds, self._sum = self._speeds - speed, self._sum - covered
         self._moving.append((omega, coverage))
-        self._sum = self._sum + coverage
-        return float(np.mean([speed for speed, _ in self._moving])), self._sum / len(self._moving)
+        self._speeds, self._sum = self._speeds + omega, self._sum + coverage
+        return self._speeds / len(self._moving), self._sum / len(self._moving)
 
     def _fits(self, regime: int, omega: float, coverage: Array, unknown: bool) -> bool:
         held = self.omega[regime]
