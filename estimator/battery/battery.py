@@ -91,21 +91,20 @@ def fits(bench: Bench) -> Iterable[str]:
 def invisible(bench: Bench) -> Iterator[str]:
     """With all nulls the readings are those of the model without the effect."""
     if bench.nulls:
-        apart = _apart(bench.reads(bench.at(**bench.nulls)), bench.reads(bench.base))
+        apart = _apart(bench.at_null, bench.reads(bench.base))
         if not apart <= ROUNDING:
             yield f"with its parameters at null the readings are {apart:.2g} K or um off those without the effect"
 
 
 def seen(bench: Bench) -> Iterator[str]:
     """Off each null the readings are others."""
-    null = bench.reads(bench.at(**bench.nulls))
     params = bench.effect.params
     places = {
         key: params[key].hi if params[key].value == null else params[key].value for key, null in bench.nulls.items()
     }
     unseen = []
     for key, off in places.items():
-        if _apart(bench.reads(bench.at(**{**bench.nulls, key: off})), null) <= SEEN:
+        if _apart(bench.reads(bench.at(**{**bench.nulls, key: off})), bench.at_null) <= SEEN:
             unseen.append(key)
     nodes = assemble.layout(list(bench.model.terms(bench.u, bench.rig)), bench.rig).nodes
     spared = any(isinstance(term, Heat) and term.node not in nodes for term in bench.terms())

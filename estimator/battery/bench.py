@@ -15,7 +15,8 @@ from estimator.inputs.inputs import Inputs
 from estimator.model import Model
 from estimator.network import assemble
 from estimator.network.assemble import Layout
-from estimator.record import Array, Recording
+from estimator.network.forcing import Drive, Forcing
+from estimator.record import Array
 from estimator.rig import Rig
 from estimator.terms import Spot, Term
 
@@ -39,9 +40,10 @@ class Bench:
         return exercise.instants(self.rig)
 
     @cached_property
-    def drive(self) -> Recording:
-        """A run in which everything happens."""
-        return exercise.run(self.rig)
+    def _driven(self) -> tuple[Forcing, Drive]:
+        """A run in which everything happens, read once for all models."""
+        forcing = exercise.forced(self.model, self.rig)
+        return forcing, forcing.read(exercise.run(self.rig))
 
     @cached_property
     def nulls(self) -> dict[str, float]:
@@ -58,7 +60,13 @@ class Bench:
 
     def reads(self, model: Model) -> Array:
         """What the channels read by a model alone, (K, m)."""
-        return exercise.open_loop(model, self.rig, self.drive)
+        forcing, drive = self._driven
+        return exercise.alone(forcing.with_model(model), drive)
+
+    @cached_property
+    def at_null(self) -> Array:
+        """What they read by the model with the effect at its nulls."""
+        return self.reads(self.at(**self.nulls))
 
     def numbers(self, place: Layout, **values: Any) -> dict[str, Array]:
         """Every number that the effect says, and every one that is assembled from the model's terms, by name."""

@@ -8,7 +8,7 @@ from estimator.inputs.inputs import Inputs
 from estimator.inputs.motion import Motion
 from estimator.inputs.start import Start
 from estimator.model import Model
-from estimator.network.forcing import Forcing
+from estimator.network.forcing import Drive, Forcing
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.state.open_loop import OpenLoop
@@ -47,9 +47,19 @@ def run(rig: Rig) -> Recording:
 
 def open_loop(model: Model, rig: Rig, drive: Recording) -> Array:
     """What the channels read by the model alone, (K, m), all at 22 degC at the start; NaN where no effect reads."""
-    forcing = Forcing(model, rig, Start(LEVEL_C, 0.0, dict.fromkeys(rig.inputs, 0.0)))
-    ticks = forcing.ticks(forcing.read(drive))
-    alone, out = OpenLoop(np.full(forcing.place.size, LEVEL_C), forcing.readings, rig.tick_s), []
+    forcing = forced(model, rig)
+    return alone(forcing, forcing.read(drive))
+
+
+def forced(model: Model, rig: Rig) -> Forcing:
+    """The model as it begins, all at 22 degC."""
+    return Forcing(model, rig, Start(LEVEL_C, 0.0, dict.fromkeys(rig.inputs, 0.0)))
+
+
+def alone(forcing: Forcing, drive: Drive) -> Array:
+    """As `open_loop`, of what has been read of a run."""
+    ticks = forcing.ticks(drive)
+    alone, out = OpenLoop(np.full(forcing.place.size, LEVEL_C), forcing.readings, forcing.rig.tick_s), []
     for regime, heat in zip(ticks.regime, ticks.heat, strict=True):
         alone.step(forcing.transition(regime), heat)
         out.append(alone.reading)
