@@ -65,21 +65,23 @@ def carried(
 ) -> Carried:  # fmt: skip
     """Z (K, n, p) and S (K, size, p) after each of K ticks; spots and lagged readings (m, p) after the last.
 
-    Written so that it can be compiled: F (R, n, n), what moves states B (K, n, p), spots, lagged readings and readings
+    Written so that it can be compiled, without parts of arrays set, which takes numba seconds: F (R, n, n), what moves states B (K, n, p), spots, lagged readings and readings
     by itself (K, m, p), H (K, m, size), gain (K, size, m); Z, spot, lagged and S before the first tick
     """
     K, n = B.shape[:2]
-    Zs, Ss = np.empty(B.shape), np.empty((K, *S.shape))
+    Zs, Ss = np.zeros(B.shape), np.zeros((K, *S.shape))
+    keep, ramp = keep.reshape(-1, 1), ramp.reshape(-1, 1)
     for k in range(K):
-        Z = F[regime[k]] @ Z + B[k]
+        Z = np.add(F[regime[k]] @ Z, B[k], Zs[k])
         now = rows @ Z + own[k]
         late = (spot - now) * late_share[k].reshape(-1, 1)
-        lagged = (keep * lagged.T + (1.0 - keep - ramp) * spot.T + ramp * now.T).T + pushed[k]
+        lagged = keep * lagged + (1.0 - keep - ramp) * spot + ramp * now + pushed[k]
         spot = now
-        S = S.copy()
-        S[:n] = F[regime[k]] @ S[:n]
+        moved, constant = Ss[k, :n], Ss[k, n:]
+        moved += F[regime[k]] @ S[:n]
+        constant += S[n:]
+        S = Ss[k]
         S -= gain[k] @ (H[k] @ S + offset[k] + lagged + late)
-        Zs[k], Ss[k] = Z, S
     return Zs, Ss, spot, lagged
 
 
