@@ -65,8 +65,9 @@ def carried(
 ) -> Carried:  # fmt: skip
     """Z (K, n, p) and S (K, size, p) after each of K ticks; spots and lagged readings (m, p) after the last.
 
-    Written so that it can be compiled, without parts of arrays set, which takes numba seconds: F (R, n, n), what moves states B (K, n, p), spots, lagged readings and readings
-    by itself (K, m, p), H (K, m, size), gain (K, size, m); Z, spot, lagged and S before the first tick
+    Written so that it can be compiled; to set a part of an array would take numba seconds more. F (R, n, n), what moves
+    states B (K, n, p), spots, lagged readings and readings by itself (K, m, p), H (K, m, size), gain (K, size, m); Z,
+    spot, lagged and S before the first tick
     """
     K, n = B.shape[:2]
     Zs, Ss = np.zeros(B.shape), np.zeros((K, *S.shape))

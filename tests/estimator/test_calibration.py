@@ -1,6 +1,7 @@
 """The filter's own sigma against what really happened, on rigs whose noise is exactly the model's.
 
-The screw's expansion coefficient is off by what its tolerance allows, drawn anew for every seed.
+The screw's expansion coefficient is off by what its tolerance allows, drawn anew for every seed. Whole recordings at
+once: that they give the numbers of the filter, tick by tick, is tested beside the replay (batch/test_replay.py).
 """
 
 from __future__ import annotations
@@ -12,9 +13,7 @@ import pytest
 from scipy.stats import chi2
 
 from estimator.batch.replay import Replay, replay
-from estimator.filter import Filter
 from estimator.model import Value
-from tests.conftest import stepped
 
 
 def outcomes(small, model, driven, live, seeds: int, seconds: int):
@@ -25,7 +24,7 @@ def outcomes(small, model, driven, live, seeds: int, seconds: int):
     expansion = small.expansion_tolerance * np.random.default_rng(7).standard_normal(seeds)
     for seed in range(seeds):
         lived = live(model, small, drive, seed, process=True, expansion=expansion[seed])
-        track = stepped(Filter(model, small), lived.recording)
+        track = replay(model, small, lived.recording)
         errors.append(((track.elongation_um - lived.elongation_um) / np.maximum(track.sigma_um, 1e-9))[late])
         nis, count = nis + np.nansum(track.nis[1:]), count + track.nis_channels[1:].sum()
     return np.array(errors), nis, int(count)
@@ -104,7 +103,7 @@ def test_a_filter_that_believes_too_little_noise_is_found_out(small, exact, driv
     nis, count = 0.0, 0
     for seed in range(5):
         lived = live(exact, small, drive, seed, process=True)
-        track = stepped(Filter(exact.with_values({"conduction.noise": 0.5}), small), lived.recording)
+        track = replay(exact.with_values({"conduction.noise": 0.5}), small, lived.recording)
         nis, count = nis + np.nansum(track.nis[1:]), count + track.nis_channels[1:].sum()
     assert nis > chi2.ppf(0.999, count)
 
@@ -114,6 +113,6 @@ def test_a_coefficient_believed_too_well_is_found_out(small, exact, driven, live
     drive, late = driven(small, 90, (10, 60), stroke=(0.0, 100.0)), []
     for seed in range(5):
         lived = live(exact, small, drive, seed, process=True, expansion=0.1)
-        track = stepped(Filter(exact, known_to(small, 0.0)), lived.recording)
+        track = replay(exact, known_to(small, 0.0), lived.recording)
         late.append((track.elongation_um - lived.elongation_um)[40:] / track.sigma_um[40:])
     assert np.mean(late) < -1
