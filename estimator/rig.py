@@ -120,7 +120,7 @@ class Screw:
         """Share of each cell inside [from, to] mm: (..., cells), 0 ... 1."""
         lo = np.maximum(np.asarray(from_mm, dtype=float)[..., None], self.edges_mm[:-1])
         hi = np.minimum(np.asarray(to_mm, dtype=float)[..., None], self.edges_mm[1:])
-        return np.clip(hi - lo, 0.0, None) / (self.length * 1e3)
+        return np.maximum(hi - lo, 0.0) / (self.length * 1e3)
 
     def at(self, x_mm: float) -> Vector:
         """Weights (cells,) that interpolate linearly at x between cell centres."""

@@ -132,8 +132,10 @@ def _driven(
     lo, hi = stroke
     way = np.clip(instants - drive[0], 0, drive[1] - drive[0]) * omega / (2 * np.pi) * 12
     position = lo + (hi - lo) - np.abs((hi - lo) - way % (2 * (hi - lo)))
+    reach, travels = rig.nut.length_mm / 2, np.ptp(position, axis=1) > 0
     centre = rig.nut.centre(position)
-    coverage = rig.screw.overlap(centre - rig.nut.length_mm / 2, centre + rig.nut.length_mm / 2).mean(axis=1)
+    coverage = rig.screw.overlap(centre[:, -1] - reach, centre[:, -1] + reach)
+    coverage[travels] = rig.screw.overlap(centre[travels] - reach, centre[travels] + reach).mean(axis=1)
     inputs = {name: np.full(ticks, 22.0) for name in rig.inputs}
     inputs["position"] = position[:, -1]
     moving = (time_s > drive[0]) & (time_s <= drive[1])

@@ -97,6 +97,7 @@ class Doubt:
         doubts = run.forcing.model.doubts
         self._run, self._start = run, run.x[run.state.temperatures]
         self._moved = [Moved(run.forcing, run.forcing.model, path) for path in doubts.paths]
+        self._in_ticks = [i for i, moved in enumerate(self._moved) if moved.in_ticks]
         gain_sd = run.forcing.readings.gain_sd
         self._gains = np.flatnonzero(gain_sd)
         self._paths, self._root = doubts.paths, block_diag(root(doubts.covariance), np.diag(gain_sd[self._gains]))
@@ -151,8 +152,8 @@ class Doubt:
         rise = course.lagged[1:] - forcing.readings.rows @ self._start
         offset[:, self._gains, q + np.arange(len(self._gains))] = rise[:, self._gains]
         heat, outside = np.zeros((q, *ticks.heat.shape)), np.zeros((q, *ticks.outside.shape))
-        for i, moved in enumerate(self._moved):
-            own = moved.ticks(drive)
+        for i in self._in_ticks:
+            own = self._moved[i].ticks(drive)
             heat[i], outside[i], offset[:, :, i] = own.heat, own.outside, own.offset
         for r in set(ticks.regime.tolist()):
             at, of = ticks.regime == r, self._regime_slopes(r)
@@ -187,6 +188,8 @@ def regime_slopes(moved: Sequence[Moved], run: Run, regime: int) -> RegimeSlopes
     q, n = len(moved), run.state.n
     of = RegimeSlopes(np.zeros((q, n, n)), np.zeros((q, n, n)), np.zeros((q, n, run.forcing.place.boundaries)))
     for i, each in enumerate(moved):
+        if not each.in_regimes:
+            continue
         network = each.network([regime])
         of.inflow[i] = network.inflow[0]
         if np.any(network.mass) or np.any(network.conductance):

@@ -20,7 +20,7 @@ from estimator.network.forcing import Drive, Forcing
 from estimator.record import Array
 from estimator.state.open_loop import lag_filter
 from estimator.state.run import Run
-from estimator.terms import Expand, Heat, Lag, Read, Shift
+from estimator.terms import Chain, Expand, Heat, Lag, Link, Read, Shift, Store
 
 STEP = 1e-30
 
@@ -78,7 +78,7 @@ class Moved:
     def ticks(self, drive: Drive) -> TicksTangent:
         """Derivatives of what the model makes of some ticks."""
         u, rig, place = drive.inputs, self._forcing.rig, self._forcing.place
-        if not self._kinds & {Heat, Read, Shift}:
+        if not self.in_ticks:
             return TicksTangent.none(len(u), place.size, place.boundaries, len(rig.names))
         terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
         outside = np.zeros((len(u), place.boundaries))
@@ -100,6 +100,16 @@ class Moved:
         x0, P0 = run.estimate(moved, self._forcing.terms, place, offset + 1j * STEP * moved_offset)
         parts = (moved.rows, moved.growth, moved.spans, variance, moved.lag_noise**2, moved.zero_walk**2, keep, ramp)
         return ReadingsTangent(*(slope(value) for value in (*parts, x0, P0)))
+
+    @property
+    def in_ticks(self) -> bool:
+        """Whether it may move what is said of a tick, and not of its regime alone."""
+        return bool(self._kinds & {Heat, Read, Shift})
+
+    @property
+    def in_regimes(self) -> bool:
+        """Whether it may move what a regime stores and conducts."""
+        return bool(self._kinds & {Store, Chain, Link})
 
     @cached_property
     def _kinds(self) -> set[type]:
