@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.signal import lfilter
 
+from estimator.batch.kernels import coast
 from estimator.batch.nominal import open_loop
 from estimator.batch.trial import Trial
 from estimator.batch.trials import slow_trials_of
@@ -127,7 +127,8 @@ def foretold(laws: Mapping[str, Array], mean_rise: Array, omega: Array, tick_s: 
     out = {}
     for name, (a, c, b) in laws.items():
         drive = (a * mean_rise + c * omega) * tick_s
-        out[name] = lfilter([1.0], [1.0, -np.exp(-max(b, 0.0) * tick_s)], drive)
+        kept = np.full((1, 1, 1), np.exp(-max(b, 0.0) * tick_s))
+        out[name] = coast(kept, np.zeros(len(drive)), drive[:, None], np.zeros(1))[:, 0]
     return out
 
 
