@@ -1,13 +1,14 @@
 """Parameters with which the model alone follows the measurements: least squares on the open-loop run.
 
-    minimise  sum over runs, ticks, channels of w ((y - y_open_loop(p)) / s)^2 / N  +  sum ((p - p0) / sd_prior)^2
+    minimise  sum of lasting misfits^2  +  sum of quick and bodies' misfits^2  +  sum ((p - p0) / sd_prior)^2
 
 The open-loop run never sees a measurement after the start, so that no process noise can hide a misfit. What a misfit
-weighs is told in `sensitivity.objective`: N is the steps of a block. Five seconds a step serve.
+weighs is told in `misfits`. Five seconds a step serve.
 
-With C the curvature of the first sum at the best p, D that of the second, and A = C + D, the errors of p have
+With C and C_o the curvatures of the first two sums at the best p, D that of the last, and A = C + C_o + D, the errors
+of p have
 
-    covariance = A^-1 (few C + D) A^-1
+    covariance = A^-1 (few C + C_o + D) A^-1
 
 `few` is the mean square misfit that is left, over that of a good model: readings say as much less as they are off more.
 """
@@ -20,51 +21,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from estimator.batch.open_loop import measured, open_loop_misfit
-from estimator.batch.trials import slow_trials_of
+from estimator.fit.misfits import Misfits
 from estimator.fit.noise import is_level
 from estimator.fit.prior import prior_of
 from estimator.fit.untold import untold
 from estimator.model import Model
 from estimator.record import Array
-from estimator.sensitivity.objective import good, reading_slope, weights
 from estimator.work import Progress, Runs, silent
 
 LEAST = 0.25  # of `few`: no model is known better than from misfits half as large as a good one's
 LOWER = 0.01  # readings' worth of cost: what lies lower by more, one sd beside an optimum, shows that it is none
-ROUNDS = 3  # of the search, each from the lowest place beside the optimum before
-
-
-class Objective:
-    """Recordings made ready for many open-loop runs."""
-
-    def __init__(self, model: Model, runs: Runs) -> None:
-        self.trials = slow_trials_of(model, runs)
-        weight = weights(self.trials[0].rig)
-        self._scale = good(runs.rig) / np.sqrt(weight)
-        self._weight = sum(float((weight * measured(trial)).sum()) for trial in self.trials)
-
-    def misfit(self, model: Model) -> Array:
-        """All (y - y_open_loop) / s sqrt(w / N), in a row."""
-        posed = [trial.pose(model) for trial in self.trials]
-        return self._flat([open_loop_misfit(trial, each) for trial, each in zip(self.trials, posed, strict=True)])
-
-    def mean_square(self, misfit: Array) -> float:
-        """Of `misfit`, over what a good model leaves."""
-        return float(misfit @ misfit / self._weight)
-
-    def slopes(self, model: Model, paths: Sequence[str]) -> Array:
-        """How each of them moves with each parameter, (misfits, p)."""
-        posed = [trial.pose(model) for trial in self.trials]
-        columns = []
-        for path in paths:
-            pairs = zip(self.trials, posed, strict=True)
-            columns.append(self._flat([-reading_slope(trial, each, model, path) for trial, each in pairs]))
-        return np.array(columns).T
-
-    def _flat(self, parts: Sequence[Array]) -> Array:
-        known = [measured(trial) for trial in self.trials]
-        return np.concatenate([(part / self._scale)[at] for part, at in zip(parts, known, strict=True)])
+ALIKE = 0.1  # a change of the scatter of quick misfits after which it is the same
+ROUNDS = 4  # of the search, each from the lowest place beside the optimum before, or with misfits weighed anew
 
 
 @dataclass(frozen=True)
@@ -88,14 +56,14 @@ class Followed:
 
 def follow(model: Model, runs: Runs, paths: Sequence[str], learned: bool = False) -> Followed:
     """The model with these parameters fitted open loop; `learned`: what it knows of them is their prior, not tables."""
-    objective = Objective(model, runs)
-    levels = tuple(path for path in paths if is_level(path, model, objective.trials))
+    misfits = Misfits(model, runs)
+    levels = tuple(path for path in paths if is_level(path, model, misfits.trials))
     mean = [path for path in paths if path not in levels]
-    left = _left(objective, model, mean, learned)
+    left = _left(misfits, model, mean, learned)
     told = tuple(path for path in mean if path not in left)
     if not told:
         return Followed(model, (), np.zeros((0, 0)), left, levels)
-    search = Search(objective, model, told, runs.progress, learned)
+    search = Search(misfits, model, told, runs.progress, learned)
     search.run()
     return Followed(search.model, told, search.covariance, left, levels, search.converged, search.stopped, search.runs)
 
@@ -105,13 +73,13 @@ class Search:
 
     def __init__(
         self,
-        objective: Objective,
+        misfits: Misfits,
         model: Model,
         paths: Sequence[str],
         progress: Progress = silent,
         learned: bool = False,
     ) -> None:
-        self._objective, self._model, self._paths, self._progress = objective, model, paths, progress
+        self._misfits, self._model, self._paths, self._progress = misfits, model, paths, progress
         params = [model.param(path) for path in paths]
         start = np.array([model[path] for path in paths])
         self._unit = np.array([size(value, p.lo, p.hi) for value, p in zip(start, params, strict=True)])
@@ -128,11 +96,11 @@ class Search:
     @property
     def covariance(self) -> Array:
         """Of the parameters' errors at the best place, (p, p)."""
-        rows, prior = self._objective.slopes(self.model, self._paths), self._root.T @ self._root
-        curvature = rows.T @ rows
-        bread = np.linalg.pinv(curvature + prior, hermitian=True)
-        few = max(self._objective.mean_square(self._objective.misfit(self.model)), LEAST)
-        return np.asarray(bread @ (few * curvature + prior) @ bread)
+        lasting, others = (rows.T @ rows for rows in self._misfits.slopes(self.model, self._paths))
+        known = others + self._root.T @ self._root
+        bread = np.linalg.pinv(lasting + known, hermitian=True)
+        few = max(self._misfits.mean_square(self._misfits.of(self.model)[0]), LEAST)
+        return np.asarray(bread @ (few * lasting + known) @ bread)
 
     def run(self) -> None:
         """Search until no parameter, moved alone by its sd, leads lower."""
@@ -142,11 +110,18 @@ class Search:
                 found = least_squares(
                     self._heard, start, self._slopes, self._bounds, x_scale="jac", xtol=1e-4, ftol=1e-5
                 )
-                self.converged = found.status > 0 and not self._lower_beside()
+                self.converged = found.status > 0 and self._settled() and not self._lower_beside()
                 if self.converged:
                     return
         except KeyboardInterrupt:
             self.stopped = True
+
+    def _settled(self) -> bool:
+        """Weigh quick misfits by what the best place leaves of them; whether that is what they were weighed by."""
+        changed = self._misfits.weigh(self.model)
+        self._least = np.inf
+        self._residual(self.best)
+        return changed < ALIKE
 
     def _lower_beside(self) -> bool:
         """Look one sd to each side of the best place; whether it was none."""
@@ -165,21 +140,20 @@ class Search:
     def _heard(self, scaled: Array) -> Array:
         rest = self._residual(scaled)
         self.runs += 1
-        misfit = np.sqrt(self._objective.mean_square(rest[: -len(scaled)]))
-        self._progress(f"open loop, run {self.runs}: misfit {misfit:.3f}", self.runs)
+        self._progress(f"open loop, run {self.runs}: misfit {self._off:.3f}", self.runs)
         return rest
 
     def _residual(self, scaled: Array) -> Array:
         """All misfits, then how far each parameter is from its prior's middle."""
-        off = self._root @ (scaled * self._unit - self._middle)
-        rest = np.append(self._objective.misfit(self._at(scaled)), off)
+        lasting, others = self._misfits.of(self._at(scaled))
+        self._off = np.sqrt(self._misfits.mean_square(lasting))
+        rest = np.concatenate([lasting, others, self._root @ (scaled * self._unit - self._middle)])
         if rest @ rest < self._least:
             self.best, self._least = scaled.copy(), float(rest @ rest)
         return rest
 
     def _slopes(self, scaled: Array) -> Array:
-        rows = self._objective.slopes(self._at(scaled), self._paths)
-        return np.vstack([rows, self._root]) * self._unit
+        return np.vstack([*self._misfits.slopes(self._at(scaled), self._paths), self._root]) * self._unit
 
 
 def size(value: float, lo: float, hi: float) -> float:
@@ -187,14 +161,14 @@ def size(value: float, lo: float, hi: float) -> float:
     return abs(value) if value else min(1.0, 0.1 * (hi - lo))
 
 
-def _left(objective: Objective, model: Model, paths: Sequence[str], learned: bool) -> dict[str, str]:
+def _left(misfits: Misfits, model: Model, paths: Sequence[str], learned: bool) -> dict[str, str]:
     """Parameters to leave where they are: without influence, or without a prior and like others without one.
 
     Where a prior is, it decides what readings cannot.
     """
     if not paths:
         return {}
-    slopes = objective.slopes(model, paths)
+    slopes = np.vstack(misfits.slopes(model, paths))
     prior = prior_of(model, paths, learned)[1]
     loose = [i for i in range(len(paths)) if not (prior[:, i].any() and slopes[:, i].any())]
     return untold(slopes[:, loose], [paths[i] for i in loose])

@@ -17,17 +17,19 @@ from estimator.state.tangent import ReadingsTangent
 
 @dataclass(frozen=True)
 class NominalColumn:
-    """How the open-loop run moves with one parameter: reading (T, m) of each channel, growth of the span (T,)."""
+    """How the open-loop run moves with one parameter: reading (T, m) of each channel, growth of the span (T,), states
+    z (T, n)."""
 
     reading: Array
     grown: Array
+    z: Array
 
 
 def nominal_column(trial: Trial, posed: Posed, moved: Tangent) -> NominalColumn:
     """Take a tangent through the open-loop run."""
     system, run = posed.system, posed.run
     if not moved.moves_states and moved.readings is None:
-        return NominalColumn(moved.offset, np.zeros(len(moved.offset)))
+        return NominalColumn(moved.offset, np.zeros(len(moved.offset)), np.zeros_like(posed.heat))
     b, F = _states(trial, posed, moved)
     readings = moved.readings or _none(posed)
     z0 = readings.x0[posed.state.temperatures]
@@ -39,7 +41,7 @@ def nominal_column(trial: Trial, posed: Posed, moved: Tangent) -> NominalColumn:
     lagged = lagging(keep, ramp, spot, pushed)
     late = -np.diff(spot, axis=0) * run.late_share
     grown = (z[1:] - z[0]) @ run.growth + (run.z[1:] - run.z[0]) @ readings.growth
-    return NominalColumn(moved.offset + lagged + late + posed.state.channel_zeros(readings.x0), grown)
+    return NominalColumn(moved.offset + lagged + late + posed.state.channel_zeros(readings.x0), grown, z[1:])
 
 
 def _states(trial: Trial, posed: Posed, moved: Tangent) -> tuple[Array, Array]:

@@ -17,7 +17,8 @@ from estimator.batch.trial import Trial
 from estimator.effect import Effect, Param
 from estimator.errors import InputError, SetupError
 from estimator.fit.fit import fit
-from estimator.fit.open_loop_fit import LEAST, Objective, follow
+from estimator.fit.misfits import Misfits
+from estimator.fit.open_loop_fit import LEAST, Search, follow
 from estimator.model import Prior, Value
 from estimator.terms import Heat
 from estimator.work import Runs
@@ -108,16 +109,19 @@ def test_the_fitted_model_knows_what_it_was_fitted_to(found, rig, lived, full):
 
 
 def test_the_fitted_model_knows_how_well_it_is_known(found, rig, lived, full):
-    """The covariance of the least squares: at the ends of its long and of its short axes the misfit is as much more."""
+    """The covariance of the least squares: at the ends of its axes misfits are as much more as it says, together."""
     doubts, paths = found.model.doubts, list(TRUE)
     assert list(doubts.paths) == paths
     np.testing.assert_allclose(np.sqrt(np.diag(doubts.covariance)), [f.sd for f in found.parameters])
-    objective = Objective(full, Runs(rig, [lived]))
-    few = max(objective.mean_square(rest := objective.misfit(found.model)), LEAST)
+    misfits, more = Misfits(found.model, Runs(rig, [lived])), 0.0
+    rest = misfits.of(found.model)
     for way in np.linalg.cholesky(doubts.covariance).T:
         there = {p: found.model[p] + d for p, d in zip(paths, way, strict=True)}
-        more = objective.misfit(found.model.with_values(there))
-        assert more @ more - rest @ rest == pytest.approx(few, rel=0.15)
+        for now, best in zip(misfits.of(found.model.with_values(there)), rest, strict=True):
+            more += now @ now - best @ best
+    lasting, others = (rows.T @ rows for rows in misfits.slopes(found.model, paths))
+    few = max(misfits.mean_square(rest[0]), LEAST)
+    assert more == pytest.approx(np.trace(np.linalg.solve(lasting + others, few * lasting + others)), rel=0.15)
 
 
 def test_a_parameter_stops_at_its_bound_and_says_so(rig, full, lived, drive, live):
@@ -129,18 +133,20 @@ def test_a_parameter_stops_at_its_bound_and_says_so(rig, full, lived, drive, liv
 
 @pytest.mark.parametrize("rise", [1.0, 50.0])
 def test_a_prior_pulls_as_much_as_the_data_leave_open(rise, rig, full, driven, live):
-    """The data say 0.9 um/K, the table 0.3 +- 0.15; readings have 0.2 um, and 120 steps of 5 s count as one.
-
-    At rest, so that nothing else can be off.
-    """
-    probe = np.linspace(0, rise, 400)
+    """The data say 0.9 um/K, the table 0.3 +- 0.15. At rest, so that nothing else can be off."""
+    path, probe = "displacement.probe", np.linspace(0, rise, 400)
     rest = driven(rig, 400, (400, 400))
     warm = replace(rest, inputs={**rest.inputs, "probe": 22 + probe})
-    recording = live(full.with_values({"displacement.probe": 0.9}), rig, warm).recording
-    found = follow(full, Runs(rig, [recording]), ["displacement.probe"]).model["displacement.probe"]
-    steps = probe.reshape(80, 5).mean(axis=1)[1:]  # the first is the start
-    data, prior = len(steps) * steps.var() / 0.2**2 / 120, 1 / 0.15**2
-    assert found == pytest.approx((data * 0.9 + prior * 0.3) / (data + prior), abs=0.0005)
+    recording = live(full.with_values({path: 0.9}), rig, warm, seed=2).recording
+    found = follow(full, Runs(rig, [recording]), [path]).model
+    misfits = Misfits(found, Runs(rig, [recording]))
+    true = np.concatenate(misfits.of(full.with_values({path: 0.9})))
+    slope = np.concatenate(misfits.slopes(found, [path]))[:, 0]
+    data, prior = slope @ slope, 1 / 0.15**2
+    said = 0.9 - slope @ true / data
+    assert found[path] == pytest.approx(
+        (data * said + prior * 0.3) / (data + prior), abs=0.004
+    )  # weights are ten % near
 
 
 def test_each_evaluation_is_told(rig, full, lived):
@@ -161,7 +167,8 @@ def test_a_search_goes_on_where_it_is_lower_beside_its_end(rig, full, lived):
         ends.append(real(*args, **options | ({"max_nfev": 1} if not ends else {})))
         return OptimizeResult(ends[-1], status=1)
 
-    with mock.patch("estimator.fit.open_loop_fit.least_squares", short):
+    settled = mock.patch.object(Search, "_settled", return_value=True)
+    with mock.patch("estimator.fit.open_loop_fit.least_squares", short), settled:
         found = follow(only(full, *free), runs, free)
     assert len(ends) == 2
     assert found.converged

@@ -1,0 +1,112 @@
+"""Open-loop misfits of some recordings, all in a row as least squares take them.
+
+    lasting   (y - y_open_loop) / s sqrt(w / N)
+    quick     q(y - y_open_loop) / s_q sqrt(w / N_q)         q(v) = v - mean of v, older ones less by exp(-age / 2 min)
+    bodies    C^-1/2 (T_shown - T_body) / sqrt(N)            of bodies that have a thermometer (`bodies`)
+
+What a misfit weighs is told in `sensitivity.objective`: N is the steps of a block. That stands for errors which last as
+long; a lag, or how far heat has come a minute after it began, would be known no better than these. What a running mean
+of two minutes leaves is mostly the scatter of the sensors, and after the two minutes, N_q steps, it is another: s_q is
+what a model at hand leaves of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.signal import lfilter
+
+from estimator.batch.open_loop import measured, open_loop_misfit, where_measured
+from estimator.batch.trial import Posed, Trial
+from estimator.batch.trials import slow_trials_of
+from estimator.fit.bodies import Lumps, body_misfit, body_slope, shown
+from estimator.model import Model
+from estimator.record import Array
+from estimator.sensitivity.objective import BLOCK_S, good, weights
+from estimator.sensitivity.sensitivity import nominal_column
+from estimator.sensitivity.tangent import tangent
+from estimator.work import Runs
+
+MEMORY_S = 120.0
+
+Parts = Sequence[tuple[Array, Array]]  # of each recording, (T, m) of the channels and (T, bodies), NaN: not measured
+
+
+class Misfits:
+    """Recordings made ready for many open-loop runs."""
+
+    def __init__(self, model: Model, runs: Runs) -> None:
+        self.trials = slow_trials_of(model, runs)
+        tick_s, weight = self.trials[0].rig.tick_s, weights(self.trials[0].rig)
+        self._lasting, self._quick = np.sqrt(weight) / good(runs.rig), np.sqrt(weight * BLOCK_S / MEMORY_S)
+        self._steps, self._keep = BLOCK_S / tick_s, np.exp(-tick_s / MEMORY_S)
+        self._weight = sum(float((weight * measured(trial)).sum()) for trial in self.trials)
+        self._shown = np.vstack([shown(trial, trial.pose(model)) for trial in self.trials])
+        self._scatter, self._lumps = np.ones(len(weight)), Lumps(self._shown, np.zeros_like(self._shown), self._steps)
+        self.weigh(model)
+
+    def weigh(self, model: Model) -> float:
+        """Set s_q of thermometers, and of each other channel, and s of each body to what this model leaves.
+
+        Returns the largest share by which one of them has changed.
+        """
+        channels, bodies = zip(*self._parts(model), strict=True)
+        quick, heat = self._each_quick(channels), self.trials[0].rig.is_thermometer
+        before = np.append(self._scatter, self._lumps.sd_K)
+        self._scatter = np.array([_rms(quick[:, heat if alike else i]) for i, alike in enumerate(heat)])
+        self._lumps = Lumps(self._shown, np.vstack(bodies), self._steps)
+        return float(np.max(np.abs(np.append(self._scatter, self._lumps.sd_K) / before - 1.0)))
+
+    def of(self, model: Model) -> tuple[Array, Array]:
+        """The lasting misfits of all recordings in a row, and all others."""
+        return self._rows(self._parts(model))
+
+    def slopes(self, model: Model, paths: Sequence[str]) -> tuple[Array, Array]:
+        """How these move with each parameter, (misfits, p) each."""
+        posed = [trial.pose(model) for trial in self.trials]
+        pairs = list(zip(self.trials, posed, strict=True))
+        found = [self._rows([_slope(*pair, model, path) for pair in pairs]) for path in paths]
+        lasting, others = zip(*found, strict=True)
+        return np.array(lasting).T, np.array(others).T
+
+    def mean_square(self, lasting: Array) -> float:
+        """Of lasting misfits, over what a good model leaves."""
+        return float(lasting @ lasting / self._weight)
+
+    def _parts(self, model: Model) -> Parts:
+        posed = [(trial, trial.pose(model)) for trial in self.trials]
+        return [(open_loop_misfit(*each), body_misfit(*each)) for each in posed]
+
+    def _rows(self, parts: Parts) -> tuple[Array, Array]:
+        channels, bodies = zip(*parts, strict=True)
+        quick = self._each_quick(channels) * (self._quick / self._scatter)
+        others = np.append(_known(quick), self._lumps.white(np.vstack(bodies)))
+        return _known(np.vstack(channels) * self._lasting), others
+
+    def _each_quick(self, channels: Sequence[Array]) -> Array:
+        """What a running mean leaves of the misfits of each recording, one after the other."""
+        return np.vstack([each - _running_mean(each, self._keep) for each in channels])
+
+
+def _slope(trial: Trial, posed: Posed, model: Model, path: str) -> tuple[Array, Array]:
+    """What a step of a parameter takes off the misfits of a recording."""
+    column = nominal_column(trial, posed, tangent(trial, posed, model, path))
+    return -where_measured(column.reading, trial), -body_slope(column.z, trial, posed)
+
+
+def _running_mean(values: Array, keep: float) -> Array:
+    """Of each column's finite values up to each row, every row before weighing less by `keep`; 0 before the first."""
+    known = np.isfinite(values)
+    total, count = (lfilter([1.0], [1.0, -keep], each, axis=0) for each in (np.nan_to_num(values), known.astype(float)))
+    return np.asarray(total / np.where(count > 0.0, count, 1.0))
+
+
+def _known(values: Array) -> Array:
+    return np.asarray(values[np.isfinite(values)])
+
+
+def _rms(values: Array) -> float:
+    """Of what is known; 1 where nothing is, or nothing is left."""
+    known = _known(values)
+    return (float(np.sqrt((known**2).mean())) if len(known) else 0.0) or 1.0
