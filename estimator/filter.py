@@ -23,8 +23,9 @@ from estimator.network.discretise import Transition
 from estimator.network.forcing import Drive
 from estimator.record import Array, Recording, Sample, collect
 from estimator.rig import Rig
-from estimator.state.doubt import Course, Doubt
+from estimator.state.doubt import Doubt
 from estimator.state.gate import Innovation, Mute, unmuted
+from estimator.state.moves import Course, Moves
 from estimator.state.report import Estimates, Reporter
 from estimator.state.run import Run, begin, variances
 from estimator.step import Step, Track
@@ -61,6 +62,7 @@ class Filter:
         if self.run is not None:
             self.run = self.run.by(model)
             self._doubt: Doubt = self._doubt.by(self.run)
+            self._judge.by_another_model()
             self._transitions.clear()
         self.model = model
 
@@ -84,16 +86,14 @@ class Filter:
         H, d = run.state.rows(grown_um), offset + alone.lag + alone.late(sample.ages_s)
         predicted, sd = H @ self.x + d, np.sqrt(variances(H, self.P) + R)
         compared = Innovation(predicted, sample.channels - predicted, sd)
-        judged = self._judge.judge(seen(sample, compared, alone.reading + offset, muted))
+        moves = self._doubt.ahead(drive, ticks, self._course(sample, before, grown_um))
+        judged = self._judge.judge(seen(sample, compared, alone.reading + offset, muted, moves))
         if judged.anew:
             return self._begin(rows)
         fault = judged.fault[0]
         fuse = compared.usable & ~muted & (fault == Fault.NONE)
         nis, gain = self._update(sample.channels - d, fuse, H, R)
-        late_share = np.clip(sample.ages_s / self.rig.tick_s, 0.0, 1.0)[None]
-        z, spot, lagged = (np.stack(pair) for pair in zip(before, alone.now, strict=True))
-        course = Course(z, spot, lagged, np.array([grown_um]), late_share)
-        doubt = self._doubt.advance(drive, ticks, course, gain[None])
+        doubt = self._doubt.behind(moves, gain[None])
         self.P = self._filterpy.P = run.state.judged(self.P, judged)
         estimates = Estimates.of_tick(
             x=self.x,
@@ -112,6 +112,12 @@ class Filter:
             doubt_um=doubt.elongation[0],
         )
         return self._reporter.track(rows, estimates).step(0, compared.why(fault, muted))
+
+    def _course(self, sample: Sample, before: tuple[Array, Array, Array], grown_um: float) -> Course:
+        """The open-loop run over the tick that has just been predicted."""
+        late_share = np.clip(sample.ages_s / self.rig.tick_s, 0.0, 1.0)[None]
+        z, spot, lagged = (np.stack(pair) for pair in zip(before, self._open_loop.now, strict=True))
+        return Course(z, spot, lagged, np.array([grown_um]), late_share)
 
     def _predict(self, run: Run, regime: int, heat: Array) -> None:
         self._open_loop.step(run.forcing.transition(regime), heat)
@@ -145,7 +151,7 @@ class Filter:
         return kf
 
 
-def seen(sample: Sample, compared: Innovation, alone: Array, muted: Array) -> Seen:
+def seen(sample: Sample, compared: Innovation, alone: Array, muted: Array, moves: Moves) -> Seen:
     """What the judge is shown of one tick."""
-    rows = (sample.channels, compared.value, compared.sd, alone, muted)
-    return Seen(np.array([sample.time_s]), *(row[None] for row in rows))
+    reading, value, sd = sample.channels, compared.value, compared.sd
+    return Seen(np.array([sample.time_s]), reading[None], value[None], sd[None], alone[None], muted[None], moves.doubt)

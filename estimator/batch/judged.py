@@ -10,10 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.batch import batch
+from estimator.batch.ahead import Ahead
 from estimator.batch.system import Chunk, System
 from estimator.faults.fault import Fault, Judgement, Seen
 from estimator.faults.judge import Judge
 from estimator.record import Array
+from estimator.state.moves import Moves
 from estimator.state.state import State
 
 SHORTEST, LONGEST = 4, 256  # ticks of a stretch
@@ -21,18 +23,22 @@ SHORTEST, LONGEST = 4, 256  # ticks of a stretch
 
 @dataclass(frozen=True)
 class Readings:
-    """What a judge needs beside the filter: time (T,); of channels, (T, m): reading, by the model alone, muted."""
+    """What a judge needs beside the filter: time (T,); of channels, (T, m): reading, by the model alone, muted.
+
+    ahead  how the latter move with what the model's parameters may be off by
+    """
 
     time_s: Array
     reading: Array
     alone: Array
     muted: Array
+    ahead: Ahead
 
-    def seen(self, system: System, chunk: Chunk) -> Seen:
+    def seen(self, system: System, chunk: Chunk, moves: Moves) -> Seen:
         """A chunk's ticks as the judge is shown them."""
         at = chunk.ticks
         value = system.y[at] - chunk.predicted
-        return Seen(self.time_s[at], self.reading[at], value, chunk.sd, self.alone[at], self.muted[at])
+        return Seen(self.time_s[at], self.reading[at], value, chunk.sd, self.alone[at], self.muted[at], moves.doubt)
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,7 @@ class Judged:
 
     chunk: Chunk
     judgement: Judgement
+    moves: Moves
 
 
 def judged(system: System, readings: Readings, judge: Judge, state: State) -> Iterator[Judged]:
@@ -49,10 +56,11 @@ def judged(system: System, readings: Readings, judge: Judge, state: State) -> It
     while at < len(system.y):
         ticks = slice(at, min(at + length, len(system.y)))
         chunk = batch.filtered(system, ticks, system.data.use[ticks] & judge.well, start)
-        judgement = judge.judge(readings.seen(system, chunk))
+        moves = readings.ahead.rows(ticks)
+        judgement = judge.judge(readings.seen(system, chunk, moves))
         K = len(judgement.fault)
         chunk = _as_judged(system, chunk.rows(slice(0, K)), judgement, start)
-        yield Judged(chunk, judgement)
+        yield Judged(chunk, judgement, moves.rows(slice(0, K)))
         if judgement.anew:
             return
         x, P = chunk.last

@@ -20,7 +20,7 @@ long as an array lies in one piece and is not transposed. Loops are spelled out:
 numba seconds to compile. What a tick works on is allocated once (Now, Carry): an allocation costs as much as a reading.
 
 All kernels stay in one module: numba's cache does not notice that a compiled function of another file has changed. What
-only has to be compiled here, `doubt.carried`, calls none.
+only have to be compiled here, `carried` and `followed` of state/moves.py, call none.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ import numpy as np
 from numba import njit
 
 from estimator.record import Array
-from estimator.state import doubt
+from estimator.state import moves
 
 LOG_2PI = float(np.log(2.0 * np.pi))
 VECTOR = 8  # numbers that the processor works on at once: rows of P are filled up to whole vectors
@@ -476,12 +476,22 @@ def coast(F: Array, regime: Array, b: Array, start: Array) -> Array:
     return _coast(F, np.require(regime, np.int64, ["C", "W"]), b, start)
 
 
-_carried = kernel(doubt.carried)
+_carried, _followed = kernel(moves.carried), kernel(moves.followed)
 
 
-def carried(*arrays: Array) -> doubt.Carried:
-    """What `doubt.carried` does, compiled."""
+def carried(*arrays: Array) -> moves.Carried:
+    """What `moves.carried` does, compiled."""
+    done: moves.Carried = _carried(*_of_kind(arrays))
+    return done
+
+
+def followed(*arrays: Array) -> Array:
+    """What `moves.followed` does, compiled."""
+    return np.asarray(_followed(*_of_kind(arrays)))
+
+
+def _of_kind(arrays: tuple[Array, ...]) -> list[Array]:
+    """Arrays as a kernel takes them; the second says in which regime each tick is."""
     regime = 1
     kinds = [np.int64 if k == regime else np.float64 for k in range(len(arrays))]
-    done: doubt.Carried = _carried(*(np.require(a, kind, ["C", "W"]) for a, kind in zip(arrays, kinds, strict=True)))
-    return done
+    return [np.require(a, kind, ["C", "W"]) for a, kind in zip(arrays, kinds, strict=True)]

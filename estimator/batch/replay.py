@@ -12,15 +12,14 @@ import numpy as np
 
 from estimator.batch import batch
 from estimator.batch.judged import Judged
-from estimator.batch.kernels import carried
 from estimator.batch.system import Chunk
 from estimator.batch.trial import Posed, Trial
 from estimator.model import Model
-from estimator.network.forcing import Ticks
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.state.doubt import Course, Doubt, Doubtful
+from estimator.state.doubt import Doubt
 from estimator.state.gate import Mute, unmuted
+from estimator.state.moves import Doubtful, Moves
 from estimator.state.report import Estimates, Reporter
 from estimator.state.run import Run, begin
 from estimator.step import Track
@@ -78,8 +77,8 @@ class Replay:
         trial = Trial(self._model, self._rig, self._recording, self._mute, gated=False, since=at)
         posed = self._posed = trial.pose(self._model)
         self._jumped, self._doubt_um2 = np.zeros_like(trial.rest.channels), []
-        doubt = Doubt(replace(trial.run, forcing=posed.forcing), carried)
-        for part in trial.filtered(posed):
+        doubt = trial.doubt(posed)
+        for part in trial.filtered(posed, doubt):
             judgement, ticks = part.judgement, part.chunk.ticks
             for rows, estimates in _estimates(trial, posed, part, doubt):
                 self._doubt_um2.append((estimates.doubt_um**2).sum(axis=1))
@@ -113,7 +112,7 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
     for k in range(0, last - chunk.ticks.start, ROWS):
         at = slice(chunk.ticks.start + k, min(chunk.ticks.start + k + ROWS, last))
         some = slice(k, k + at.stop - at.start)
-        doubtful = _doubtful(trial, posed, part.chunk.rows(some), doubt)
+        doubtful = _doubtful(posed, chunk.rows(some), part.moves.rows(some), doubt)
         estimates = Estimates(
             x=chunk.x[some],
             P=chunk.P[some],
@@ -133,13 +132,9 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
         yield at, estimates
 
 
-def _doubtful(trial: Trial, posed: Posed, chunk: Chunk, doubt: Doubt) -> Doubtful:
+def _doubtful(posed: Posed, chunk: Chunk, moves: Moves, doubt: Doubt) -> Doubtful:
     """What some ticks are off by, next in order of time; the gain follows from what was found: K = P H' R^-1."""
-    at, system, run = chunk.ticks, posed.system, posed.run
-    after, ends = slice(at.start + 1, at.stop + 1), slice(at.start, at.stop + 1)
-    ticks = Ticks(system.regime[at], posed.heat[at], posed.offset[after], posed.outside[at])
-    lagged = np.vstack([run.spot[:1], run.lagged])[ends]
-    course = Course(run.z[ends], run.spot[ends], lagged, run.grown[at], run.late_share[at])
+    at, system = chunk.ticks, posed.system
     PH = chunk.P @ system.H.T + chunk.P[:, :, system.column, None] * (system.grown[at, None, None] * system.spans)
     inverse = np.divide(1.0, system.R[at], out=np.zeros_like(system.R[at]), where=chunk.fused)
-    return doubt.advance(trial.drive.rows(after), ticks, course, PH * inverse[:, None, :])
+    return doubt.behind(moves, PH * inverse[:, None, :])

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.batch import batch
+from estimator.batch.ahead import Ahead
 from estimator.batch.judged import Judged, Readings, judged
+from estimator.batch.kernels import carried, followed
 from estimator.batch.nominal import Nominal, nominal
 from estimator.batch.system import System
 from estimator.errors import InputError
@@ -19,6 +21,7 @@ from estimator.model import Model
 from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording
 from estimator.rig import Rig
+from estimator.state.doubt import Doubt
 from estimator.state.gate import Mute, unmuted
 from estimator.state.run import begin
 from estimator.state.state import State
@@ -115,7 +118,7 @@ class Trial:
         What drifts as it would next to heat that the model lacks is not left out: else nobody would find that heat.
         """
         posed, side = self.pose(model), np.zeros(len(self.rig.names))
-        for part in self.filtered(posed):
+        for part in self.filtered(posed, self.doubt(posed)):
             judgement, at = part.judgement, part.chunk.ticks
             if judgement.anew:
                 self._begin(model, mute, since=self.begin + at.stop - 1)
@@ -191,10 +194,18 @@ class Trial:
         )
         return Posed(forcing, state, ticks.heat[1:], ticks.outside[1:], ticks.offset, run, system)
 
-    def filtered(self, posed: Posed) -> Iterator[Judged]:
-        """The ticks after the first as the filter leaves them, by the judge that the online filter has."""
+    def doubt(self, posed: Posed) -> Doubt:
+        """What doubtful parameters make of the run, from its first sample on."""
+        return Doubt(replace(self.run, forcing=posed.forcing), (carried, followed))
+
+    def filtered(self, posed: Posed, doubt: Doubt) -> Iterator[Judged]:
+        """The ticks after the first as the filter leaves them, by the judge that the online filter has.
+
+        `doubt` is carried ahead of the filter; whoever needs it behind it has to do that part after part.
+        """
         alone = posed.run.lagged + posed.offset[1:]
-        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted)
+        ahead = Ahead(doubt, posed.system, posed.run, self.drive, (posed.heat, posed.offset, posed.outside))
+        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, ahead)
         return judged(posed.system, readings, self.run.judge(), posed.state)
 
     def loglike(self, model: Model) -> float:

@@ -55,6 +55,7 @@ class Seen:
     value    (K, m) innovation;   sd  (K, m) of it, inf: no model
     alone    (K, m) reading by the model alone
     muted    (K, m) bool
+    doubt    (K, m, p) what the model alone may be off by, per standard normal error of its parameters
     """
 
     time_s: Array
@@ -63,6 +64,7 @@ class Seen:
     sd: Array
     alone: Array
     muted: Array
+    doubt: Array
 
     def first(self, ticks: int) -> Seen:
         """The first of the ticks."""

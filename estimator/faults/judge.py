@@ -39,7 +39,7 @@ class Judge:
         m, self._heat, self._begun_s, self._begun_with = len(noise), rig.is_thermometer, begun_s, begun_with
         places = [np.nan if channel.at_mm is None else channel.at_mm for channel in rig.channels.values()]
         self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s), Standstill(m)
-        self._neighbours = Neighbours(np.array(places, dtype=float), rig.tick_s)
+        self._neighbours = Neighbours(np.array(places, dtype=float), noise, rig.tick_s)
         self._suspects, self._recovery = Suspects(m, begun_with), Recovery(m)
         self.fault, self.since_s = np.zeros(m, dtype=np.int8), np.full(m, np.nan)
         self._silent_ticks = np.where(self._heat, SILENT_TICKS, max(SILENT_TICKS, SILENT_LENGTH_S / rig.tick_s))
@@ -86,6 +86,10 @@ class Judge:
         if jump is not None:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
         return Judgement(fault, since_s, jump, drift, anew)
+
+    def by_another_model(self) -> None:
+        """Go on with what another model says of the readings."""
+        self._neighbours.forget_all()
 
     def _quiet(self, seen: Seen, jumps: Deviations, repeats: Array, progress: Progress) -> int:
         """How many ticks there are up to the first in which something happens; one while a channel is being judged."""

@@ -1,44 +1,75 @@
-"""Thermometers that leave their neighbours slowly, while model and filter follow them.
+"""Thermometers that leave model and neighbours slowly, while the filter follows them.
 
-    d      reading less model alone, mean over 30 s;    c  by how much d has changed within 2, 5 or 10 minutes
-    r      c less what the other thermometers' c say of it, by a Gaussian process along the screw
-    limit  floor + 1.3 rough + 7 others
+    c      by how much reading less model alone has changed within one to ten minutes, means over 30 s
+    r      what neither doubtful parameters nor the other thermometers explain of it, with its sd (outlier.py)
+    limit  (7 + 4 ln s) sd + 0.4 s rough + 8 beside
+    s      how many times worse the model is than it says, forgotten within minutes
     rough  how much the model alone has gone up and down in that time beside what its neighbours say of it: where that
            is rough, a model that is wrong is rough too
-    others the 0.8 quantile of the other thermometers' |r|, found without this one; forgotten within minutes
+    beside what the next thermometers leave unexplained beyond 2 sd, found without this one; forgotten within minutes:
+           heat that the model lacks moves them too
 
-r of all is inverse(C) c over the diagonal of inverse(C) (Rasmussen and Williams 2006, 5.12). The one that is off by
-most sd is tested, by those that are left without the next one: two that fail together do not hide each other.
+The one that is off by most sd is tested, by those that are left without the next one: two that fail together do not
+hide each other.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
 from estimator.faults.fault import Seen
+from estimator.faults.outlier import SCALES, Unexplained, unexplained
 from estimator.record import Array
 
 BLOCK_S = 10.0
 MEAN = 3  # blocks in a mean
-WINDOWS = ((14, 0.04), (32, 0.053), (62, 0.067))  # blocks, and the floor of each in K
-ALIKE_MM, COMMON_K, SMOOTH_K, SINGLE_K = 250.0, 5.0, 1.0, 0.05  # of c along the screw
-OTHERS, QUANTILE, KEPT = 7.0, 0.8, 0.9
-ROUGH = 1.3
+WINDOWS = (6, 14, 32, 62)  # blocks
+ALIKE_MM, COMMON_K, SMOOTH_K, SINGLE_K = 250.0, 5.0, 0.01, 0.003  # of c along the screw; the last two in two minutes
+TWO_MINUTES = 12  # blocks
+SURE, WORSE, ROUGH, BESIDE, USUAL = 7.0, 4.0, 0.4, 8.0, 2.0
+KEPT, KEPT_SCALE = 0.9, 0.95  # of what the last block has shown
 IN_A_ROW = 3  # blocks at whose end the same one has to fail
 FEWEST = 5  # thermometers, of which one can be told from the others
+ROUGH_SINGLE_K = 0.05  # of what the model alone changes by, beside 1 K that is alike along the screw
+AS_IT_IS = np.ones(1)  # the scale of a model that is as good as it says
+NOBODY = -1, 0.0, 1.0
 
 
 @dataclass
 class Block:
-    """Sums over the ticks of a block, (m,)."""
+    """Sums over the ticks of a block, (m, ...)."""
 
-    ticks: int
+    ticks: int = 0
+    difference: Array | float = 0.0
+    alone: Array | float = 0.0
+    doubt: Array | float = 0.0
+
+
+@dataclass(frozen=True)
+class Means:
+    """Over a block, (m, ...): reading less model alone, how that moves with doubts; how rough the model has been."""
+
     difference: Array
-    alone: Array
+    doubt: Array
+    rough: Array
+
+
+@dataclass(frozen=True)
+class Change:
+    """Of reading less model alone over a window, (m,) K, with what explains it, (m, m); and rough (m,) K."""
+
+    value: Array
+    model: Array
+    scatter: Array
+    rough: Array
+
+    def of(self, some: Array, scales: Array) -> Unexplained:
+        """What some of them leave of each other unexplained."""
+        both = np.ix_(some, some)
+        return unexplained(self.value[some], self.model[both], self.scatter[both], scales)
 
 
 class Neighbours:
@@ -47,18 +78,17 @@ class Neighbours:
     departed_K  how far the one found last had departed from the others
     """
 
-    def __init__(self, x_mm: Array, tick_s: float) -> None:
-        """x_mm (m,) places along the screw, NaN: a channel without neighbours."""
-        self._placed, self._length = np.isfinite(x_mm), max(1, round(BLOCK_S / tick_s))
-        x = np.where(self._placed, x_mm, 0.0)
-        alike = np.exp(-0.5 * ((x[:, None] - x) / ALIKE_MM) ** 2)
-        self._C = COMMON_K**2 + SMOOTH_K**2 * alike + SINGLE_K**2 * np.eye(len(x))
-        self._past: deque[tuple[Array, Array]] = deque(maxlen=WINDOWS[-1][0] + MEAN)  # d and roughness of each block
-        self._alone = np.full(len(x), np.nan)  # of the last block
-        self._others = np.zeros(len(WINDOWS))
+    def __init__(self, x_mm: Array, noise: Array, tick_s: float) -> None:
+        """x_mm (m,) places along the screw, NaN: a channel without neighbours; noise (m,) sd of each reading."""
+        self._x, self._length = x_mm, max(1, round(BLOCK_S / tick_s))
+        self._scatter = COMMON_K**2 + np.diag(2.0 * noise**2 / (MEAN * self._length))
+        self._alike = np.exp(-0.5 * ((x_mm[:, None] - x_mm) / ALIKE_MM) ** 2)
+        self._past: deque[Means] = deque(maxlen=WINDOWS[-1] + MEAN)
+        self._alone = np.full(len(x_mm), np.nan)  # of the last block
+        self._beside = np.zeros((len(WINDOWS), len(x_mm)))
+        self._scale = np.ones(len(WINDOWS))
         self._failed, self._times, self.departed_K = -1, 0, 0.0
-        self._block = self._empty()
-        self._inverse = lru_cache(maxsize=64)(self._inverted)
+        self._block = Block()
 
     def add(self, seen: Seen, asked: Array) -> tuple[int, int | None]:
         """Take ticks up to the first at which a channel is found to drift: how many were taken, and which one it is.
@@ -70,6 +100,7 @@ class Neighbours:
             some = slice(k, min(k + self._length - block.ticks, K))
             block.difference += np.where(asked, seen.reading[some] - seen.alone[some], np.nan).sum(axis=0)
             block.alone += seen.alone[some].sum(axis=0)
+            block.doubt += seen.doubt[some].sum(axis=0)
             block.ticks, k = block.ticks + some.stop - some.start, some.stop
             if block.ticks == self._length:
                 if (found := self._close(block)) is not None:
@@ -79,61 +110,80 @@ class Neighbours:
 
     def forget(self, i: int) -> None:
         """Channel i has another zero from now on."""
-        for difference, _ in self._past:
-            difference[i] = np.nan
-        self._block.difference[i] = np.nan
+        for means in self._past:
+            means.difference[i] = np.nan
+        self._block.difference = np.where(np.arange(len(self._x)) == i, np.nan, self._block.difference)
 
-    def _empty(self) -> Block:
-        return Block(0, np.zeros(len(self._C)), np.zeros(len(self._C)))
+    def forget_all(self) -> None:
+        """What has been seen says nothing any more: the model is another one."""
+        self._past.clear()
+        self._block = Block()
 
     def _close(self, block: Block) -> int | None:
         """The end of a block: which channel has failed often enough."""
-        alone = block.alone / block.ticks
-        rough = np.zeros_like(alone)
-        rough[self._placed] = self._left_out(alone - self._alone, np.flatnonzero(self._placed))[0]
-        self._past.append((block.difference / block.ticks, np.nan_to_num(rough)))
-        self._alone, self._block = alone, self._empty()
+        alone = np.asarray(block.alone / block.ticks)
+        difference, doubt = np.asarray(block.difference / block.ticks), np.asarray(block.doubt / block.ticks)
+        self._past.append(Means(difference, doubt, self._rough(alone - self._alone)))
+        self._alone, self._block = alone, Block()
         worst = self._worst()
         self._times = self._times + 1 if worst >= 0 and worst == self._failed else 1
         self._failed = worst
         return worst if worst >= 0 and self._times >= IN_A_ROW else None
 
+    def _rough(self, change: Array) -> Array:
+        """How far the model alone has changed beside what it says of the neighbours, (m,) K."""
+        rough, at = np.zeros(len(change)), np.flatnonzero(np.isfinite(self._x + change))
+        if len(at):
+            own = COMMON_K**2 + ROUGH_SINGLE_K**2 * np.eye(len(at))
+            rough[at] = np.abs(unexplained(change[at], self._alike[np.ix_(at, at)], own, AS_IT_IS).value)
+        return rough
+
     def _worst(self) -> int:
         """The channel that is furthest beyond its limit over any of the windows, -1: none."""
-        differences, rough = (np.array(each) for each in zip(*self._past))
         worst, most = -1, 1.0
-        for w, (blocks, floor) in enumerate(WINDOWS):
-            if len(differences) >= blocks + MEAN:
-                before = differences[len(differences) - blocks - MEAN : len(differences) - blocks].mean(axis=0)
-                change = differences[-MEAN:].mean(axis=0) - before
-                i, off, limit = self._outlier(w, change, floor + ROUGH * rough[-blocks:].sum(axis=0))
+        self._beside *= KEPT
+        self._scale = np.maximum(1.0, KEPT_SCALE * self._scale)
+        for w, blocks in enumerate(WINDOWS):
+            if len(self._past) >= blocks + MEAN:
+                i, off, limit = self._departed(w, blocks)
                 if off > most * limit:
                     worst, most, self.departed_K = i, off / limit, off
         return worst
 
-    def _outlier(self, w: int, change: Array, least: Array) -> tuple[int, float, float]:
-        """The channel that is off by most sd over window w, by how much, and its limit."""
-        at = np.flatnonzero(np.isfinite(change) & self._placed)
+    def _departed(self, w: int, blocks: int) -> tuple[int, float, float]:
+        """The thermometer that is off by most sd over a window, by how much, and its limit; 0 of 1: none may be."""
+        change = self._change(blocks)
+        at = np.flatnonzero(np.isfinite(change.value) & np.isfinite(self._x))
         if len(at) < FEWEST:
-            return -1, 0.0, 1.0
-        i = self._furthest(change, at)
+            return NOBODY
+        first = change.of(at, AS_IT_IS)
+        if (np.abs(first.value) <= SURE * first.sd + ROUGH * change.rough[at]).all():
+            return NOBODY
+        scales = np.maximum(SCALES, self._scale[w])
+        i = int(at[change.of(at, scales).furthest])
         rest = at[at != i]
-        rest = rest[rest != self._furthest(change, rest)]
-        r = self._left_out(change, np.append(rest, i))[0][-1]
-        others = np.sort(self._left_out(change, rest)[0])
-        self._others[w] = max(others[int(QUANTILE * len(others))], KEPT * self._others[w])
-        return i, float(r), float(least[i] + OTHERS * self._others[w])
+        others = change.of(rest, scales)
+        self._beside[w, i] = max(self._beside[w, i], self._beyond_usual(i, rest, others))
+        tested = change.of(np.append(np.delete(rest, others.furthest), i), scales)
+        scale = self._scale[w] = tested.scale[-1]
+        limit = (SURE + WORSE * np.log(scale)) * tested.sd[-1] + ROUGH * scale * change.rough[i]
+        return i, float(abs(tested.value[-1])), float(limit + BESIDE * self._beside[w, i])
 
-    def _furthest(self, change: Array, at: Array) -> int:
-        """Of the channels `at`, the one that is off by most sd; if one is wrong, this is it."""
-        r, variance = self._left_out(change, at)
-        return int(at[np.argmax(r**2 / variance)])
+    def _change(self, blocks: int) -> Change:
+        """From so many blocks ago to now."""
+        past = list(self._past)[-blocks - MEAN :]
+        value, moved = (
+            np.mean([getattr(means, key) for means in past[-MEAN:]], axis=0)
+            - np.mean([getattr(means, key) for means in past[:MEAN]], axis=0)
+            for key in ("difference", "doubt")
+        )
+        unknown = SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(value))
+        rough = np.sum([means.rough for means in past[MEAN:]], axis=0)
+        return Change(value, moved @ moved.T + blocks / TWO_MINUTES * unknown, self._scatter, rough)
 
-    def _left_out(self, change: Array, at: Array) -> tuple[Array, Array]:
-        """|r| of the channels `at`, and the variances of r by C."""
-        inverse = self._inverse(tuple(at.tolist()))
-        variance = 1.0 / np.diag(inverse)
-        return np.abs(inverse @ change[at]) * variance, variance
-
-    def _inverted(self, at: tuple[int, ...]) -> Array:
-        return np.asarray(np.linalg.inv(self._C[np.ix_(at, at)]))
+    def _beyond_usual(self, i: int, rest: Array, others: Unexplained) -> float:
+        """What the next thermometers to both sides leave unexplained beyond what is usual."""
+        beyond = np.maximum(np.abs(others.value) - USUAL * others.sd, 0.0)
+        away = self._x[rest] - self._x[i]
+        sides = [np.where(side * away > 0, side * away, np.inf) for side in (-1, 1)]
+        return max(float(beyond[np.argmin(side)]) for side in sides if np.isfinite(side).any())

@@ -14,7 +14,7 @@ Estimates do not change by it: their uncertainty does.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,78 +22,22 @@ from scipy.linalg import block_diag
 
 from estimator.network.forcing import Drive, Ticks
 from estimator.record import Array
+from estimator.state.moves import Course, Doubtful, Kernels, Moves, carried, followed
 from estimator.state.open_loop import lag_filter
 from estimator.state.run import Run
 from estimator.state.tangent import Moved, ReadingsTangent
 
-Carried = tuple[Array, Array, Array, Array]
 REMEMBERED = 64  # regimes whose derivatives are kept
-
-
-@dataclass(frozen=True)
-class Course:
-    """The open-loop run over K ticks, from the tick before them on: states z (K + 1, n), spots and lagged readings
-    (K + 1, m), growth of the span since the start (K,) um, and the part of a tick by which readings are late (K, m)."""
-
-    z: Array
-    spot: Array
-    lagged: Array
-    grown_um: Array
-    late_share: Array
-
-
-@dataclass(frozen=True)
-class Doubtful:
-    """What K ticks are off by, per standard normal error of the parameters together: a (K, ..., p) has variance a a'.
-
-    states      (K, size, p) of the full state
-    elongation  (K, p) um
-    """
-
-    states: Array
-    elongation: Array
-
-    @classmethod
-    def none(cls, K: int, size: int) -> Doubtful:
-        """Parameters that are all known."""
-        return cls(np.zeros((K, size, 0)), np.zeros((K, 0)))
-
-
-def carried(
-    F: Array, regime: Array, B: Array, own: Array, pushed: Array, offset: Array, late_share: Array,
-    keep: Array, ramp: Array, rows: Array, H: Array, gain: Array, Z: Array, spot: Array, lagged: Array, S: Array,
-) -> Carried:  # fmt: skip
-    """Z (K, n, p) and S (K, size, p) after each of K ticks; spots and lagged readings (m, p) after the last.
-
-    Written so that it can be compiled; to set a part of an array would take numba seconds more. F (R, n, n), what moves
-    states B (K, n, p), spots, lagged readings and readings by itself (K, m, p), H (K, m, size), gain (K, size, m); Z,
-    spot, lagged and S before the first tick
-    """
-    K, n = B.shape[:2]
-    Zs, Ss = np.zeros(B.shape), np.zeros((K, *S.shape))
-    keep, ramp = keep.reshape(-1, 1), ramp.reshape(-1, 1)
-    for k in range(K):
-        Z = np.add(F[regime[k]] @ Z, B[k], Zs[k])
-        now = rows @ Z + own[k]
-        late = (spot - now) * late_share[k].reshape(-1, 1)
-        lagged = keep * lagged + (1.0 - keep - ramp) * spot + ramp * now + pushed[k]
-        spot = now
-        moved, constant = Ss[k, :n], Ss[k, n:]
-        moved += F[regime[k]] @ S[:n]
-        constant += S[n:]
-        S = Ss[k]
-        S -= gain[k] @ (H[k] @ S + offset[k] + lagged + late)
-    return Zs, Ss, spot, lagged
 
 
 class Doubt:
     """Carries the sensitivities of one run to its model's doubtful parameters, in order of time.
 
-    carry  what does it tick by tick: `carried`, or that compiled
+    kernels  what does it tick by tick: `carried` and `followed`, or those compiled
     """
 
-    def __init__(self, run: Run, carry: Callable[..., Carried] | None = None) -> None:
-        self._carry = carry or carried
+    def __init__(self, run: Run, kernels: Kernels = (carried, followed)) -> None:
+        self._carried, self._followed = kernels
         doubts = run.forcing.model.doubts
         self._run, self._start = run, run.x[run.state.temperatures]
         self._moved = [Moved(run.forcing, run.forcing.model, path) for path in doubts.paths]
@@ -123,27 +67,37 @@ class Doubt:
             setattr(other, key, getattr(self, key)[:, at])
         return other
 
-    def advance(self, drive: Drive, ticks: Ticks, course: Course, gain: Array) -> Doubtful:
-        """Over the next K ticks, which the filter has updated with `gain` (K, size, m), 0 where nothing was fused."""
-        if not len(self._root):
-            return Doubtful.none(len(gain), len(self._S))
+    def ahead(self, drive: Drive, ticks: Ticks, course: Course) -> Moves:
+        """The next K ticks of the open-loop run, before anything of them is fused."""
         B, offset, own, pushed = self._pushes(drive, ticks, course)
-        state, forcing = self._run.state, self._run.forcing
-        met, regime = np.unique(ticks.regime, return_inverse=True)
-        F = np.array([forcing.transition(r).F for r in met.tolist()])
-        rows, grown = np.ascontiguousarray(forcing.readings.rows), course.grown_um
-        H = np.array([state.rows(float(um)) for um in grown])
-        lags = lag_filter(forcing.readings.tau, forcing.rig.tick_s)
-        offset += self._zeros
-        Z, S, self._spot, self._lagged = self._carry(
-            F, regime, B, own, pushed, offset, course.late_share, *lags, rows, H, gain,
-            self._Z, self._spot, self._lagged, self._S,
+        rows, lags = self._run.forcing.readings.rows, self._lags
+        Z, D, self._spot, self._lagged = self._carried(
+            *self._transitions(ticks.regime), B, own, pushed, offset + self._zeros, course.late_share, *lags,
+            np.ascontiguousarray(rows), self._Z, self._spot, self._lagged,
         )  # fmt: skip
-        self._Z, self._S = Z[-1].copy(), S[-1].copy()
-        growth = np.einsum("ks,ksp->kp", state.elongation(grown), S)
-        growth += np.einsum("n,knp->kp", state.growth, Z - self._Z0) + (course.z[1:] - self._start) @ self._growth
-        S[:, state.temperatures] += Z
+        growth = np.einsum("n,knp->kp", self._run.state.growth, Z - self._Z0)
+        growth += (course.z[1:] - self._start) @ self._growth
+        self._Z = Z[-1].copy()
+        return Moves(ticks.regime, course.grown_um, Z, D, growth, D @ self._root)
+
+    def behind(self, moves: Moves, gain: Array) -> Doubtful:
+        """What the next K ticks are off by, which the filter has updated with `gain` (K, size, m), 0: nothing fused."""
+        state, grown = self._run.state, moves.grown_um
+        H = np.array([state.rows(float(um)) for um in grown])
+        S = self._followed(*self._transitions(moves.regime), H, gain, moves.readings, self._S)
+        self._S = S[-1].copy()
+        growth = moves.elongation + np.einsum("ks,ksp->kp", state.elongation(grown), S)
+        S[:, state.temperatures] += moves.states
         return Doubtful(S @ self._root, growth @ self._root)
+
+    @property
+    def _lags(self) -> tuple[Array, Array]:
+        return lag_filter(self._run.forcing.readings.tau, self._run.forcing.rig.tick_s)
+
+    def _transitions(self, regime: Array) -> tuple[Array, Array]:
+        """F of the regimes that some ticks are in (R, n, n), and which one each is in, (K,)."""
+        met, at = np.unique(regime, return_inverse=True)
+        return np.array([self._run.forcing.transition(r).F for r in met.tolist()]), at
 
     def _pushes(self, drive: Drive, ticks: Ticks, course: Course) -> tuple[Array, Array, Array, Array]:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
