@@ -50,7 +50,8 @@ class Block:
 
 @dataclass(frozen=True)
 class Means:
-    """Over a block, (m, ...): reading less model alone, how that moves with doubts; how rough the model has been."""
+    """Over some blocks, (m, ...): reading less model alone, how that moves with doubts; how rough the model has been up
+    to then."""
 
     difference: Array
     doubt: Array
@@ -83,8 +84,9 @@ class Neighbours:
         self._x, self._length = x_mm, max(1, round(BLOCK_S / tick_s))
         self._scatter = COMMON_K**2 + np.diag(2.0 * noise**2 / (MEAN * self._length))
         self._alike = np.exp(-0.5 * ((x_mm[:, None] - x_mm) / ALIKE_MM) ** 2)
-        self._past: deque[Means] = deque(maxlen=WINDOWS[-1] + MEAN)
-        self._alone = np.full(len(x_mm), np.nan)  # of the last block
+        self._last: deque[tuple[Array, Array]] = deque(maxlen=MEAN)
+        self._past: deque[Means] = deque(maxlen=WINDOWS[-1] + 1)
+        self._alone, self._rough_K = np.full(len(x_mm), np.nan), np.zeros(len(x_mm))  # of the last block; so far
         self._beside = np.zeros((len(WINDOWS), len(x_mm)))
         self._scale = np.ones(len(WINDOWS))
         self._failed, self._times, self.departed_K = -1, 0, 0.0
@@ -110,21 +112,26 @@ class Neighbours:
 
     def forget(self, i: int) -> None:
         """Channel i has another zero from now on."""
-        for means in self._past:
-            means.difference[i] = np.nan
+        for difference in [means.difference for means in self._past] + [block[0] for block in self._last]:
+            difference[i] = np.nan
         self._block.difference = np.where(np.arange(len(self._x)) == i, np.nan, self._block.difference)
 
     def forget_all(self) -> None:
         """What has been seen says nothing any more: the model is another one."""
         self._past.clear()
+        self._last.clear()
         self._block = Block()
 
     def _close(self, block: Block) -> int | None:
         """The end of a block: which channel has failed often enough."""
         alone = np.asarray(block.alone / block.ticks)
-        difference, doubt = np.asarray(block.difference / block.ticks), np.asarray(block.doubt / block.ticks)
-        self._past.append(Means(difference, doubt, self._rough(alone - self._alone)))
+        self._rough_K = self._rough_K + self._rough(alone - self._alone)
+        self._last.append((np.asarray(block.difference / block.ticks), np.asarray(block.doubt / block.ticks)))
         self._alone, self._block = alone, Block()
+        if len(self._last) < MEAN:
+            return None
+        difference, doubt = (np.mean(each, axis=0) for each in zip(*self._last, strict=True))
+        self._past.append(Means(difference, doubt, self._rough_K))
         worst = self._worst()
         self._times = self._times + 1 if worst >= 0 and worst == self._failed else 1
         self._failed = worst
@@ -144,7 +151,7 @@ class Neighbours:
         self._beside *= KEPT
         self._scale = np.maximum(1.0, KEPT_SCALE * self._scale)
         for w, blocks in enumerate(WINDOWS):
-            if len(self._past) >= blocks + MEAN:
+            if len(self._past) > blocks:
                 i, off, limit = self._departed(w, blocks)
                 if off > most * limit:
                     worst, most, self.departed_K = i, off / limit, off
@@ -171,15 +178,10 @@ class Neighbours:
 
     def _change(self, blocks: int) -> Change:
         """From so many blocks ago to now."""
-        past = list(self._past)[-blocks - MEAN :]
-        value, moved = (
-            np.mean([getattr(means, key) for means in past[-MEAN:]], axis=0)
-            - np.mean([getattr(means, key) for means in past[:MEAN]], axis=0)
-            for key in ("difference", "doubt")
-        )
-        unknown = SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(value))
-        rough = np.sum([means.rough for means in past[MEAN:]], axis=0)
-        return Change(value, moved @ moved.T + blocks / TWO_MINUTES * unknown, self._scatter, rough)
+        past, now = self._past[-1 - blocks], self._past[-1]
+        moved, unknown = now.doubt - past.doubt, SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(self._x))
+        model = moved @ moved.T + blocks / TWO_MINUTES * unknown
+        return Change(now.difference - past.difference, model, self._scatter, now.rough - past.rough)
 
     def _beyond_usual(self, i: int, rest: Array, others: Unexplained) -> float:
         """What the next thermometers to both sides leave unexplained beyond what is usual."""
