@@ -39,7 +39,8 @@ class Misfits:
     def __init__(self, model: Model, runs: Runs) -> None:
         self.trials = slow_trials_of(model, runs)
         tick_s, weight = self.trials[0].rig.tick_s, weights(self.trials[0].rig)
-        self._lasting, self._quick = np.sqrt(weight) / good(runs.rig), np.sqrt(weight * BLOCK_S / MEMORY_S)
+        self._lasting = np.sqrt(weight) / good(runs.rig)
+        self._quick = np.sqrt(weight * BLOCK_S / max(MEMORY_S, tick_s))  # no reading counts more than one
         self._steps, self._keep = BLOCK_S / tick_s, np.exp(-tick_s / MEMORY_S)
         self._weight = sum(float((weight * measured(trial)).sum()) for trial in self.trials)
         self._shown = np.vstack([shown(trial, trial.pose(model)) for trial in self.trials])
