@@ -35,6 +35,12 @@ WHEN = {"at rest": ("FS-20", 1800.0), "driving": ("FS-5", 400.0)}
 SEVEN = "seven channels, "
 SOON_S = 60.0
 FROM_THE_START = ("0 degC", "85 degC")  # what else an input does from the start on is its zero
+LATE = (
+    "A drift of 3 K/h is 0.05 K after 60 s: 5.6 sd of a slope fitted to readings that scatter by 0.02 K, "
+    "were the model exact and the beginning known. The judge accuses from 7 sd on, or healthy ones would "
+    "be accused. Spikes are named when the second ends, which in four of thirty cells comes after 60 s. "
+    "Two that are equally warm when they are swapped read right until they part."
+)
 WRONG = 0.2  # by which share every physical parameter is off
 NOT_PHYSICAL = ("sd", "noise", "zero_sd", "zero_walk", "lag_noise")
 
@@ -222,7 +228,7 @@ def markdown() -> str:
         some = [outcome for case, outcome in found.items() if case.row == name]
         accused = sum(o.accused for o in some)
         rows.append(Row(f"{name}, {len(some)} runs: channels accused", str(accused), accused, 0))
-    says = [f"Runs of {', '.join(run for run, _ in WHEN.values())} with a failure at {SEED} and later seeds."]
+    says = [f"Runs of {', '.join(run for run, _ in WHEN.values())} with a failure at {SEED} and later seeds. {LATE}"]
     return "\n".join([table("Thermometers that fail", rows, says), *_by_kind(found)])
 
 
