@@ -2,7 +2,7 @@
 
 An error is measured against the same run with the failing channels muted from then on: what the failure has added. Each
 case leaves a line in a file, so that a study that was stopped goes on where it was. Thresholds of the judge were set on
-rigs of seed 101; none of those judges here.
+rigs of seeds 101 to 103; none of those judges here.
 """
 
 from __future__ import annotations

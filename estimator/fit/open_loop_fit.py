@@ -31,7 +31,7 @@ from estimator.work import Progress, Runs, silent
 
 LEAST = 0.25  # of `few`: no model is known better than from misfits half as large as a good one's
 LOWER = 0.01  # readings' worth of cost: what lies lower by more, one sd beside an optimum, shows that it is none
-ALIKE = 0.1  # a change of the scatter of quick misfits after which it is the same
+ALIKE = 0.1  # a change of the scatter of quick or bodies' misfits after which it is the same
 ROUNDS = 4  # of the search, each from the lowest place beside the optimum before, or with misfits weighed anew
 
 
@@ -117,7 +117,7 @@ class Search:
             self.stopped = True
 
     def _settled(self) -> bool:
-        """Weigh quick misfits by what the best place leaves of them; whether that is what they were weighed by."""
+        """Weigh quick and bodies' misfits by what the best place leaves; whether that is what they were weighed by."""
         changed = self._misfits.weigh(self.model)
         self._least = np.inf
         self._residual(self.best)
