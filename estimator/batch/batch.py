@@ -12,7 +12,6 @@ the borders of chunks, and once more chunk by chunk on the way back.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -149,11 +148,8 @@ def _backwards(system: System) -> Iterator[tuple[slice, States, float]]:
 
 
 def _is_compiled(kernel: Any) -> bool:
-    """Whether numba has the code in memory, or in a file of its cache that is younger than the source."""
-    if kernel.signatures:
-        return True
-    folder, source = kernel.stats.cache_path, Path(kernels.__file__)
-    if folder is None:
-        return False
-    files = Path(folder).glob(f"{source.stem}.{kernel.py_func.__name__}-*.nbi")
-    return any(file.stat().st_mtime >= source.stat().st_mtime for file in files)
+    """Whether numba has the code in memory, or in its cache, of this very source and for this processor."""
+    if kernel.signatures or kernel.stats.cache_path is None:
+        return bool(kernel.signatures)
+    processor = kernel.targetctx.codegen().magic_tuple()
+    return any(key[1] == processor for key in kernel._cache._cache_file._load_index())  # as numba itself looks it up

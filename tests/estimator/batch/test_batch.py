@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import runpy
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -316,3 +317,19 @@ def test_compiled_once_and_known_to_be(system):
     used = batch.kernels
     for kernel in (used.forward, used.compare, used.smooth, used.score, used._coast):
         assert len(kernel.signatures) == 1
+
+
+def test_what_numba_keeps_counts_and_not_the_dates_of_files(tmp_path):
+    """A checkout gives a file a new date and the same text: nothing is compiled again. Another text is."""
+    source = tmp_path / "more.py"
+
+    def kernel():
+        return batch.kernels.kernel(runpy.run_path(str(source))["more"])
+
+    source.write_text("def more(x):\n    return x + 1.0\n")
+    assert not batch._is_compiled(kernel())
+    kernel()(1.0)
+    os.utime(source, (4e9, 4e9))
+    assert batch._is_compiled(kernel())
+    source.write_text("def more(x):\n    return x + 2.0\n")
+    assert not batch._is_compiled(kernel())
