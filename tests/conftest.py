@@ -6,7 +6,7 @@ import contextlib
 import io
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from unittest import mock
@@ -36,7 +36,7 @@ from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.state.open_loop import OpenLoop
 from estimator.state.prior import BODY_SD_K
-from estimator.step import Track
+from estimator.step import Step, Track
 from estimator.terms import Term
 
 settings.register_profile("ballscrew", deadline=None, derandomize=True)  # the same on every machine, however slow
@@ -209,9 +209,9 @@ def live() -> Callable[..., Lived]:
     return _live
 
 
-def stepped(filter_: Filter, recording: Recording) -> Track:
-    """All ticks of a recording, one step after the other, as live takes them."""
-    steps = [filter_.step(sample) for sample in recording]
+def stepped(filter_: Filter, recording: Recording, before: Sequence[Step] = ()) -> Track:
+    """All ticks of a recording, one step after the other, as live takes them; `before`, those that it has taken."""
+    steps = [*before, *(filter_.step(sample) for sample in recording)]
     view = filter_.run.view if filter_.run else None
     return Track.of(steps, view.x_mm if view else np.empty(0), view.bodies if view else ())
 

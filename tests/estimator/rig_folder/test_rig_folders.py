@@ -14,6 +14,7 @@ import pytest
 from drivers.recordings import read_recording
 from drivers.virtual_rig import Run, simulate
 from estimator.batch import nominal
+from estimator.batch.replay import replay
 from estimator.errors import SetupError
 from estimator.filter import Filter
 from estimator.inputs.inputs import nothing
@@ -23,8 +24,7 @@ from estimator.network.discretise import transition
 from estimator.network.forcing import Forcing
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
-from tests.conftest import stepped
-from tests.processes import ended
+from tests.conftest import ballscrew as run
 
 ROOT = Path(__file__).parents[3]
 SEVEN, ROD = ROOT / "examples" / "seven_channels", ROOT / "examples" / "heated_rod"
@@ -32,19 +32,24 @@ KNOWN = {"still_air.h": 9.0, "heater.share": 0.95, "chilled_end.g": 1.2}  # what
 
 
 def ballscrew(*words: str | Path) -> str:
-    """Run the command in a process of its own; returns what it wrote to stdout."""
-    done = ended("ballscrew", *words, cwd=ROOT)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    """Run the command; returns what it wrote to stdout."""
+    status, out, err = run(*words)
+    assert status == 0, err
+    return out
 
 
-def review(*words: str | Path) -> dict:
-    """The JSON of a review; a number that is none would be no JSON."""
+def loaded(text: str) -> dict:
+    """JSON of the command; a number that is none would be no JSON."""
 
     def none(constant: str) -> None:
         raise AssertionError(f"{constant} in JSON")
 
-    return json.loads(ballscrew("review", *words, "--json"), parse_constant=none)
+    return json.loads(text, parse_constant=none)
+
+
+def review(*words: str | Path) -> dict:
+    """The JSON of a review."""
+    return loaded(ballscrew("review", *words, "--json"))
 
 
 # --- seven channels on another bus
@@ -88,10 +93,10 @@ def seven(tmp_path_factory) -> Path:
     """A copy of the folder with a log: a drive of 222 s at 20 m/min and 16 min of its stop."""
     folder = tmp_path_factory.mktemp("rigs") / "seven"
     shutil.copytree(SEVEN, folder)
-    run = simulate("FS-20", seconds=1200.0)
-    frames = sorted(seven_frames(run), key=lambda frame: frame[0])
+    lived = simulate("FS-20", seconds=1200.0)
+    frames = sorted(seven_frames(lived), key=lambda frame: frame[0])
     (folder / "drive.log").write_text(candump(frames, folder / "plant.dbc"))
-    rows = np.column_stack([run.truth.time_s + 0.004 - frames[0][0], run.truth.elongation_um])
+    rows = np.column_stack([lived.truth.time_s + 0.004 - frames[0][0], lived.truth.elongation_um])
     np.savetxt(folder / "drive.truth.csv", rows, "%.6f", ",", header="time_s,elongation_um", comments="")
     return folder
 
@@ -118,11 +123,11 @@ def test_seven_channels_without_truth_are_judged_by_their_readings(seven, tmp_pa
 
 
 def test_every_signal_of_the_other_bus_arrives(seven):
-    run, record = simulate("FS-20", seconds=100.0), read_recording(seven / "drive.log", load_rig(seven))
-    np.testing.assert_allclose(record.channels[:101, 0], run.measured.channels[:, 1], atol=0.011)
-    np.testing.assert_allclose(record.inputs["ambient"][:101], run.measured.environment.ambient, atol=0.051)
+    lived, record = simulate("FS-20", seconds=100.0), read_recording(seven / "drive.log", load_rig(seven))
+    np.testing.assert_allclose(record.channels[:101, 0], lived.measured.channels[:, 1], atol=0.011)
+    np.testing.assert_allclose(record.inputs["ambient"][:101], lived.measured.environment.ambient, atol=0.051)
     at_rest = record.inputs["displacement_direct"][:20]
-    np.testing.assert_allclose(at_rest, run.measured.direct.elongation_um[:20], atol=0.001)
+    np.testing.assert_allclose(at_rest, lived.measured.direct.elongation_um[:20], atol=0.001)
     assert np.nanmax(record.omega) == pytest.approx(174.5, abs=0.1)
     assert np.isnan(record.channels[:20, -1]).all()
     assert np.isfinite(record.channels[20:, -1]).sum() > 80
@@ -174,20 +179,17 @@ def test_the_rod_is_predicted_in_a_run_the_fit_never_saw(fitted):
     assert 0.4 < found["nis_mean"] < 1.5
 
 
-def test_a_rod_without_displacement_has_nulls_in_its_json():
-    found = review(ROD)
+def test_a_rod_without_displacement_says_so_and_has_nulls_in_its_json(tmp_path):
+    said = ballscrew("review", ROD, "--json", tmp_path / "found.json")
+    assert "elongation not judged" in said
+    assert "nan" not in said
+    found = loaded((tmp_path / "found.json").read_text())
     for one in [*found["recordings"], found["overall"], found["held_out"]]:
         assert one["filter"] == {
             "band_um": [None, None], "rms_um": None, "cooldown_max_um": None, "coverage_2sigma": None
         }  # fmt: skip
         assert "last_reading" not in one
     assert [one["reference"] for one in found["recordings"]] == ["none"] * 4
-
-
-def test_the_rod_s_folder_says_which_run_was_fitted():
-    said = ballscrew("review", ROD)
-    assert "elongation not judged" in said
-    assert "nan" not in said
 
 
 def test_the_rod_is_saved_for_the_viewer(tmp_path):
@@ -204,7 +206,7 @@ def test_a_dial_gauge_at_rest_is_a_reference(tmp_path):
     (rod / "rig.toml").write_text(text.replace("[inputs]", gauge))
     (rod / "model.toml").write_text((rod / "model.toml").read_text() + "\n[displacement]\nsd = 0.5\n")
     plain = read_recording(ROD / "check.csv", load_rig(ROD))
-    grown = stepped(Filter(load_model(ROD / "model.toml"), load_rig(ROD)), plain).elongation_um
+    grown = replay(load_model(ROD / "model.toml"), load_rig(ROD), plain).elongation_um
     rows = (rod / "check.csv").read_text().splitlines()
     cells = [f"{row},{3.0 + um / 1000:.6f}" for row, um in zip(rows[1:], grown, strict=False)]
     (rod / "check.csv").write_text("\n".join([rows[0] + ",gauge_mm", *cells, ""]))
