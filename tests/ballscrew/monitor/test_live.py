@@ -26,9 +26,10 @@ from drivers.recordings import read_recording
 from estimator.batch.replay import replay
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from tests.conftest import ballscrew
 from tests.hub_fake import hub_running
 from tests.live_fake import DRIVE, Frames, dropped, rig_frames, since
-from tests.processes import PATIENCE_S, ended, started, until
+from tests.processes import PATIENCE_S, started, until
 
 RECORDINGS = Path(__file__).parents[3] / "recordings"
 SPEED_UP = 60
@@ -217,10 +218,10 @@ def _nudged(port: int) -> bool:
     ],
 )
 def test_wrong_usage_is_one_line(options, says):
-    done = ended("ballscrew", "live", *options)
-    assert done.returncode == 2
-    assert says in done.stderr
-    assert "Traceback" not in done.stderr
+    status, _, err = ballscrew("live", *options)
+    assert status == 2
+    assert says in err
+    assert "Traceback" not in err
 
 
 def test_started_again_it_goes_on_with_the_recording_and_fresh_does_not(tmp_path):

@@ -2,8 +2,6 @@
 
 import ast
 import math
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,16 +19,10 @@ BASE_RIG = dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0)
 NO_EFFECT = dict.fromkeys(BASE_RIG, 0.0)
 
 
-def _several(names: tuple[str, ...], **options) -> dict[str, Run]:
-    simulate(names[0], seconds=1.0)  # compiles the rig once, before the workers start
-    with ProcessPoolExecutor(2) as pool:
-        return dict(zip(names, pool.map(partial(simulate, **options), names), strict=True))
-
-
 @pytest.fixture(scope="module")
 def drives() -> dict[str, Run]:
     """The first drive of all twelve experiments."""
-    return _several(EXPERIMENTS, cycles=1, stop_s=60.0)
+    return {name: simulate(name, cycles=1, stop_s=60.0) for name in EXPERIMENTS}
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +105,7 @@ def test_polyline_misses_the_shape_between_channels_by_micrometres(drives):
 
 @pytest.mark.study
 def test_whole_protocol_of_all_twelve():
-    runs = _several(EXPERIMENTS)
+    runs = {name: simulate(name) for name in EXPERIMENTS}
     low, high = polyline_band(runs)
     assert 2.0 < high - low < 6.0
     for run in runs.values():
