@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+Array, Index, Mask, Whole = NDArray[np.float64], NDArray[np.intp], NDArray[np.bool_], NDArray[np.int64]
 # One frame as 26 bytes: what a reader in another process sends, and what arrays are cut from.
 FRAME = np.dtype(
     [("time", "<f8"), ("id", "<u4"), ("extended", "?"), ("dlc", "u1"), ("data", "u1", (8,)), ("number", "<u4")]
@@ -59,9 +60,9 @@ class Frames:
     unit      "line" or "frame": what `number` counts
     """
 
-    time: NDArray[np.float64]
+    time: Array
     id: NDArray[np.uint32]
-    extended: NDArray[np.bool_]
+    extended: Mask
     dlc: NDArray[np.uint8]
     data: NDArray[np.uint8]
     number: NDArray[np.uint32]
@@ -71,11 +72,11 @@ class Frames:
         return len(self.time)
 
     @cached_property
-    def key(self) -> NDArray[np.int64]:
+    def key(self) -> Whole:
         """Id and kind in one number, (n,)."""
         return self.id.astype(np.int64) << 1 | self.extended
 
-    def take(self, which: NDArray[np.bool_] | NDArray[np.intp] | slice) -> Frames:
+    def take(self, which: Mask | Index | slice) -> Frames:
         """The frames at these indices, or where a mask is true."""
         return Frames(*(getattr(self, name)[which] for name in _COLUMNS), self.unit)
 

@@ -16,13 +16,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivers.budget import Budget
 from drivers.decode.scans import GAP, Item, Scans
-from drivers.frames import Tally
-
-Array = NDArray[np.float64]
+from drivers.frames import Array, Index, Mask, Tally, Whole
 
 _MOST_WAITING = 100_000  # frames whose stamps stand still after a jump
 _UNCONFIRMED = 60.0  # ticks of silence that are believed of the last frames of a log
@@ -86,7 +83,7 @@ class RigClock:
             self._stamp = stamp
             self.now = max(self.now, stamp - self._offset)
 
-    def run(self, stamps: Array, closes: NDArray[np.bool_], scan: NDArray[np.int64]) -> Array:
+    def run(self, stamps: Array, closes: Mask, scan: Whole) -> Array:
         """The same for a whole log, (n,): NaN for a dropped frame. Regular stretches are taken at once."""
         clock = np.full(len(stamps), np.nan)
         closing = np.flatnonzero(closes)
@@ -108,9 +105,7 @@ class RigClock:
     def _regular(self, before: float) -> bool:
         return not (self._waiting or self._still or self.ended) and self._stamp == before
 
-    def _stretch(
-        self, clock: Array, stamps: Array, closing: NDArray[np.intp], scan: NDArray[np.int64], start: int, stop: int
-    ) -> None:
+    def _stretch(self, clock: Array, stamps: Array, closing: Index, scan: Whole, start: int, stop: int) -> None:
         """Place frames start ... stop, between which nothing is irregular."""
         if stop == start:
             return
@@ -190,7 +185,7 @@ class RigClock:
         return self.now if jump < 0 or (jump > self.budget.gap_s and not started) else None
 
 
-def _irregular(stamps: Array, closing: NDArray[np.intp], tick_s: float) -> NDArray[np.intp]:
+def _irregular(stamps: Array, closing: Index, tick_s: float) -> Index:
     """Frames that a stretch may not contain: the first, one out of order, one after a silence, one at a standstill."""
     if not len(stamps):
         return np.empty(0, np.intp)

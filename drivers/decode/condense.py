@@ -6,25 +6,22 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivers.decode.drive import DriveCondenser
-from drivers.frames import Tally
+from drivers.frames import Array, Index, Mask, Tally, Whole
 from estimator.record import Recording
 from estimator.rig import RAD_S, Rig
-
-Array = NDArray[np.float64]
 
 
 class Readings(NamedTuple):
     """Of one channel or input, in order: frame number in the log (n,), tick (n,), time (n,) s, value (n,)."""
 
-    frame: NDArray[np.int64]
-    row: NDArray[np.intp]
+    frame: Whole
+    row: Index
     now: Array
     value: Array
 
-    def where(self, use: NDArray[np.bool_] | slice) -> Readings:
+    def where(self, use: Mask | slice) -> Readings:
         """Those in a slice, or for which `use` (n,) is true."""
         return Readings(*(column[use] for column in self))
 

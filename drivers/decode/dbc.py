@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.frames import key_of
+from drivers.frames import Array, Mask, Whole, key_of
 from estimator.errors import SetupError, nearest
 
 Words = tuple[NDArray[np.uint64], NDArray[np.uint64]]  # data bytes little-endian, big-endian
@@ -61,11 +61,11 @@ class Bits:
                 return plain.astype(bits).view(kind).astype(float)
         return plain
 
-    def physical(self, raw: NDArray[Any]) -> NDArray[np.float64]:
+    def physical(self, raw: NDArray[Any]) -> Array:
         """Numbers in the DBC's unit, (n,)."""
         return raw.astype(float) * self.scale + self.offset
 
-    def present(self, words: Words) -> NDArray[np.bool_]:
+    def present(self, words: Words) -> Mask:
         """Where the signal is in the frame, (n,): always, unless it is multiplexed."""
         if self.selector is None:
             return np.ones(len(words[0]), bool)
@@ -77,7 +77,7 @@ class Bits:
         by_width = 1 << min(self.length, 62)
         return min(int(self.highest) + 1, by_width) if self.highest and not self.signed else by_width
 
-    def count(self, words: Words) -> NDArray[np.int64]:
+    def count(self, words: Words) -> Whole:
         """The numbers of a counter, (n,), 0 ... modulus - 1: also of one that the DBC calls signed."""
         return self.raw(words).astype(np.int64) % self.modulus
 
@@ -120,11 +120,11 @@ class Condition:
     compare: str
     value: float
 
-    def holds(self, raw: NDArray[Any]) -> NDArray[np.bool_]:
+    def holds(self, raw: NDArray[Any]) -> Mask:
         """Where the raw numbers meet it, (n,)."""
         return np.asarray(_COMPARE[self.compare](raw.astype(float), self.value))
 
-    def broken(self, words: Words, unknown: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+    def broken(self, words: Words, unknown: str) -> Iterator[tuple[str, Mask]]:
         """What else it says, as the DBC's text or `unknown`, and where, (n,)."""
         raw = self.bits.raw(words)
         for number in np.unique(raw[~self.holds(raw)]):

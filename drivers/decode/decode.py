@@ -6,20 +6,16 @@ from functools import cached_property
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivers.decode.checks import frame_checksum, lost
 from drivers.decode.condense import Condenser, Readings
 from drivers.decode.dbc import Bits, Layout, find_dbc, load_dbc
 from drivers.decode.scan import Scan
 from drivers.decode.sources import Source, sources
-from drivers.frames import Frames, Tally, words_of
+from drivers.frames import Array, Frames, Index, Mask, Tally, Whole, words_of
 from estimator.errors import SetupError
 from estimator.record import Recording
 from estimator.rig import Rig
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _QUIET_TICKS = 2  # a message sent each tick has come by then
 
@@ -60,7 +56,7 @@ class Decoder:
         self.tally.skip("sent by us", np.count_nonzero(ours))
         return np.flatnonzero(~ours)
 
-    def closings(self, frames: Frames) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    def closings(self, frames: Frames) -> tuple[Mask, Whole]:
         """Which frames close a scan, (n,), and their scan number, (n,), -1 where there is none."""
         number = np.full(len(frames), -1, np.int64)
         closing = self.scan.closing

@@ -8,13 +8,9 @@ position to the next.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivers.frames import Tally
+from drivers.frames import Array, Index, Tally
 from estimator.rig import Rig, Screw
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _STANDS = 1e-3  # cells: a shorter way is a stand
 
@@ -88,9 +84,7 @@ def _mean_square(begin: Array, end: Array) -> Array:
     return np.asarray((begin**2 + begin * end + end**2) / 3)
 
 
-def covered(
-    screw: Screw, length_mm: float, way: tuple[Array, Array], weight: Array, row: NDArray[np.intp], rows: int
-) -> Array:
+def covered(screw: Screw, length_mm: float, way: tuple[Array, Array], weight: Array, row: Index, rows: int) -> Array:
     """Cover of each cell, (rows, cells), 0 ... 1: the weighted mean over the ways of a row; 0 in a row without weight.
 
     way     (N,), (N,)  nut centre at begin and end of each way, mm
@@ -123,14 +117,14 @@ class _Sums:
         self.step = np.zeros(self.shape)
         self.inside = np.zeros(self.shape)
 
-    def kink(self, at: Array, slope: Array, row: NDArray[np.intp]) -> None:
+    def kink(self, at: Array, slope: Array, row: Index) -> None:
         """The profile's slope changes by `slope` at `at`."""
         where, rest = self._bins(at, row)
         self._add(self.slope, where, slope)
         self._add(self.moment, where, slope * at)
         self._add(self.inside, where, slope * rest**2 / 2)
 
-    def jump(self, at: Array, height: Array, row: NDArray[np.intp]) -> None:
+    def jump(self, at: Array, height: Array, row: Index) -> None:
         """The profile changes by `height` at `at`."""
         where, rest = self._bins(at, row)
         self._add(self.step, where, height)
@@ -142,9 +136,9 @@ class _Sums:
         centre = np.arange(self.shape[1] - 2) + 0.5
         return np.clip(before[0] * centre - before[1] + before[2] + self.inside[:, 1:-1], 0.0, 1.0)
 
-    def _bins(self, at: Array, row: NDArray[np.intp]) -> tuple[NDArray[np.intp], Array]:
+    def _bins(self, at: Array, row: Index) -> tuple[Index, Array]:
         cell = np.clip(np.floor(at), -1, self.shape[1] - 2).astype(np.intp) + 1
         return row * self.shape[1] + cell, cell - at
 
-    def _add(self, sums: Array, where: NDArray[np.intp], what: Array) -> None:
+    def _add(self, sums: Array, where: Index, what: Array) -> None:
         sums += np.bincount(where, what, sums.size).reshape(self.shape)

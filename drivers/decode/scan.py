@@ -7,12 +7,9 @@ from numpy.typing import NDArray
 
 from drivers.decode.checks import crc16_ccitt_false
 from drivers.decode.dbc import Bits, Condition, Dbc, Layout, Words
-from drivers.frames import Frames, Tally, words_of
+from drivers.frames import Frames, Index, Mask, Tally, Whole, words_of
 from estimator.errors import SetupError
 from estimator.rig import Rig
-
-Mask = NDArray[np.bool_]
-Index = NDArray[np.intp]
 
 
 class Scan:
@@ -34,7 +31,7 @@ class Scan:
         """After how many scans their number starts again."""
         return self.number.modulus if self.number else 1
 
-    def numbers(self, words: Words) -> NDArray[np.int64]:
+    def numbers(self, words: Words) -> Whole:
         """Scan numbers of closing messages, (n,), -1 where they carry none."""
         return self.number.count(words) if self.number else np.full(len(words[0]), -1, np.int64)
 

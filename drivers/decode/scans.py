@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from drivers.frames import Array, Index, Whole
 
 GAP = 1.5  # ticks: a longer silence needs a decision
 _TRUSTED = 60
@@ -50,10 +51,7 @@ class Scans:
             self._stamp, self._now, self._number = item.stamp, now, item.scan
             self._frames, self.since = self.since, 0
 
-    def stretch(
-        self, stamps: NDArray[np.float64], clock: NDArray[np.float64], closing: NDArray[np.intp],
-        scan: NDArray[np.int64], start: int, stop: int,
-    ) -> None:  # fmt: skip
+    def stretch(self, stamps: Array, clock: Array, closing: Index, scan: Whole, start: int, stop: int) -> None:
         """The same for frames start ... stop; `closing` (m,) are the indices of those that close a scan."""
         last = int(np.searchsorted(closing, stop)) - 1
         if last < 0 or closing[last] < start:

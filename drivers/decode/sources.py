@@ -6,15 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivers.decode.dbc import Bits, Condition, Dbc, Layout, Words
-from drivers.frames import Tally
+from drivers.frames import Array, Mask, Tally, Whole
 from estimator.errors import SetupError
 from estimator.rig import Rig, Signal
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass
@@ -52,7 +48,7 @@ class Source:
             use = self._drop(use, (value < self.rule.lo) | (value > self.rule.hi), f"out of range {self.name}", tally)
         return use, value
 
-    def _fresh(self, number: NDArray[np.int64], now: Array, quiet_s: float, tally: Tally) -> Mask:
+    def _fresh(self, number: Whole, now: Array, quiet_s: float, tally: Tally) -> Mask:
         if not len(number):
             return np.zeros(0, bool)
         new: Mask = np.diff(number, prepend=number[0] if self.held is None else self.held) != 0

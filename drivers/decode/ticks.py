@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivers.frames import Tally
+from drivers.frames import Array, Index, Mask, Tally
 from estimator.errors import InputError
-
-Array = NDArray[np.float64]
 
 _PATIENCE = 1.5  # ticks without a closing message, after which the timer closes one
 
@@ -53,9 +50,7 @@ class Ticks:
         return [(now, self.last)]
 
 
-def split(
-    name: str, now: Array, closes: NDArray[np.bool_], ticks: Ticks, most: int, tally: Tally
-) -> tuple[NDArray[np.intp], Array]:
+def split(name: str, now: Array, closes: Mask, ticks: Ticks, most: int, tally: Tally) -> tuple[Index, Array]:
     """Cut a whole log into ticks: the tick of each frame inside them, rising, and when each tick closed, (K,) s.
 
     now     (n,) s on the rig's clock, rising     most  no more ticks than this

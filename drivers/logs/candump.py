@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.budget import Budget
-from drivers.frames import FRAME, Frames, Tally
+from drivers.frames import FRAME, Frames, Index, Tally, Whole
 
 Bytes = NDArray[np.uint8]
-Index = NDArray[np.intp]
 
 _LINE = re.compile(
     rb"\((\d{1,10})\.(\d{1,9})\) (\S+) ([0-9A-Fa-f]{8}|[0-9A-Fa-f]{3})#((?:[0-9A-Fa-f]{2}){0,8})( [RT])?\r?"
@@ -175,7 +174,7 @@ def _cut(buffer: Bytes, starts: Index, layout: re.Match[bytes]) -> tuple[Index, 
     return index, table
 
 
-def _number(digits: Bytes, base: int) -> NDArray[np.int64]:
+def _number(digits: Bytes, base: int) -> Whole:
     number = np.zeros(len(digits), np.int64)
     for column in digits.T:
         number = number * base + column

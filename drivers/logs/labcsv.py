@@ -10,18 +10,15 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivers.budget import Budget
 from drivers.decode.clock import RigClock
 from drivers.decode.condense import Condenser, Readings
 from drivers.decode.ticks import Ticks, split
-from drivers.frames import Tally
+from drivers.frames import Array, Index, Tally
 from estimator.errors import InputError
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
-
-Array = NDArray[np.float64]
 
 HOUR_S = 3600.0
 
@@ -180,7 +177,7 @@ def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:
     return rows
 
 
-def _readings(name: str, rule: Signal, cells: Array, row: NDArray[np.intp], now: Array, tally: Tally) -> Readings:
+def _readings(name: str, rule: Signal, cells: Array, row: Index, now: Array, tally: Tally) -> Readings:
     value = rule.scale * cells + rule.offset
     with np.errstate(invalid="ignore"):
         outside = (value < rule.lo) | (value > rule.hi)

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drivers.frames import Array
 from estimator.errors import InputError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
