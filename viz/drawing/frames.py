@@ -48,10 +48,7 @@ class Axes:
 
     def place(self, x: ArrayLike, y: ArrayLike) -> Array:
         """Where points stand in the view, (..., 2)."""
-        x, y = np.broadcast_arrays(x, y)
-        return np.stack(
-            [np.asarray(x, dtype=float) * self.x_unit, self.down - np.asarray(y, dtype=float) * self.y_unit], axis=-1
-        )
+        return places(np.asarray(x, dtype=float) * self.x_unit, self.down - np.asarray(y, dtype=float) * self.y_unit)
 
     def _shifted(self, x: ArrayLike, y: ArrayLike, widths: float, lines: float) -> Array:
         """Places (..., 2) moved to the right by a share of the width and down by so many lines of text."""

@@ -10,11 +10,9 @@ from estimator.errors import SetupError
 LOOPBACK = "127.0.0.1"
 
 
-def free_port(bind: str = LOOPBACK) -> int:
+def free_port() -> int:
     """A port that nobody uses now."""
-    with socket.socket() as probe:
-        probe.bind((bind, 0))
-        return int(probe.getsockname()[1])
+    return port_at(LOOPBACK, 0)
 
 
 def port_at(bind: str, port: int) -> int:
