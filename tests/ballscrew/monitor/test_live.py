@@ -226,7 +226,7 @@ def test_wrong_usage_is_one_line(options, says):
 
 def test_started_again_it_goes_on_with_the_recording_and_fresh_does_not(tmp_path):
     """Recorded until a moment ago; what comes now is what the rig sends after a gap of a few seconds."""
-    frames, folder = rig_frames(112.0), tmp_path / "rec"
+    frames, folder = rig_frames(108.0), tmp_path / "rec"
     whole = Monitor(load_model(RECORDINGS / "model.toml"), load_rig(RECORDINGS))
     usual = [moment.step for frame in frames for moment in whole.feed(frame)][-1]
     before = [frame for frame in frames if since(frames, frame) < 100.0]
