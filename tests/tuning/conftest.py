@@ -9,7 +9,7 @@ import pytest
 from estimator.errors import SetupError
 
 from .kept import Kept, kept_path, read
-from .measure import PAPER, Figures, Folder
+from .measure import PAPER, Folder
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -49,9 +49,3 @@ def folder(pytestconfig: pytest.Config, paper: Folder) -> Folder:
 def kept(folder: Folder) -> Kept:
     """Its kept figures."""
     return read(kept_path(folder.path))
-
-
-@pytest.fixture(scope="session")
-def now(folder: Folder, kept: Kept) -> Figures:
-    """Its figures of today."""
-    return folder.figures(kept.recordings)

@@ -6,12 +6,12 @@ import pytest
 
 from .compare import table, worse
 from .kept import Kept, kept_path
-from .measure import PAPER, Figures, Folder, fingerprint
+from .measure import PAPER, Folder, fingerprint
 
 
-def test_no_worse_than_kept(judged: str, folder: Folder, kept: Kept, now: Figures) -> None:
+def test_no_worse_than_kept(judged: str, folder: Folder, kept: Kept) -> None:
     figures = {key: value for key, value in kept.figures.items() if key[0] == judged}
-    found = worse(figures, now, kept.tolerance)
+    found = worse(figures, folder.figures([judged]), kept.tolerance)
     if found:
         changed = "the same, so the code changed" if kept.model == fingerprint(folder.model) else "changed"
         own = "" if folder.path.resolve() == PAPER else f" RIG={folder.path}"
