@@ -9,8 +9,8 @@
     step = Filter(model, rig).step(sample)     tick by tick, for sample in recording
     class CoolantJet(Effect): ...              physics of your own, its numbers each a Param
 
-Each name is imported when it is used. The command begins in cli, and shares workspace, search, options, muting
-and terminal; then commands/, report/, monitor/ and own_effect/.
+Each name is imported when it is used. The command begins in cli, and shares workspace, search, machine, options,
+muting and terminal; then commands/, report/, monitor/ and own_effect/.
 """
 
 from importlib import import_module

@@ -45,12 +45,16 @@ class Loaded:
 
 @dataclass
 class Workspace:
-    """A rig and a model, the recordings to use and those held out, and what could not be used, in words."""
+    """A rig and a model, the recordings to use and those held out, and what could not be used, in words.
+
+    logs, rig_path  as they were named
+    """
 
     terminal: Terminal
     rig: Rig
     model: Model
     logs: Sequence[Path] = ()
+    rig_path: Path | None = None
     loaded: list[Loaded] = field(default_factory=list)
     held_out: list[Loaded] = field(default_factory=list)
     failed: list[str] = field(default_factory=list)
@@ -116,7 +120,7 @@ def open_workspace(
 ) -> Workspace:
     """The rig and the model; the logs are still to be read."""
     rig = open_rig(logs, rig_path, terminal)
-    return Workspace(terminal, rig, open_model(rig, model_path, terminal), logs)
+    return Workspace(terminal, rig, open_model(rig, model_path, terminal), logs, rig_path)
 
 
 def open_rig(logs: Sequence[Path], rig_path: Path | None, terminal: Terminal) -> Rig:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ballscrew.machine import MachineVerdict
 from ballscrew.options import NEAREST_RIG, PATH, logs_argument, rig_option, save_option, terminal_options
 from ballscrew.report.comparison_report import as_json, sections
 from ballscrew.report.sections import print_sections
@@ -45,9 +46,12 @@ def command(
         for done, model in enumerate(models):
             runs.progress(model.name, done)
             comparisons.append(compare(model, runs, truths))
-    print_sections(terminal, tables := sections(comparisons))
+    pairs = list(zip(comparisons, models, strict=True))
+    verdicts = [MachineVerdict(work, model, one.match, work.loaded) for one, model in pairs]
+    print_sections(terminal, tables := sections(comparisons, [v.sentence for v in verdicts if v.sentence]))
     print_use(terminal, comparisons[0].uses, work.rig)
-    terminal.json({"models": [as_json(one) for one in comparisons]})
+    told = [as_json(one) | {"machine": verdict.as_json()} for one, verdict in zip(comparisons, verdicts, strict=True)]
+    terminal.json({"models": told})
     if rrd is not None:
         from ballscrew.report.comparison_views import save_views  # rerun takes half a second to import
 

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import click
 
+from ballscrew.machine import MachineVerdict
 from ballscrew.muting import chosen_thermometers, muted
 from ballscrew.options import channel_options, save_option, view_option, workspace_options
 from ballscrew.report.review_report import as_json, print_reviews
 from ballscrew.workspace import Loaded, Workspace
+from estimator.accuracy.machine import Match
 from estimator.accuracy.review import Review, review
 from estimator.errors import InputError
 from estimator.record import Recording
@@ -47,12 +49,13 @@ def command(
     loaded, reviews, seconds = zip(*judged, strict=True)
     known = set(work.model.about.get("fitted_on", {}).values())
     fitted = [r.recording.fingerprint in known for r in reviews]
-    print_reviews(work.terminal, reviews, fitted, work.rig)
-    work.terminal.json(as_json(reviews, fitted, seconds))
+    verdict = MachineVerdict(work, work.model, Match([r.off_sd for r in reviews]), loaded)
+    print_reviews(work.terminal, reviews, fitted, work.rig, verdict.sentence)
+    work.terminal.json(as_json(reviews, fitted, seconds) | {"machine": verdict.as_json()})
     if rrd is not None:
         from ballscrew.report.review_views import save_views  # rerun takes half a second to import
 
-        save_views(rrd, work, loaded, reviews, view)
+        save_views(rrd, work, loaded, reviews, verdict.sentence, view)
     return work.status
 
 

@@ -11,14 +11,15 @@ from estimator.accuracy.noise_floor import Error
 from estimator.inputs.phase import PHASES
 
 
-def sections(comparisons: Sequence[Comparison]) -> list[Section]:
-    """The tables: by horizon, by phase and speed, by channel."""
+def sections(comparisons: Sequence[Comparison], machine: Sequence[str] = ()) -> list[Section]:
+    """The tables: by horizon, by phase and speed, by channel; `machine`: what is said of whose models they are."""
     head = ["", *(cell for one in comparisons for cell in (f"{one.name}, K", "um"))]
     rows = [[title, *cells([one.whole[key] for one in comparisons])] for key, title in HORIZONS.items()]
     rows.append(["sensors alone", *cells([one.floor for one in comparisons])])
     if any(one.held_out for one in comparisons):
         rows.append(["held out: model alone", *cells([_held_out(one) for one in comparisons])])
     said = [*_reference(comparisons[0]), *(f"{one.name}: {warning}" for one in comparisons for warning in one.warnings)]
+    said += machine
     parts = {PHASES[phase]: [one.by_phase[phase] for one in comparisons] for phase in PHASES}
     parts |= {f"at {speed:g} m/min": [one.by_speed[speed] for one in comparisons] for speed in comparisons[0].by_speed}
     alone = [[title, *cells([errors["open_loop"] for errors in some])] for title, some in parts.items()]

@@ -14,6 +14,7 @@ from ballscrew.report.use_report import left_out, print_use
 from ballscrew.terminal import Rows, Terminal, duration
 from estimator.accuracy.accuracy import Accuracy, least_squares_line
 from estimator.accuracy.doubts import doubts
+from estimator.accuracy.machine import LIMIT_SD
 from estimator.accuracy.review import Review, overall
 from estimator.faults.sentences import sentences
 from estimator.rig import Rig
@@ -32,8 +33,13 @@ SHORT = ("filter", "smoothed", "model", "polyline", "seven", "joined", "held")
 COLUMNS = ("reference - estimate, um", "lowest", "highest", "band", "rms", "cooldown", "in 2 sd")
 
 
-def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequence[bool], rig: Rig) -> None:
-    """A table for each of a few recordings, or a line for each of many; then all together, and those not fitted."""
+def print_reviews(
+    terminal: Terminal, reviews: Sequence[Review], fitted: Sequence[bool], rig: Rig, said: str = ""
+) -> None:
+    """A table for each of a few recordings, or a line for each of many; then all together, and those not fitted.
+
+    said  of the model, after what is said of readings
+    """
     judged = any(map(_judged, reviews))
     many = judged and len(reviews) > 2
     if many:
@@ -56,7 +62,7 @@ def print_reviews(terminal: Terminal, reviews: Sequence[Review], fitted: Sequenc
         )
         _print_reference(terminal, reviews)
     print_use(terminal, [review.use for review in reviews], rig)
-    for sentence in doubts(reviews, rig):
+    for sentence in (*doubts(reviews, rig), *filter(None, [said])):
         terminal.say(sentence)
     _print_warm(terminal, reviews)
     _print_unused(terminal, reviews)
@@ -83,6 +89,9 @@ def _print_one(terminal: Terminal, review: Review) -> None:
     heat = f"{review.one_step_K:.3f} K one tick ahead, {review.open_loop_K:.3f} K by the model alone"
     terminal.say(f"thermometers minus prediction, rms: {heat}")
     terminal.say(f"NIS {review.nis_mean:.2f} per channel, 1 when the filter's noise is right")
+    if np.isfinite(review.off_sd):
+        limit = f"on the machine it was fitted to up to {LIMIT_SD:.1f}"
+        terminal.say(f"the model alone is {review.off_sd:.1f} times as far off as it says, {limit}")
 
 
 def _print_reference(terminal: Terminal, reviews: Sequence[Review]) -> None:
@@ -131,9 +140,10 @@ def _percent(a: Accuracy) -> str:
     return f"{a.coverage_2sigma:.1%}" if np.isfinite(a.coverage_2sigma) else ""
 
 
-def markdown(reviews: Sequence[Review], rig: Rig) -> str:
-    """The summary page of the views: the overall table, the least-squares lines, and what was not used."""
-    lines = ["# Elongation: reference minus estimate", "", *table(_rows(reviews))]
+def markdown(reviews: Sequence[Review], rig: Rig, said: str = "") -> str:
+    """The summary page of the views: what is said of the model, the overall table, the least-squares lines, and what
+    was not used."""
+    lines = ["# Elongation: reference minus estimate", "", *([said, ""] if said else []), *table(_rows(reviews))]
     lines += ["", "The least-squares line Y = aX + b of reference Y against estimate X, and the band around it:", ""]
     for name in ("filter", "polyline"):
         found = [r for r in reviews if name in r.errors]
@@ -165,6 +175,7 @@ def as_json(reviews: Sequence[Review], fitted: Sequence[bool], seconds: Sequence
         recordings.append({
             "name": recording.name, "reference": r.reference_name, **_errors([r]), "nis_mean": r.nis_mean,
             **_use(r), "temperature_K": {"one_step": r.one_step_K, "open_loop": r.open_loop_K},
+            "off_sd": r.off_sd,
             "ticks": len(recording), "frames": recording.frames, "skipped": dict(recording.skipped),
             "notes": list(recording.notes), "start": _start(r.start), "seconds": took,
         })  # fmt: skip

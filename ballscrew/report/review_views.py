@@ -24,11 +24,13 @@ from viz.recorded.run import ReviewedRun
 HEARD = 0.1  # of a tick before its close, the last frame of the drive in it
 
 
-def save_views(path: Path, work: Workspace, loaded: Sequence[Loaded], reviews: Sequence[Review], view: bool) -> None:
-    """Write the views, and open them if asked, at the first stop."""
+def save_views(
+    path: Path, work: Workspace, loaded: Sequence[Loaded], reviews: Sequence[Review], said: str, view: bool
+) -> None:
+    """Write the views, with what is said of the model, and open them if asked, at the first stop."""
     runs = [_run(one, review, work) for one, review in zip(loaded, reviews, strict=True)]
     with work.terminal.progress(f"writing {path}", len(runs)) as update:
-        save(path, runs, markdown(reviews, work.rig), update)
+        save(path, runs, markdown(reviews, work.rig, said), update)
     work.terminal.show_views(path, view, runs[0].first_stop_s)
 
 

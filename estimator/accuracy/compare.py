@@ -14,6 +14,7 @@ import numpy as np
 from estimator.accuracy import displacement
 from estimator.accuracy.accuracy import rms
 from estimator.accuracy.horizon import HORIZONS, Horizons, horizons, overall
+from estimator.accuracy.machine import Match, off_sd
 from estimator.accuracy.noise_floor import FAR, Error, noise_floor
 from estimator.batch.trial import Trial
 from estimator.batch.trials import trials_of
@@ -34,6 +35,7 @@ class Comparison:
     by_speed    by mean speed in m/min, of the drive that a tick belongs to or follows
     floor       what the sensors alone would leave
     truths      of how many recordings the true elongation was known, of `recordings`
+    match       whether the model is that of the machine
     uses        what was used of each recording by the model's filter
     """
 
@@ -47,6 +49,7 @@ class Comparison:
     warnings: tuple[str, ...]
     truths: int
     recordings: int
+    match: Match
     uses: tuple[Use, ...]
 
 
@@ -81,6 +84,7 @@ def compare(model: Model, runs: Runs, truths: Sequence[Array | None] | None = No
         _warnings(whole, floor),
         sum(truth is not None for truth in truths),
         len(recordings),
+        Match(trials.each(lambda trial: off_sd(model, trial, trial.use))),
         trials.uses,
     )
 

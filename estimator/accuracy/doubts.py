@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from estimator.accuracy.machine import LIMIT_SD
 from estimator.accuracy.review import Review, overall
 from estimator.faults.sentences import place_of
 from estimator.rig import Rig
@@ -15,9 +16,9 @@ ALONE, OTHERS = 9.0, 3.0  # that of one channel, and so many times that of most 
 
 
 def doubts(reviews: Sequence[Review], rig: Rig) -> list[str]:
-    """What a NIS far above 1 comes from; and that the model fails, where no sensor is to blame."""
+    """What a NIS far above 1 comes from; and that the model fails, where no sensor is to blame, nor another machine."""
     said = [f"{r.recording.name}: {sentence}" for r in reviews if (sentence := _loud(r, rig))]
-    return said + _worse([one for one in reviews if not (one.use.suspects or loudest(one))])
+    return said + _worse([one for one in reviews if not (one.use.suspects or loudest(one) or one.off_sd > LIMIT_SD)])
 
 
 def loudest(review: Review) -> str:
@@ -44,5 +45,5 @@ def _worse(reviews: Sequence[Review]) -> list[str]:
         return []
     return [
         f"the filter ({ours.rms_um:.2f} um rms) is worse than the polyline ({line.rms_um:.2f}): the model lacks "
-        "something, or was fitted to another machine; `ballscrew diagnose` says where, `ballscrew fit` fits it"
+        "something; `ballscrew diagnose` says where"
     ]

@@ -9,6 +9,7 @@ import numpy as np
 
 from estimator.accuracy import displacement, polyline
 from estimator.accuracy.accuracy import Accuracy, accuracy, rms
+from estimator.accuracy.machine import off_sd
 from estimator.batch.replay import Replay
 from estimator.errors import InputError
 from estimator.faults.fault import Fault
@@ -38,6 +39,7 @@ class Review:
     cooling       (K,) bool: within 60 min after a stop
     one_step_K    rms of thermometer minus prediction before its use; open_loop_K: minus what the model alone says;
                   without what was refused
+    off_sd        how many times as far off as it says the model alone is (`machine`); NaN where nothing tells
     use           what was used of the recording, channel by channel
     start         how warm the screw was at the start; None where nothing tells
     """
@@ -56,6 +58,7 @@ class Review:
     polyline_channels: int
     one_step_K: float
     open_loop_K: float
+    off_sd: float
     use: Use
     start: Warmth | None
 
@@ -121,11 +124,13 @@ def review(
     sigma = {"filter": track.sigma_um, "smoothed": smoothed.sigma_um}
     if truth_um is None and "displacement" in rig.channels:
         _judge_by_readings(errors, sigma, track, rig, readings_sd)
+    use = use_of(recording, rig, Told.by(track))
+    off = off_sd(model, replayed.trial, use) if replayed.trial else float("nan")
     return Review(
         recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, readings_sd, sigma,
         smoothed.sigma_um, cooling(recording), len(polyline.along_screw(rig, used)),
         _misfit_K(track, track.predicted, rig), _misfit_K(track, track.open_loop, rig),
-        use_of(recording, rig, Told.by(track)), warmth(replayed.run) if replayed.run else None,
+        off, use, warmth(replayed.run) if replayed.run else None,
     )  # fmt: skip
 
 

@@ -45,7 +45,8 @@ def replay(
 class Replay:
     """A recording as the filter leaves it, the `track`, and what the smoother makes of it.
 
-    run  as it began; None where no thermometer was ever read
+    run    as it began; None where no thermometer was ever read
+    trial  the ticks after its first, without what was refused; None where there are none
     Where a run began with what were no temperatures, it begins again; the smoother has the last of the runs.
     """
 
@@ -54,8 +55,9 @@ class Replay:
     ) -> None:
         self._model, self._rig, self._recording, self._mute = model, rig, recording, mute or unmuted(rig)
         self._posed: Posed | None = None
-        self._jumped, self._doubt_um2 = np.zeros((0, len(rig.names))), list[Array]()
+        self._doubt_um2 = list[Array]()
         self.run: Run | None = None
+        self.trial: Trial | None = None
         parts, at = [], 0
         while at < len(recording):
             run = begin(model, rig, recording, self._mute, since=at)
@@ -75,23 +77,24 @@ class Replay:
         if at + 1 == len(self._recording):
             return
         trial = Trial(self._model, self._rig, self._recording, self._mute, gated=False, since=at)
-        posed = self._posed = trial.pose(self._model)
-        self._jumped, self._doubt_um2 = np.zeros_like(trial.rest.channels), []
+        posed = trial.pose(self._model)
+        self.trial, self._posed, self._doubt_um2 = trial, posed, []
         doubt = trial.doubt(posed)
         for part in trial.filtered(posed, doubt):
-            judgement, ticks = part.judgement, part.chunk.ticks
+            trial.take(part, posed.system)
             for rows, estimates in _estimates(trial, posed, part, doubt):
                 self._doubt_um2.append((estimates.doubt_um**2).sum(axis=1))
                 yield reporter.track(trial.rest.rows(rows), estimates)
-            if judgement.jump is not None:
-                self._jumped[ticks.stop :] += judgement.jump
+        trial.settle()
 
     def smoothed(self) -> SmoothedElongation:
         """The elongation after the fact, from the readings that the filter fused; nothing for less than two ticks."""
         um, sigma = np.full((2, len(self.track)), np.nan)
-        if self._posed is not None:
+        if self._posed is not None and self.trial is not None:
             T = len(self._posed.system.y)
-            system = replace(self._posed.system, y=self._posed.system.y - self._jumped, muted=~self.track.fused[-T:])
+            system = replace(
+                self._posed.system, y=self._posed.system.y - self.trial.jumped, muted=~self.track.fused[-T:]
+            )
             elongation = len(system.H)  # the channel that is never read
             found = batch.smoothed(replace(self._posed, system=system).with_elongation(), channels=[elongation])
             grows = np.isfinite(self.track.elongation_um[-T:])

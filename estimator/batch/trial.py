@@ -111,29 +111,42 @@ class Trial:
         self.lag = self.pose(model).run.lag
         self.fault = np.zeros(self.rest.channels.shape, dtype=np.int8)
         self.since_s, self.jump = np.full(self.fault.shape, np.nan), np.zeros(self.fault.shape)
+        self._side = np.zeros(len(rig.names))  # of each channel, the sum by which it is off where it drifts
 
     def _judge(self, model: Model, mute: Mute) -> None:
-        """Leave out what is broken, and take off readings what their zeros jumped by.
+        """Leave out what is broken."""
+        posed = self.pose(model)
+        for part in self.filtered(posed, self.doubt(posed)):
+            if part.judgement.anew:
+                self._begin(model, mute, since=self.begin + part.chunk.ticks.stop - 1)
+                self._judge(model, mute)
+                return
+            self.take(part, posed.system)
+        self.settle()
+
+    def take(self, part: Judged, system: System) -> None:
+        """Note what the judge says of some ticks."""
+        judgement, at = part.judgement, part.chunk.ticks
+        self.fault[at], self.since_s[at] = judgement.fault, judgement.since_s
+        if judgement.jump is not None:
+            self.jump[at.stop - 1] = judgement.jump
+        off = system.y[at] - part.chunk.predicted
+        self._side += np.where(judgement.fault == Fault.DRIFTING, np.nan_to_num(off), 0.0).sum(axis=0)
+
+    def settle(self) -> None:
+        """Leave out what all that was taken says is broken, and take off readings what their zeros jumped by.
 
         What drifts as it would next to heat that the model lacks is not left out: else nobody would find that heat.
         """
-        posed, side = self.pose(model), np.zeros(len(self.rig.names))
-        for part in self.filtered(posed, self.doubt(posed)):
-            judgement, at = part.judgement, part.chunk.ticks
-            if judgement.anew:
-                self._begin(model, mute, since=self.begin + at.stop - 1)
-                self._judge(model, mute)
-                return
-            self.fault[at], self.since_s[at] = judgement.fault, judgement.since_s
-            if judgement.jump is not None:
-                self.jump[at.stop - 1] = judgement.jump
-            off = posed.system.y[at] - part.chunk.predicted
-            side += np.where(judgement.fault == Fault.DRIFTING, np.nan_to_num(off), 0.0).sum(axis=0)
-        well = (self.fault == Fault.DRIFTING) & may_be_heat(side, self.rig)
+        well = (self.fault == Fault.DRIFTING) & may_be_heat(self._side, self.rig)
         self.fault[well], self.since_s[well] = Fault.NONE, np.nan
         self.muted |= self.fault != Fault.NONE
-        off = np.vstack([np.zeros(len(self.rig.names)), np.cumsum(self.jump, axis=0)[:-1]])
-        self.rest = replace(self.rest, channels=self.rest.channels - off)
+        self.rest = replace(self.rest, channels=self.rest.channels - self.jumped)
+
+    @property
+    def jumped(self) -> Array:
+        """By how much the zeros have become others before each tick, (T, m)."""
+        return np.vstack([np.zeros(len(self.rig.names)), np.cumsum(self.jump, axis=0)[:-1]])
 
     @property
     def use(self) -> Use:
@@ -198,14 +211,17 @@ class Trial:
         """What doubtful parameters make of the run, from its first sample on."""
         return Doubt(replace(self.run, forcing=posed.forcing), (carried, followed))
 
+    def ahead(self, posed: Posed, doubt: Doubt) -> Ahead:
+        """How the readings of the open-loop run move with doubtful parameters, in order of time."""
+        return Ahead(doubt, posed.system, posed.run, self.drive, (posed.heat, posed.offset, posed.outside))
+
     def filtered(self, posed: Posed, doubt: Doubt) -> Iterator[Judged]:
         """The ticks after the first as the filter leaves them, by the judge that the online filter has.
 
         `doubt` is carried ahead of the filter; whoever needs it behind it has to do that part after part.
         """
         alone = posed.run.lagged + posed.offset[1:]
-        ahead = Ahead(doubt, posed.system, posed.run, self.drive, (posed.heat, posed.offset, posed.outside))
-        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, ahead)
+        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, self.ahead(posed, doubt))
         return judged(posed.system, readings, self.run.judge(), posed.state)
 
     def loglike(self, model: Model) -> float:

@@ -105,6 +105,8 @@ def test_a_review_says_that_a_thermometer_is_broken_to_the_end(tmp_path):
     recording, said = reviewed(written(wire_off, tmp_path))
     assert recording["channels"]["TC4"]["spells"] == [{"fault": "stuck", "from_s": 1500.0, "to_s": None}]
     assert "TC4 at 170 mm is stuck, since 1500 s: left out, check that sensor" in said
+    assert recording["off_sd"] < 1.0
+    assert "ballscrew fit" not in said
 
 
 def test_a_nis_far_above_1_names_the_channel_that_it_comes_from(tmp_path):
