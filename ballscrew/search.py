@@ -10,7 +10,7 @@ from ballscrew.own_effect.named import Named, named_effects
 from ballscrew.workspace import Workspace
 from estimator.accuracy.horizon import open_loop_error
 from estimator.accuracy.noise_floor import Error
-from estimator.batch.trials import slow_trials_of
+from estimator.batch.trials import trials_of
 from estimator.effects import CATALOGUE
 from estimator.faults.use import Use
 from estimator.missing_effect.candidates import unfit
@@ -55,7 +55,7 @@ def verdict_of(suggestion: Suggestion, runs: Runs, held_out: Runs) -> Verdict:
         rivals = [h for h in suggestion.found if h.names[0] in suggestion.tie][:2]
         if len(rivals) == 2:
             run = next_run(rivals[0], rivals[1], runs)
-    held = slow_trials_of(suggestion.as_given.model, held_out)
+    held = trials_of(suggestion.as_given.model, held_out)
     listed = (suggestion.as_given, suggestion.again, *suggestion.found) if len(held) else ()
     errors = [open_loop_error(h.model, held) for h in listed]
     return Verdict(suggestion, errors, run, suggestion.uses + held.uses)

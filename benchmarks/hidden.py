@@ -30,7 +30,7 @@ from drivers.virtual_rig import simulate, write
 from drivers.virtual_rig.machine.heaters import local_place
 from estimator.accuracy.horizon import open_loop_error
 from estimator.accuracy.noise_floor import Error
-from estimator.batch.trials import slow_trials_of
+from estimator.batch.trials import trials_of
 from estimator.effects import CATALOGUE
 from estimator.fit.open_loop_fit import follow
 from estimator.missing_effect.candidates import kind_of
@@ -120,7 +120,7 @@ def _judge(out: CaseOutcome, found: Suggestion, rig: Rig, held: Sequence[Recordi
 
 
 def _held_out(h: Hypothesis, rig: Rig, held: Sequence[Recording]) -> Error:
-    return open_loop_error(h.model, slow_trials_of(h.model, Runs(rig, held))) if held else NONE
+    return open_loop_error(h.model, trials_of(h.model, Runs(rig, held))) if held else NONE
 
 
 def right(out: CaseOutcome) -> bool:

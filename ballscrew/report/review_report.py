@@ -96,7 +96,7 @@ def _print_one(terminal: Terminal, review: Review) -> None:
 
 def _print_reference(terminal: Terminal, reviews: Sequence[Review]) -> None:
     """How well the readings know what they are taken as a reference for."""
-    known = [r.readings_sd[r.cooling & np.isfinite(r.reference)] for r in reviews if r.reference_name == "readings"]
+    known = [r.reference_sd[r.cooling & np.isfinite(r.reference)] for r in reviews if r.reference_name == "readings"]
     sd = np.concatenate([np.empty(0), *known])
     if len(sd):
         terminal.say(

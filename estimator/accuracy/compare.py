@@ -7,16 +7,14 @@ ten-minutes-ahead errors stand beside them, and the noise floor of the sensors b
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.accuracy import displacement
 from estimator.accuracy.accuracy import rms
 from estimator.accuracy.horizon import HORIZONS, Horizons, horizons, overall
 from estimator.accuracy.machine import Match, off_sd
 from estimator.accuracy.noise_floor import FAR, Error, noise_floor
-from estimator.batch.trial import Trial
 from estimator.batch.trials import trials_of
 from estimator.faults.use import Use
 from estimator.inputs.phase import PHASES, phase_of, speed_of
@@ -61,9 +59,8 @@ def compare(model: Model, runs: Runs, truths: Sequence[Array | None] | None = No
     """
     rig, recordings, trials = runs.rig, runs.recordings, trials_of(model, runs)
     truths = truths or [None] * len(recordings)
-    found: list[Horizons] = trials.each(lambda trial: horizons(trial, model))
-    references = [_reference(trial, model, truth) for trial, truth in zip(trials, truths, strict=True)]
-    found = [replace(each, reference=reference) for each, reference in zip(found, references, strict=True)]
+    pairs = list(zip(trials, truths, strict=True))
+    found: list[Horizons] = list(runs.workers(lambda pair: horizons(pair[0], model, pair[1]), pairs))
     known = set(model.about.get("fitted_on", {}).values())
     rest = [each for each, r in zip(found, recordings, strict=True) if r.fingerprint not in known]
     whole, floor = _by_horizon(found), noise_floor(model, trials[0])
@@ -87,14 +84,6 @@ def compare(model: Model, runs: Runs, truths: Sequence[Array | None] | None = No
         Match(trials.each(lambda trial: off_sd(model, trial, trial.use))),
         trials.uses,
     )
-
-
-def _reference(trial: Trial, model: Model, truth: Array | None) -> Array:
-    """Elongation since the start that predictions are compared with, (T,) um; NaN where there is none."""
-    if truth is not None:
-        return truth[trial.begin :]
-    at_rest = phase_of(trial.recording) != "drive"
-    return np.where(at_rest, displacement.joined(trial.recording, trial.rig, model).um, np.nan)[trial.begin :]
 
 
 def _by_horizon(found: Sequence[Horizons]) -> ByHorizon:

@@ -108,17 +108,17 @@ def _rest(direct: Array, time_s: Array, ticks: Array, before: Stop, out: Joined)
     read = ticks[np.isfinite(direct[ticks])]
     if not len(read):
         return before
-    first = _level(time_s[read], direct[read], time_s[ticks[0] - 1] if ticks[0] else time_s[read[0]])
+    first = level(time_s[read], direct[read], time_s[ticks[0] - 1] if ticks[0] else time_s[read[0]])
     zero = before.noise + first.noise
     out.um[read], out.noise[read] = direct[read] - first.um + before.um, zero + 1.0
-    last = _level(time_s[read], out.um[read], time_s[ticks[-1]])
+    last = level(time_s[read], out.um[read], time_s[ticks[-1]])
     return Stop(last.um, zero + last.noise)
 
 
-def _level(time_s: Array, reading: Array, at_s: float) -> Stop:
+def level(time_s: Array, reading: Array, at_s: float, edge_s: float = EDGE_S) -> Stop:
     """Where a line through the readings near a time is at that time; the nearest reading if there are few."""
     apart = time_s - at_s
-    near = np.abs(apart) <= EDGE_S
+    near = np.abs(apart) <= edge_s
     if near.sum() < 3:
         return Stop(float(reading[np.abs(apart).argmin()]), 1.0)
     middle = apart[near].mean()

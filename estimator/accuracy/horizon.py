@@ -11,11 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.accuracy.accuracy import rms
-from estimator.accuracy.noise_floor import Error, rms_by_family
+from estimator.accuracy.noise_floor import Error
+from estimator.accuracy.reference import grown
 from estimator.batch import batch
 from estimator.batch.open_loop import open_loop_misfit
-from estimator.batch.trial import Trial
+from estimator.batch.trial import Posed, Trial
 from estimator.batch.trials import Trials
+from estimator.inputs.phase import phase_of
 from estimator.model import Model
 from estimator.record import Array
 
@@ -32,7 +34,7 @@ class Horizons:
     ahead      from those up to ten minutes before, once a minute, likewise
     open_loop  from the first sample alone; an unknown zero is taken out as the run's mean
     elongation (T,) predicted elongation, um, by each of these names, NaN where nothing was predicted
-    reference  (T,) what the elongation was; where it is not known, readings of the displacement stand for it
+    reference  (T,) what each is compared with; where it is not known, readings of the displacement stand for it
     """
 
     one_step: Array
@@ -40,15 +42,16 @@ class Horizons:
     open_loop: Array
     thermometers: Array
     elongation: Mapping[str, Array]
-    reference: Array
+    reference: Mapping[str, Array]
 
     def where(self, mask: Array) -> Horizons:
         """The same at some of the ticks."""
-        elongation = {name: each[mask] for name, each in self.elongation.items()}
+        elongation, reference = (
+            {name: each[mask] for name, each in by.items()} for by in (self.elongation, self.reference)
+        )
         return Horizons(
-            self.one_step[mask], self.ahead[mask], self.open_loop[mask], self.thermometers, elongation,
-            self.reference[mask],
-        )  # fmt: skip
+            self.one_step[mask], self.ahead[mask], self.open_loop[mask], self.thermometers, elongation, reference
+        )
 
     def temperature_errors(self, horizon: str) -> Array:
         """Of every thermometer, (T, thermometers) K."""
@@ -56,12 +59,12 @@ class Horizons:
 
     def elongation_errors(self, horizon: str) -> Array:
         """Reference minus prediction, or else reading minus prediction, um: (T, 1 + displacements), NaN for none."""
-        readings = np.where(np.isfinite(self.reference)[:, None], np.nan, getattr(self, horizon)[:, ~self.thermometers])
-        return np.column_stack([self.reference - self.elongation[horizon], readings])
+        readings = getattr(self, horizon)[:, ~self.thermometers]
+        return _elongation_errors(self.reference[horizon], self.elongation[horizon], readings)
 
 
-def horizons(trial: Trial, model: Model) -> Horizons:
-    """All three predictions of one model on one recording."""
+def horizons(trial: Trial, model: Model, truth: Array | None = None) -> Horizons:
+    """All three predictions of one model on one recording; `truth`: (K,) true elongation at its ticks, um."""
     posed = trial.pose(model)
     system = posed.system
     long = posed.with_elongation()
@@ -80,13 +83,39 @@ def horizons(trial: Trial, model: Model) -> Horizons:
         ahead[starts + steps] = np.where(told[starts] > 0, y[starts + steps] - predicted[:, :-1], np.nan)
         elongation["ahead"][starts + steps] = predicted[:, -1]
     thermometers = trial.rig.is_thermometer
-    unknown = np.full(len(y), np.nan)
-    return Horizons(one_step, ahead, open_loop_misfit(trial, posed), thermometers, elongation, unknown)
+    reference = _references(trial, posed, model, truth)
+    return Horizons(one_step, ahead, open_loop_misfit(trial, posed), thermometers, elongation, reference)
+
+
+def _references(trial: Trial, posed: Posed, model: Model, truth: Array | None) -> dict[str, Array]:
+    """What predictions of the elongation are compared with.
+
+    Where it is not true, it is from readings; not where a prediction is made from the readings before and so is held
+    against the next of them itself, as long as they come.
+    """
+    if truth is not None:
+        return dict.fromkeys(HORIZONS, truth[trial.begin :])
+    measured, read = grown(trial, posed, model), np.isfinite(trial.rest.channels[:, ~trial.rig.is_thermometer])
+    unread = np.where(read.any(axis=1) | (phase_of(trial.rest) == "drive"), np.nan, measured)
+    return {"one_step": unread, "ahead": unread, "open_loop": measured}
 
 
 def open_loop_error(model: Model, trials: Trials) -> Error:
-    """rms by the model alone over several recordings together."""
-    return rms_by_family(trials.each(lambda trial: open_loop_misfit(trial, trial.pose(model))), trials[0].rig)
+    """rms by the model alone over several recordings together, as `errors` has it."""
+
+    heat = trials[0].rig.is_thermometer
+
+    def misfits(trial: Trial) -> tuple[Array, Array]:
+        posed = trial.pose(model)
+        rest, reference = open_loop_misfit(trial, posed), grown(trial, posed, model)
+        return rest[:, heat], _elongation_errors(reference, posed.run.grown, rest[:, ~heat])
+
+    return Error(*(rms(np.concatenate(some)) for some in zip(*trials.each(misfits), strict=True)))
+
+
+def _elongation_errors(reference: Array, predicted: Array, readings: Array) -> Array:
+    """Reference minus prediction (T,); where there is no reference, what readings (T, displacements) are off by."""
+    return np.column_stack([reference - predicted, np.where(np.isfinite(reference)[:, None], np.nan, readings)])
 
 
 def overall(found: Sequence[Horizons], horizon: str) -> Error:

@@ -10,6 +10,7 @@ import numpy as np
 from estimator.accuracy import displacement, polyline
 from estimator.accuracy.accuracy import Accuracy, accuracy, rms
 from estimator.accuracy.machine import off_sd
+from estimator.accuracy.reference import left_alone
 from estimator.batch.replay import Replay
 from estimator.errors import InputError
 from estimator.faults.fault import Fault
@@ -31,9 +32,10 @@ class Review:
 
     estimates     elongation by name: filter, smoothed, open_loop, polyline, polyline_7, polyline_joined, last_reading
     errors        reference minus estimate, by the same names
-    reference     truth where there is one, else the displacement readings as the paper joins them; NaN without either.
-                  It counts from the first sample, to which a rig with a zero_C adds what the filter found grown by then
-    readings_sd   (K,) um, what their own scatter makes of the joined readings
+    reference     truth where there is one, else the displacement readings (`reference`); NaN without either. It counts
+                  from the first sample, to which a rig with a zero_C adds what the filter found grown by then
+    reference_sd  (K,) um, what their own scatter makes of readings that are the reference
+    readings      as the paper joins them, for display
     sigma         standard deviation of each error by its estimate's own word, of filter and smoothed
     smoothed_sd   (K,) um, of the smoothed estimate itself
     cooling       (K,) bool: within 60 min after a stop
@@ -50,8 +52,8 @@ class Review:
     errors: Mapping[str, Array]
     reference: Array
     reference_name: str
+    reference_sd: Array
     readings: Array
-    readings_sd: Array
     sigma: Mapping[str, Array]
     smoothed_sd: Array
     cooling: Array
@@ -112,26 +114,33 @@ def review(
     }
     if rig.subset_7:
         estimates["polyline_7"] = polyline.elongation(recording, rig, rig.subset_7)
-    measured = displacement.joined(recording, rig, model)
-    readings, readings_sd = measured.um, measured.sd
+    left = left_alone(recording, rig, model, _alone(track, rig))
     if "displacement" in rig.channels:
         estimates["polyline_joined"] = polyline.joined_polyline(recording, rig, model, line)
         estimates["last_reading"] = polyline.last_reading(recording, rig, model, line)
     estimates |= {name: um + began_um for name, um in estimates.items() if name not in OURS}
-    readings = readings + began_um
-    reference = readings if truth_um is None else truth_um + began_um
+    reference = track.open_loop_um + left.um if truth_um is None else truth_um + began_um
     errors = {name: reference - series for name, series in estimates.items()}
     sigma = {"filter": track.sigma_um, "smoothed": smoothed.sigma_um}
     if truth_um is None and "displacement" in rig.channels:
-        _judge_by_readings(errors, sigma, track, rig, readings_sd)
+        _judge_by_readings(errors, sigma, track, rig, left.sd)
     use = use_of(recording, rig, Told.by(track))
     off = off_sd(model, replayed.trial, use) if replayed.trial else float("nan")
     return Review(
-        recording, track, estimates, errors, reference, _reference_name(rig, truth_um), readings, readings_sd, sigma,
+        recording, track, estimates, errors, reference, _reference_name(rig, truth_um), left.sd,
+        displacement.joined(recording, rig, model).um + began_um, sigma,
         smoothed.sigma_um, cooling(recording), len(polyline.along_screw(rig, used)),
         _misfit_K(track, track.predicted, rig), _misfit_K(track, track.open_loop, rig),
         off, use, warmth(replayed.run) if replayed.run else None,
     )  # fmt: skip
+
+
+def _alone(track: Track, rig: Rig) -> Array:
+    """What the displacement would read by the model alone, (K,) um, from the start on; growth, if it does not say."""
+    alone = track.open_loop_um
+    if "displacement" in rig.channels and np.isfinite(track.innovation_sd[:, at := rig.index("displacement")]).any():
+        alone = track.open_loop[:, at]
+    return np.where(np.cumsum(track.begins) == track.begins.sum(), alone, np.nan)
 
 
 def _misfit_K(track: Track, expected: Array, rig: Rig) -> float:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from estimator.accuracy.horizon import open_loop_error
 from estimator.accuracy.noise_floor import Error
-from estimator.batch.trials import Trials, slow_trials_of
+from estimator.batch.trials import Trials, slow_trials_of, trials_of
 from estimator.effect import Effect
 from estimator.faults.use import Use
 from estimator.missing_effect.hypothesis import Hypothesis, refined
@@ -60,7 +60,7 @@ class Improvement:
 
 def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Effect]]) -> Improvement:
     """Improve a model. Ctrl-C keeps the best so far."""
-    trials, held = slow_trials_of(model, runs), slow_trials_of(model, held_out)
+    trials, held = slow_trials_of(model, runs), trials_of(model, held_out)
     uses, steps = trials.uses + held.uses, [_step("", (), refined(model, trials, [], False), held)]
     try:
         while True:

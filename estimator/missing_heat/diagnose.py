@@ -71,8 +71,7 @@ def diagnose(model: Model, runs: Runs) -> Diagnosis:
     adequate = not (alone.temperature_K > limits.temperature_K or alone.elongation_um > limits.elongation_um)
     moves = any(bool(turns(recording.omega).any()) for recording in runs.recordings)
     broken = any(use.suspects for use in trials.uses)
-    told = (*not_used(trials.uses, rig), *sentences(adequate, alone, floor, heat, wrong, moves, broken))
-    found["open_loop"] = alone
+    told = (*not_used(trials.uses, rig), *sentences(adequate, found["open_loop"], floor, heat, wrong, moves, broken))
     return Diagnosis(adequate, found, floor, limits, judged, heat, wrong, told, tuple(maps), trials.uses)
 
 

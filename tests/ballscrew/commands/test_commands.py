@@ -243,7 +243,7 @@ def test_json_goes_to_its_file_and_tables_to_the_screen(log, tmp_path):
     status, out, _ = run("review", log, "--json", tmp_path / "r.json")
     assert status == 0
     assert "polyline" in out
-    assert set(json.loads((tmp_path / "r.json").read_text())) == {"recordings", "overall", "held_out"}
+    assert set(json.loads((tmp_path / "r.json").read_text())) == {"recordings", "overall", "held_out", "machine"}
     assert "polyline" in run("review", log, "--json")[2]
     status, out, _ = run("review", log, "--quiet")
     assert (status, out) == (0, "")

@@ -127,7 +127,7 @@ def test_the_smoothed_estimate_is_not_judged_by_a_reading_that_it_is_made_of(run
     unread = review(run, rig, full, mute=lambda _: np.arange(16) == 15)
     np.testing.assert_array_equal(np.isfinite(unread.errors["smoothed"]), np.isfinite(unread.readings))
     read = np.flatnonzero(np.isfinite(unread.readings))[1:]  # the first tick's growth is 0 by definition
-    assert (unread.sigma["smoothed"] > unread.readings_sd)[read].all()  # a doubt of its own beside theirs
+    assert (unread.sigma["smoothed"] > unread.reference_sd)[read].all()  # a doubt of its own beside theirs
 
 
 def test_nis_is_the_mean_over_fused_channels(run, rig, full):

@@ -1,0 +1,75 @@
+"""What an elongation is compared with where the truth is not known: readings of the displacement, joined at each stop.
+
+The reading's zero is another one in a drive, where the turning screw is read at the stroke centre, and at rest, where
+it is read directly. What joins them is what the model alone leaves of both, which is nearly the same just before and
+just after: a line through half a minute of it, on each side, goes to the moment between.
+
+    left = reading - the model alone, shifted in each drive and rest to begin where the one before ended; 0 at the start
+    reference = the model alone + left
+
+The growth itself bends within seconds of a stop, and is far from a line. So the model stands for a few seconds around
+each stop, and for nothing else.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from estimator.accuracy.displacement import Joined, Stop, level
+from estimator.batch.trial import Posed, Trial
+from estimator.inputs.phase import phases
+from estimator.model import Model
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+
+EDGE_S = 30.0  # seconds of each stretch through which the line goes
+
+
+def left_alone(recording: Recording, rig: Rig, model: Model, alone: Array) -> Joined:
+    """What the model alone leaves of the displacement readings; nothing where the rig has no such channel.
+
+    alone  (K,) what the channel would read by the model alone, um, NaN before the start; growth, if it does not say
+    """
+    um, noise = np.full((2, len(recording)), np.nan)
+    if "displacement" not in rig.channels:
+        return Joined(um, noise, 0.0)
+    at = rig.index("displacement")
+    age_s = recording.ages_s[:, at]
+    late = np.diff(alone, prepend=alone[:1]) * np.clip(age_s / rig.tick_s, 0.0, 1.0)
+    held = recording.channels[:, at] - alone + late
+    direct = recording.inputs["displacement_direct"] - alone if "displacement_direct" in recording.inputs else held
+    scatter = model["displacement.sd"] if "displacement.sd" in model.values else 0.0
+    out, end = Joined(um, noise, scatter), Stop(0.0, 0.0)
+    for driving, ticks in phases(recording):
+        left, read_at = (held, recording.time_s - age_s) if driving else (direct, recording.time_s)
+        end = _join(left, read_at, recording.time_s, ticks if driving else _settled(ticks, recording), end, out)
+    return out
+
+
+def grown(trial: Trial, posed: Posed, model: Model) -> Array:
+    """The reference at the ticks of a trial, (T,) um since its start; NaN where nothing is read."""
+    run, rig, before = posed.run, trial.rig, trial.begin - 1
+    if "displacement" not in rig.channels:
+        return np.full(len(run.grown), np.nan)
+    at = rig.index("displacement")
+    reads = np.append(run.spot[0, at], run.lagged[:, at]) + posed.offset[:, at]
+    known = np.isfinite(posed.forcing.readings.sd[at])
+    alone = np.append(np.full(before, np.nan), reads if known else np.append(0.0, run.grown))
+    return run.grown + left_alone(trial.recording, rig, model, alone).um[trial.begin :]
+
+
+def _settled(ticks: Array, recording: Recording) -> Array:
+    """A rest without its last tick, where a drive follows: the screw may have turned when that was read."""
+    return ticks if ticks[-1] + 1 == len(recording) else ticks[:-1]
+
+
+def _join(left: Array, read_at: Array, time_s: Array, ticks: Array, before: Stop, out: Joined) -> Stop:
+    """Fill one drive or rest, shifted to join the level at which the one before ended; returns its own last level."""
+    read = ticks[np.isfinite(left[ticks])]
+    if not len(read):
+        return before
+    began = time_s[ticks[0] - 1] if ticks[0] else time_s[0]
+    first, last = (level(read_at[read], left[read], at_s, EDGE_S) for at_s in (began, time_s[ticks[-1]]))
+    zero = before.noise + first.noise
+    out.um[read], out.noise[read] = left[read] - first.um + before.um, zero + 1.0
+    return Stop(last.um - first.um + before.um, zero + last.noise)
