@@ -240,9 +240,9 @@ def test_table_error_is_unknown_without_a_position_and_grows_with_distance(rig, 
 
 def test_covariance_stays_symmetric_and_positive_over_thousands_of_steps(small, small_model, driven, live):
     model = small_model.with_values({"thermometers.gain_sd": 0.0})  # it is no part of the filter's covariance
-    drive = driven(small, 3000, (10, 1500), stroke=(0.0, 100.0))
+    drive = driven(small, 2000, (10, 1200), stroke=(0.0, 100.0))
     log = live(model, small, drive, seed=2).recording
-    log.channels[500:1000] = np.nan
+    log.channels[300:700] = np.nan
     filter_ = Filter(model, small)
     track = stepped(filter_, log)
     P = filter_.P

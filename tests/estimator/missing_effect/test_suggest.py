@@ -216,7 +216,7 @@ def test_what_no_catalogue_has_is_placed_and_followed(plain, bar, lives):
 
 @pytest.mark.parametrize("wrong", ["speed", "speed and position"])
 def test_a_wrong_label_names_run_and_signal(wrong, plain, bar, lives):
-    runs = lives(plain)
+    runs = lives(plain)[:3]
     runs[1] = corrected(runs[1], bar, wrong, -np.log(1.2))
     found = search(plain, bar, runs)
     assert found.verdict == "input_error"
@@ -259,11 +259,12 @@ def test_what_an_earlier_step_added_moves_with_the_next(plain, bar, lives):
     truth = with_effect(with_effect(plain, "churning", share=0.5), "local_heat", power=2.0, at=150.0)
     bent = with_effect(plain, "churning", share=0.6)
     wide, seats = candidates(bent, bar, [CATALOGUE["local_heat"]])
-    trials = slow_trials_of(wide, Runs(bar, lives(truth)))
+    runs = Runs(bar, lives(truth))
+    trials = slow_trials_of(wide, runs)
     held, moved = (screening(bent, wide, seats, trials, loose=loose) for loose in ((), ("churning.share",)))
     best = moved.best(refit=False)[0]
     assert best.judged[0].misfit < 0.5 * held.best(refit=False)[0].judged[0].misfit
     assert best.first[0]["churning.share"] == pytest.approx(0.5, abs=0.03)
-    found = suggest(bent, Runs(bar, lives(truth)), [CATALOGUE["local_heat"]], loose=["churning"])
+    found = suggest(bent, runs, [CATALOGUE["local_heat"]], loose=["churning"])
     assert found.as_given.paths == ("churning.share",)
     assert found.as_given.misfit < refined(bent, trials, [], False).misfit
