@@ -106,12 +106,13 @@ class Filter:
             grown_um=grown_um,
             fault=fault,
             since_s=judged.since_s[0],
+            may_drift_K=judged.may_drift_K[0],
             jump=np.zeros(len(fuse)) if judged.jump is None else judged.jump,
             input_fault=run.forcing.input_fault,
             doubt=doubt.states[0],
             doubt_um=doubt.elongation[0],
         )
-        return self._reporter.track(rows, estimates).step(0, compared.why(fault, muted))
+        return self._reporter.track(rows, estimates.suspecting(run.state)).step(0, compared.why(fault, muted))
 
     def _course(self, sample: Sample, before: tuple[Array, Array, Array], grown_um: float) -> Course:
         """The open-loop run over the tick that has just been predicted."""

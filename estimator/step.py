@@ -34,6 +34,7 @@ class Step:
     error_at_table_um growth between the anchor bearing and the nut's centre; NaN where the position is not known
     measured, predicted, innovation, innovation_sd, fused, why   (m,) for each channel
     fault, since_s    (m,) what is wrong with each channel, a Fault, and since when
+    may_drift_K       (m,) by how much a thermometer that is fused may have drifted, since since_s; 0: not suspected
     jump              (m,) by how much its zero has become another one with this tick; 0 where it has not
     input_fault       (p,) why each input of the rig is held, a Fault, NONE: it is not
     begins            whether the run began with this tick; again, where what it had begun with were no temperatures
@@ -60,6 +61,7 @@ class Step:
     fused: Array
     fault: Array
     since_s: Array
+    may_drift_K: Array
     jump: Array
     input_fault: Array
     begins: bool
@@ -99,6 +101,7 @@ class Track:
     fused: Array
     fault: Array
     since_s: Array
+    may_drift_K: Array
     jump: Array
     input_fault: Array
     begins: Array
@@ -115,7 +118,8 @@ class Track:
         said |= {name: np.full((K, m), np.nan) for name in LINES}
         said |= {name: np.empty((K, 0)) for name in ("profile_C", "profile_sd_K", "bodies_C")}
         said |= {"time_s": rows.time_s, "measured": rows.channels, "fused": np.zeros((K, m), dtype=bool)}
-        said |= {"fault": np.zeros((K, m), dtype=np.int8), "jump": np.zeros((K, m)), "begins": np.zeros(K, dtype=bool)}
+        said |= {"fault": np.zeros((K, m), dtype=np.int8), "begins": np.zeros(K, dtype=bool)}
+        said |= {name: np.zeros((K, m)) for name in ("jump", "may_drift_K")}
         said |= {"input_fault": np.zeros((K, len(rows.inputs)), dtype=np.int8)}
         said |= {"mode": np.full(K, Mode.INIT), "nis_channels": np.zeros(K, dtype=int)}
         return cls(np.empty(0), (), names, **said)

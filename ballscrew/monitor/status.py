@@ -14,7 +14,7 @@ from rich.text import Text
 from ballscrew.monitor.monitor import Moment
 from ballscrew.terminal import duration
 from estimator.alarms.alarms import Alarm
-from estimator.faults.fault import Fault
+from estimator.faults.fault import MAY_DRIFT, Fault
 from estimator.rig import Rig
 
 NO_DEFECT = ("unknown id", "not in the rig file", "held since before the log", "sent by us")
@@ -89,8 +89,8 @@ class Status:
 
 
 def _suspects(alarms: Sequence[Alarm]) -> list[dict[str, Any]]:
-    """Channels and inputs that are left out, how and since when."""
-    words = {fault.word for fault in Fault if fault.word}
+    """Channels and inputs that are left out, how and since when; and thermometers that may drift, which are not."""
+    words = {fault.word for fault in Fault if fault.word} | {MAY_DRIFT}
     return [{"channel": a.channel, "suspect": a.kind, "since_s": a.since_s} for a in alarms if a.kind in words]
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from ballscrew.terminal import Rows, Terminal
+from estimator.faults.fault import MAY_DRIFT, Spell, Suspicion
 from estimator.faults.sentences import place_of, sentences
-from estimator.faults.use import ChannelUse, Spell, Use
+from estimator.faults.use import ChannelUse, Use
 from estimator.rig import Rig
 
 
@@ -26,6 +28,12 @@ def left_out(uses: Sequence[Use], rig: Rig) -> Rows:
         for use in uses
         for one in use.suspects
     ]
+    rows += [
+        [use.name, place_of(rig, rig.index(one.channel)), f"{MAY_DRIFT}, {each.most_K:+.2f} K", *_span(each), "0"]
+        for use in uses
+        for one in use.channels
+        for each in one.suspicions
+    ]
     rows += [[use.name, f"input {name}", *_when(spells), ""] for use in uses for name, spells in use.inputs.items()]
     return [["recording", "sensor", "why", "since", "until", "readings refused"], *rows] if rows else []
 
@@ -34,9 +42,12 @@ def _when(spells: Sequence[Spell]) -> list[str]:
     """Why, from when on, and until when."""
     kinds = dict.fromkeys(spell.fault.word for spell in spells)
     often = f", {len(spells)} times" if len(spells) > 1 else ""
-    end_s = spells[-1].to_s
-    until = f"{end_s:.0f} s" if np.isfinite(end_s) else "the end"
-    return [f"{', '.join(kinds)}{often}", f"{spells[0].from_s:.0f} s", until]
+    return [f"{', '.join(kinds)}{often}", _span(spells[0])[0], _span(spells[-1])[1]]
+
+
+def _span(spell: Spell | Suspicion) -> list[str]:
+    """From when on, and until when."""
+    return [f"{spell.from_s:.0f} s", f"{spell.to_s:.0f} s" if np.isfinite(spell.to_s) else "the end"]
 
 
 def as_json(use: Use) -> dict[str, Any]:
@@ -54,7 +65,8 @@ def as_json(use: Use) -> dict[str, Any]:
 def channel_json(one: ChannelUse) -> dict[str, Any]:
     """What was used of a channel, for programs."""
     told = {"used": one.share, "refused": one.refused, "why": dict(one.why)}
-    return {**told, "suspect": one.suspect.word or None, "spells": _spells_json(one.spells)}
+    may_drift = [asdict(suspicion) for suspicion in one.suspicions]
+    return {**told, "suspect": one.suspect.word or None, "spells": _spells_json(one.spells), "may_drift": may_drift}
 
 
 def _spells_json(spells: Sequence[Spell]) -> list[dict[str, Any]]:

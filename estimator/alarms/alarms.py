@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.alarms.window import FALSE_S, WINDOWS, WindowTest
-from estimator.faults.fault import Fault
+from estimator.faults.fault import MAY_DRIFT, Fault
 from estimator.faults.sentences import place_of
 from estimator.record import Array
 from estimator.rig import Rig
@@ -21,7 +21,7 @@ SILENT_TICKS = 10
 class Alarm:
     """What is wrong, with which channel ("": all of them), and since when, s since the first frame.
 
-    kind    "bias", "nis", "rejected", "silent", or the word of a Fault, of a channel or an input
+    kind    "bias", "nis", "rejected", "silent", "may drift", or the word of a Fault, of a channel or an input
     over_s  of a test, how long the readings were looked at; 0: as they come
     """
 
@@ -86,12 +86,15 @@ class Alarms:
             yield Alarm("silent", self.rig.names[i], float(since[i]), f"{place_of(self.rig, i)} is not read")
 
     def _faults(self, step: Step, heat: Array) -> Iterator[Alarm]:
-        """Thermometers that are broken."""
+        """Thermometers that are broken, and those that may be."""
         for i in np.flatnonzero(heat & (step.fault > Fault.JUDGED)):
             fault = Fault(step.fault[i])
             at = f" at {step.measured[i]:.2f} degC" if fault == Fault.STUCK and np.isfinite(step.measured[i]) else ""
             text = f"{place_of(self.rig, i)} {fault.said}{at}"
             yield Alarm(fault.word, self.rig.names[i], float(step.since_s[i]), text)
+        for i in np.flatnonzero(heat & (step.may_drift_K != 0) & (step.fault == Fault.NONE)):
+            text = f"{place_of(self.rig, i)} {MAY_DRIFT} away from its neighbours; it is used"
+            yield Alarm(MAY_DRIFT, self.rig.names[i], float(step.since_s[i]), text)
 
     def _inputs(self, step: Step) -> Iterator[Alarm]:
         """Inputs that are held; what is stuck may be as it was, and stays as it is."""

@@ -127,12 +127,13 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
             grown_um=run.grown[at],
             fault=judgement.fault[some],
             since_s=judgement.since_s[some],
+            may_drift_K=judgement.may_drift_K[some],
             jump=jump[some],
             input_fault=trial.drive.inputs.fault[1:][at],
             doubt=doubtful.states,
             doubt_um=doubtful.elongation,
         )
-        yield at, estimates
+        yield at, estimates.suspecting(posed.state)
 
 
 def _doubtful(posed: Posed, chunk: Chunk, moves: Moves, doubt: Doubt) -> Doubtful:

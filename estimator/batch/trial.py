@@ -161,6 +161,7 @@ class Trial:
             self._whole(run.fuse, fused),
             self._whole(run.fault, self.fault),
             self._whole(np.where(run.fault, run.sample.time_s, np.nan), self.since_s),
+            np.zeros(self.recording.channels.shape),  # what may drift may be heat that the model lacks: it is sought
             self._whole(np.zeros(len(run.fault)), self.jump),
             self._whole(self.drive.inputs.fault[0], self.drive.inputs.fault[1:]),
         )

@@ -5,9 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
+import numpy as np
+
 from estimator.record import Array
 
 POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
+
+
+MAY_DRIFT = "may drift"  # of a channel that is fused
 
 
 class Fault(IntEnum):
@@ -76,6 +81,7 @@ class Judgement:
     """K ticks, as far as all but the last were without an event.
 
     fault    (K, m) a Fault each, since when (K, m) s
+    may_drift_K  (K, m) by how much channels that are fused may have drifted, 0: not suspected; since when in since_s
     jump     (m,) by how much channels jumped whose zero is now another one; None: none did
     drift    (m,) by how much channels had drifted that were fused up to now; None: none had
     anew     whether the run has to begin again with the last tick: what it began with were no temperatures
@@ -83,6 +89,7 @@ class Judgement:
 
     fault: Array
     since_s: Array
+    may_drift_K: Array
     jump: Array | None = None
     drift: Array | None = None
     anew: bool = False
@@ -105,3 +112,48 @@ class Tick:
     limit: Array
     beyond: Array
     repeats: Array
+
+
+@dataclass(frozen=True)
+class Spell:
+    """A time in which a channel or an input was broken: how most of it, from when to when, s; NaN where it lasts."""
+
+    fault: Fault
+    from_s: float
+    to_s: float
+
+
+@dataclass(frozen=True)
+class Suspicion:
+    """A time in which a channel that may have drifted was used: by how much at most, K, and when, as a Spell."""
+
+    most_K: float
+    from_s: float
+    to_s: float
+
+
+def spells(fault: Array, since_s: Array, time_s: Array) -> tuple[Spell, ...]:
+    """When something was broken, by its faults (K,); what was only held for a while was not."""
+    found = []
+    for first, end in _runs(fault != Fault.NONE):
+        broken = fault[first:end][fault[first:end] > Fault.JUDGED]
+        if len(broken):
+            most = Fault(int(np.bincount(broken).argmax()))
+            to_s = float(time_s[end]) if end < len(fault) else float("nan")
+            found.append(Spell(most, float(np.nanmin(since_s[first:end])), to_s))
+    return tuple(found)
+
+
+def suspicions(may_drift_K: Array, fault: Array, time_s: Array) -> tuple[Suspicion, ...]:
+    """When a channel was used though it may have drifted, by its ticks (K,); what became a fault is told as that."""
+    ends, broken = np.append(time_s, np.nan), fault > Fault.JUDGED
+    return tuple(
+        Suspicion(float(max(may_drift_K[first:end], key=abs)), float(time_s[first]), float(ends[end]))
+        for first, end in _runs(may_drift_K != 0)
+        if not broken[end : end + 1].any()
+    )
+
+
+def _runs(so: Array) -> Array:
+    """First tick and end of each time in which something is so, (runs, 2)."""
+    return np.flatnonzero(np.diff(np.concatenate([[0], so, [0]]))).reshape(-1, 2)

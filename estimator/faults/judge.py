@@ -3,7 +3,8 @@
 A thermometer that leaves the model alone is held, and after ten seconds it is left out for a fault of its own; where
 most leave together, the telemeter has other zeros, or the run began with what were no temperatures. A length has no
 neighbours: where it jumps it has another zero, and where it departs slowly the model is wrong, and it is believed.
-What is broken goes on being compared, and is taken back when it has been well for long enough.
+What is broken goes on being compared, and is taken back when it has been well for long enough. What only may drift is
+fused and said.
 """
 
 from __future__ import annotations
@@ -50,6 +51,11 @@ class Judge:
         """Which channels are fused at the next tick unless something happens, (m,) bool."""
         return np.asarray(self.fault == Fault.NONE)
 
+    @property
+    def _said_since_s(self) -> Array:
+        """Since when channels are broken or, where they are not, suspected, (m,) s."""
+        return np.where(self.fault == Fault.NONE, self._neighbours.since_s, self.since_s)
+
     def judge(self, seen: Seen) -> Judgement:
         """The first of some ticks: all, or up to the first in which something happens.
 
@@ -60,9 +66,10 @@ class Judge:
         repeats = self._standstill.compare(np.where(self._heat & np.isfinite(seen.value), seen.reading, np.nan))
         progress = self._recovery.compare(seen.time_s, jumps, repeats.count, self.fault)
         ticks = self._quiet(seen, jumps, repeats.count, progress)
-        asked = self.well & self._heat & np.isfinite(seen.value[0])
+        asked = self.well & self._heat & np.isfinite(seen.value)
+        before = self.fault.copy(), self._said_since_s, self._neighbours.may_drift_K.copy()
         ticks, drifting = self._neighbours.add(seen.first(ticks), asked)
-        fault, since_s = np.tile(self.fault, (ticks, 1)), np.tile(self.since_s, (ticks, 1))
+        fault, since_s, may_drift_K = (np.tile(each, (ticks, 1)) for each in before)
         last = ticks - 1
         if last:
             self._jumps.learn(jumps, last, self.well)
@@ -82,10 +89,10 @@ class Judge:
         self._forget(jump)
         if drift is not None:
             self._jumps.forget(self._heat)  # the estimate goes back to where it would be without
-        fault[last], since_s[last] = self.fault, self.since_s
+        fault[last], since_s[last], may_drift_K[last] = self.fault, self._said_since_s, self._neighbours.may_drift_K
         if jump is not None:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
-        return Judgement(fault, since_s, jump, drift, anew)
+        return Judgement(fault, since_s, may_drift_K, jump, drift, anew)
 
     def by_another_model(self) -> None:
         """Go on with what another model says of the readings."""

@@ -8,18 +8,36 @@
     r      c less what the others say of it: inverse(C) c over the diagonal of inverse(C)
 
 (Rasmussen and Williams 2006, 5.4.2.) A model that is as good as it says leaves little room; one that is wrong as much
-as it is wrong elsewhere at the same time.
+as it is wrong elsewhere at the same time. The one that is off by most sd is tested, by those that are left without the
+next one: two that fail together do not hide each other.
+
+    limit  (7 + 4 ln s) sd + 0.4 s rough + 8 beside, beyond which it drifts; with 9 for 7 in windows of more than ten
+           minutes, in which more adds up that a model lacks; with 4 for 7, beyond which it may drift
+    rough  how much the model alone has gone up and down in that time beside what its neighbours say of it: where that
+           is rough, a model that is wrong is rough too
+    beside what the next thermometers leave unexplained beyond 2 sd, found without this one; forgotten within minutes,
+           like s: heat that the model lacks moves them too
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from estimator.record import Array
 
+WINDOWS = (6, 14, 32, 62, 182, 362)  # blocks of 10 s
+SURE = (7.0, 7.0, 7.0, 7.0, 9.0, 9.0)  # sd
+SUSPECT, WORSE, ROUGH, BESIDE, USUAL = 4.0, 4.0, 0.4, 8.0, 2.0
+ALIKE_MM, COMMON_K, SMOOTH_K, SINGLE_K = 250.0, 5.0, 0.01, 0.003  # of c along the screw; the last two in two minutes
+TWO_MINUTES = 12  # blocks
+KEPT, KEPT_SCALE = 0.9, 0.95  # of what the last block has shown
+FEWEST = 5  # thermometers, of which one can be told from the others
+ROUGH_SINGLE_K = 0.05  # of what the model alone changes by, beside 1 K that is alike along the screw
 SCALES = np.geomspace(1.0, 128.0, 15)
+AS_IT_IS = np.ones(1)  # the scale of a model that is as good as it says
 
 
 @dataclass(frozen=True)
@@ -48,3 +66,120 @@ def unexplained(change: Array, model: Array, scatter: Array, scales: Array = SCA
     best = np.argmax(np.log(weight).sum(axis=1)[:, None] - np.log(precision) - square, axis=0)
     own = np.arange(len(change))
     return Unexplained(pull[best, own] / precision[best, own], precision[best, own] ** -0.5, scales[best])
+
+
+@dataclass(frozen=True)
+class Tested:
+    """Thermometer i by the others: what they do not explain, K, its sd, their scale; and what they leave themselves.
+
+    rest    (n - 1,) which they are;   others: what each leaves unexplained without i
+    """
+
+    value: float
+    sd: float
+    scale: float
+    rest: Array
+    others: Unexplained
+
+
+@dataclass(frozen=True)
+class Change:
+    """Of reading less model alone over a window, (m,) K, NaN: not known; what explains it (m, m); rough (m,) K."""
+
+    value: Array
+    model: Array
+    scatter: Array
+    rough: Array
+
+    def of(self, some: Array, scales: Array) -> Unexplained:
+        """What some of them leave of each other unexplained."""
+        both = np.ix_(some, some)
+        return unexplained(self.value[some], self.model[both], self.scatter[both], scales)
+
+    def tested(self, i: int, at: Array, scales: Array) -> Tested:
+        """Thermometer i by the others of those `at`, but for the one of them that is furthest off."""
+        rest = at[at != i]
+        others = self.of(rest, scales)
+        last = self.of(np.append(np.delete(rest, others.furthest), i), scales)
+        return Tested(float(last.value[-1]), float(last.sd[-1]), float(last.scale[-1]), rest, others)
+
+
+@dataclass(frozen=True)
+class Means:
+    """Over some blocks up to that one, (m, ...): reading less model alone, how that moves with doubts; how rough the
+    model has been up to then."""
+
+    block: int
+    difference: Array
+    doubt: Array
+    rough: Array
+
+
+@dataclass(frozen=True)
+class Departure:
+    """The thermometer that is off by most sd since some blocks: how far, K, as a share of the limit beyond which it
+    drifts, and of that beyond which it may."""
+
+    before: Means
+    channel: int
+    off_K: float
+    drifts: float
+    may_drift: float
+
+
+class Windows:
+    """Compares thermometers over each of the WINDOWS; remembers for minutes how wrong the model has been."""
+
+    def __init__(self, x_mm: Array, variance: Array) -> None:
+        """x_mm (m,) places along the screw, NaN: a channel without neighbours; variance (m,) of a mean, K^2."""
+        self._x, self._scatter = x_mm, COMMON_K**2 + np.diag(2.0 * variance)
+        self._alike = np.exp(-0.5 * ((x_mm[:, None] - x_mm) / ALIKE_MM) ** 2)
+        self._beside, self._scale = np.zeros((len(WINDOWS), len(x_mm))), np.ones(len(WINDOWS))
+
+    def rough(self, change: Array) -> Array:
+        """How far the model alone has changed beside what it says of the neighbours, (m,) K."""
+        rough, at = np.zeros(len(change)), np.flatnonzero(np.isfinite(self._x + change))
+        if len(at):
+            own = COMMON_K**2 + ROUGH_SINGLE_K**2 * np.eye(len(at))
+            rough[at] = np.abs(unexplained(change[at], self._alike[np.ix_(at, at)], own, AS_IT_IS).value)
+        return rough
+
+    def change(self, before: Means, now: Means) -> tuple[Change, Array]:
+        """The change between two times, and of which thermometers it is known: of enough of them, or of none."""
+        unknown = SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(self._x))
+        moved = now.doubt - before.doubt
+        model = moved @ moved.T + (now.block - before.block) / TWO_MINUTES * unknown
+        change = Change(now.difference - before.difference, model, self._scatter, now.rough - before.rough)
+        at = np.flatnonzero(np.isfinite(change.value) & np.isfinite(self._x))
+        return change, at if len(at) >= FEWEST else at[:0]
+
+    def departures(self, past: Sequence[Means]) -> Iterator[Departure]:
+        """Of each window that ends with the last block, the thermometer that is off by most sd, where any is off."""
+        self._beside *= KEPT
+        self._scale = np.maximum(1.0, KEPT_SCALE * self._scale)
+        for w, blocks in enumerate(WINDOWS):
+            if len(past) <= blocks:
+                break
+            change, at = self.change(past[-1 - blocks], past[-1])
+            if len(at) and _any_off(change, at):
+                scales = np.maximum(SCALES, self._scale[w])
+                i = int(at[change.of(at, scales).furthest])
+                tested = change.tested(i, at, scales)
+                self._scale[w] = tested.scale
+                self._beside[w, i] = max(self._beside[w, i], self._beyond_usual(i, tested))
+                allowed = WORSE * np.log(tested.scale) * tested.sd + ROUGH * tested.scale * change.rough[i]
+                limit = np.array([SURE[w], SUSPECT]) * tested.sd + allowed + BESIDE * self._beside[w, i]
+                yield Departure(past[-1 - blocks], i, abs(tested.value), *(abs(tested.value) / limit).tolist())
+
+    def _beyond_usual(self, i: int, tested: Tested) -> float:
+        """What the next thermometers to both sides leave unexplained beyond what is usual."""
+        beyond = np.maximum(np.abs(tested.others.value) - USUAL * tested.others.sd, 0.0)
+        away = self._x[tested.rest] - self._x[i]
+        sides = [np.where(side * away > 0, side * away, np.inf) for side in (-1, 1)]
+        return max(float(beyond[np.argmin(side)]) for side in sides if np.isfinite(side).any())
+
+
+def _any_off(change: Change, at: Array) -> bool:
+    """Whether any may be beyond its limit: most never are, and the rest is not asked."""
+    first = change.of(at, AS_IT_IS)
+    return bool((np.abs(first.value) > SUSPECT * first.sd + ROUGH * change.rough[at]).any())

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from estimator.faults.fault import Fault
-from estimator.faults.use import NOT_MEASURED, ChannelUse, Jump, Spell, Use
+from estimator.faults.fault import Fault, Spell, Suspicion
+from estimator.faults.use import NOT_MEASURED, ChannelUse, Jump, Use
 from estimator.rig import Rig
 
 FEW = 3  # channels that are named one by one
@@ -31,6 +31,7 @@ def _told(use: Use, rig: Rig) -> Iterator[str]:
         yield f"begun again at {use.begun_s:.0f} s: what was read before were no temperatures"
     for one in use.suspects:
         yield broken(one, rig)
+    yield from (suspected(one, each, rig) for one in use.channels for each in one.suspicions)
     for name, spells in use.inputs.items():
         held = "its last value is held, check that sensor" if spells[0].fault == Fault.JUMPED else "check that sensor"
         yield f"input {name} {_how(spells[0].fault, spells)}: {held}"
@@ -49,6 +50,15 @@ def broken(one: ChannelUse, rig: Rig) -> str:
     doubt = "; if it is well, heat is missing there" if one.suspect == Fault.DRIFTING else ""
     return (
         f"{place_of(rig, rig.index(one.channel))} {_how(one.suspect, one.spells)}: left out, check that sensor{doubt}"
+    )
+
+
+def suspected(one: ChannelUse, suspicion: Suspicion, rig: Rig) -> str:
+    """T06 at 559 mm may have drifted by +0.12 K, from 1800 s on: it is used, and the sd holds it."""
+    to = f"to {suspicion.to_s:.0f} s" if np.isfinite(suspicion.to_s) else "on"
+    return (
+        f"{place_of(rig, rig.index(one.channel))} may have drifted by {suspicion.most_K:+.2f} K, "
+        f"from {suspicion.from_s:.0f} s {to}: it is used, and the estimate's sd allows for it"
     )
 
 

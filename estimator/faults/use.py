@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from estimator.faults.fault import POWER_ON_C, Fault
+from estimator.faults.fault import POWER_ON_C, Fault, Spell, Suspicion, spells, suspicions
 from estimator.faults.travel import disagreements
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -28,6 +28,7 @@ class Told:
     measured   (K, m) NaN: not measured;   modelled (m,) bool, which channels the model reads
     fused      (K, m) bool
     fault, since_s  (K, m) a Fault each, and since when;   jump (K, m) by how much zeros became others
+    may_drift_K     (K, m) by how much channels that are fused may have drifted, 0: not suspected
     input_fault     (K, p) why inputs were held, a Fault each
     """
 
@@ -38,6 +39,7 @@ class Told:
     fused: Array
     fault: Array
     since_s: Array
+    may_drift_K: Array
     jump: Array
     input_fault: Array
 
@@ -55,23 +57,16 @@ class Told:
 
 
 @dataclass(frozen=True)
-class Spell:
-    """A time in which a channel or an input was broken: how most of it, from when to when, s; NaN where it lasts."""
-
-    fault: Fault
-    from_s: float
-    to_s: float
-
-
-@dataclass(frozen=True)
 class ChannelUse:
-    """One channel's readings: how many were taken and used, why others were not, and when it was broken."""
+    """One channel's readings: how many were taken and used, why others were not, when it was broken and when only
+    suspected."""
 
     channel: str
     taken: int
     used: int
     why: Mapping[str, int]
     spells: tuple[Spell, ...]
+    suspicions: tuple[Suspicion, ...]
 
     @property
     def refused(self) -> int:
@@ -131,7 +126,8 @@ def use_of(recording: Recording, rig: Rig, told: Told) -> Use:
     found = []
     for i, channel in enumerate(channels):
         reasons = dict(Counter(why[:, i][why[:, i] != ""].tolist()).most_common())
-        found.append(ChannelUse(channel, int(taken[:, i].sum()), int(used[:, i].sum()), reasons, _spells(told, i)))
+        counts = int(taken[:, i].sum()), int(used[:, i].sum())
+        found.append(ChannelUse(channel, *counts, reasons, _spells(told, i), _suspicions(told, i)))
     held = {
         name: spells(told.input_fault[begin:, j], told.time_s[begin:], told.time_s[begin:])
         for j, name in enumerate(rig.inputs)
@@ -170,14 +166,6 @@ def _spells(told: Told, i: int) -> tuple[Spell, ...]:
     return spells(told.fault[told.begin :, i], told.since_s[told.begin :, i], told.time_s[told.begin :])
 
 
-def spells(fault: Array, since_s: Array, time_s: Array) -> tuple[Spell, ...]:
-    """When something was broken, by its faults (K,); what was only held for a while was not."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], fault != Fault.NONE, [0]])))
-    found = []
-    for first, end in edges.reshape(-1, 2):
-        broken = fault[first:end][fault[first:end] > Fault.JUDGED]
-        if len(broken):
-            most = Fault(int(np.bincount(broken).argmax()))
-            to_s = float(time_s[end]) if end < len(fault) else float("nan")
-            found.append(Spell(most, float(np.nanmin(since_s[first:end])), to_s))
-    return tuple(found)
+def _suspicions(told: Told, i: int) -> tuple[Suspicion, ...]:
+    """When channel i was used though it may have drifted."""
+    return suspicions(told.may_drift_K[:, i], told.fault[:, i], told.time_s)

@@ -10,6 +10,7 @@ from estimator.inputs.inputs import Held
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.state.run import Run, variances
+from estimator.state.state import State
 from estimator.step import Mode, Track
 
 
@@ -23,6 +24,7 @@ class Estimates:
     alone      (K, m) readings by the model alone, from the first estimate of temperatures on
     grown_um   (K,)   growth of the span since the start by the model alone
     fault, since_s  (K, m) of the channels, a Fault each and since when;   jump (K, m) of their zeros
+    may_drift_K     (K, m) by how much those that are fused may have drifted, 0: not suspected
     input_fault     (K, p) of the inputs
     doubt      (K, size, q) what the states are off by, and doubt_um (K, q) the elongation, per standard normal error of
                the model's parameters
@@ -38,6 +40,7 @@ class Estimates:
     grown_um: Array
     fault: Array
     since_s: Array
+    may_drift_K: Array
     jump: Array
     input_fault: Array
     doubt: Array
@@ -47,6 +50,13 @@ class Estimates:
     def of_tick(cls, **tick: Array | float) -> Estimates:
         """One tick, its fields without the leading axis, as the online filter has it."""
         return cls(**{name: np.asarray(value)[None] for name, value in tick.items()})
+
+    def suspecting(self, state: State) -> Estimates:
+        """The same, in doubt also by what it would be off by if what may drift did."""
+        led = state.led(self.P, self.may_drift_K)
+        led_um = np.einsum("ks,ksq->kq", state.elongation(self.grown_um), led)
+        doubt, doubt_um = np.concatenate([self.doubt, led], axis=2), np.hstack([self.doubt_um, led_um])
+        return replace(self, doubt=doubt, doubt_um=doubt_um)
 
 
 class Reporter:
@@ -73,6 +83,7 @@ class Reporter:
             grown_um=0.0,
             fault=run.fault,
             since_s=judged,
+            may_drift_K=np.zeros(len(judged)),
             jump=np.zeros(len(judged)),
             input_fault=run.forcing.input_fault,
             doubt=np.zeros((len(run.x), 0)),
@@ -112,6 +123,7 @@ class Reporter:
             fused=fused,
             fault=estimates.fault,
             since_s=estimates.since_s,
+            may_drift_K=estimates.may_drift_K,
             jump=estimates.jump,
             input_fault=estimates.input_fault,
             begins=np.zeros(len(rows), dtype=bool),

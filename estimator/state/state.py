@@ -102,17 +102,21 @@ class State:
             loose[place, place] += jump[i] ** 2
         return loose
 
-    def misled(self, P: Array, drift: Array) -> Array:
-        """P when channels that were fused turn out to have drifted by so much, (m,), and to have moved the estimate.
+    def led(self, P: Array, drift: Array) -> Array:
+        """How far channels that have drifted by so much, (K, m), lead estimates astray, P (K, size, size).
 
-        P + v v',   v = P h / (h P h') drift, the change of the estimate by which the channel would read that much more
+        P h / (h P h') drift, the change of the estimate by which the channel would read that much more: a column for
+        each that has drifted at any tick, (K, size, q)
         """
-        doubtful = P.copy()
-        for i in np.flatnonzero(drift).tolist():
-            h = self._rows[i]
-            v = P @ h / (h @ P @ h) * drift[i]
-            doubtful += np.outer(v, v)
-        return doubtful
+        which = np.flatnonzero(drift.any(axis=0))
+        h = self._rows[which].T
+        Ph = P @ h
+        return np.asarray(Ph * (drift[:, which] / (h * Ph).sum(axis=1))[:, None])
+
+    def misled(self, P: Array, drift: Array) -> Array:
+        """P when channels that were fused turn out to have drifted by so much, (m,): P + v v', v as they have led."""
+        led = self.led(P[None], drift[None])[0]
+        return np.asarray(P + led @ led.T)
 
     def judged(self, P: Array, judgement: Judgement) -> Array:
         """P after what a tick's judgement says of readings that were fused before, or will be."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from estimator.faults.fault import Fault
+from estimator.faults.fault import MAY_DRIFT, Fault
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Track
@@ -26,11 +26,15 @@ def send(at: Entity, rig: Rig, axes: Axes, scale: BodyScale, track: Track, shown
 
 
 def _said(track: Track, shown: Indices) -> Array:
-    """What is wrong with each channel, (n, m) str, "" where nothing is."""
+    """What is wrong with each channel, or may be, (n, m) str, "" where nothing is."""
     said = np.full((len(shown), len(track.names)), "", dtype=object)
     for row, i in np.argwhere(track.fault[shown] > Fault.JUDGED):
         k = shown[row]
         said[row, i] = f"{track.names[i]} {Fault(track.fault[k, i]).word} since {clock(track.since_s[k, i])}"
+    for row, i in np.argwhere((track.may_drift_K[shown] != 0) & (track.fault[shown] == Fault.NONE)):
+        k = shown[row]
+        by = f"{track.may_drift_K[k, i]:+.2f} K"
+        said[row, i] = f"{track.names[i]} {MAY_DRIFT}, {by} since {clock(track.since_s[k, i])}"
     return said
 
 
