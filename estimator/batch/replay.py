@@ -116,9 +116,12 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
         at = slice(chunk.ticks.start + k, min(chunk.ticks.start + k + ROWS, last))
         some = slice(k, k + at.stop - at.start)
         doubtful = _doubtful(posed, chunk.rows(some), part.moves.rows(some), doubt)
+        P = chunk.P[some].copy()
+        if at.stop == chunk.ticks.stop:
+            P[-1] = posed.state.judged(P[-1], judgement)
         estimates = Estimates(
             x=chunk.x[some],
-            P=chunk.P[some],
+            P=P,
             predicted=chunk.predicted[some] + offset[at] + run.lag[at] + run.late[at],
             sd=chunk.sd[some],
             fused=chunk.fused[some],

@@ -117,7 +117,7 @@ class Judged:
             own = [alarm for alarm in self.alarms if alarm.kind == kind]
             names = sorted({alarm.channel for alarm in own})
             shown = ", ".join(names) if len(names) <= FEW else f"{len(names)} channels: {names[0]} ... {names[-1]}"
-            states[f"{paths.FAULTS}/{kind}"] = shown, min(alarm.since_s for alarm in own)
+            states[f"{paths.FAULTS}/{kind.replace(' ', '_')}"] = shown, min(alarm.since_s for alarm in own)
         return states
 
 

@@ -8,7 +8,7 @@ from scipy.stats import poisson
 
 from estimator.alarms.alarms import Alarms
 from estimator.alarms.window import NIS_ALLOWED, WINDOWS, Window, WindowTest
-from estimator.faults.fault import Fault
+from estimator.faults.fault import MAY_DRIFT, Fault
 from estimator.rig import Rig
 from estimator.step import Mode, Step
 
@@ -25,7 +25,7 @@ def step_of(rig: Rig, k: int, innovation: np.ndarray, nis: float, measured: np.n
         measured=innovation if measured is None else measured, predicted=np.zeros(m), innovation=innovation,
         innovation_sd=np.full(m, SD), fused=fused,
         fault=np.zeros(m, dtype=int), input_fault=np.zeros(len(rig.inputs), dtype=int),
-        since_s=np.full(m, np.nan), jump=np.zeros(m), begins=False,
+        since_s=np.full(m, np.nan), may_drift_K=np.zeros(m), jump=np.zeros(m), begins=False,
         why=tuple("" if f else "not measured" for f in fused),
         open_loop=np.zeros(m), nis=nis, nis_channels=int(fused.sum()),
     )  # fmt: skip
@@ -99,3 +99,17 @@ def test_a_broken_thermometer_is_named_since_when_until_it_is_well(small):
         begun, over = alarms.step(step)
         told += [(k, "+", a.kind, a.channel, a.since_s) for a in begun] + [(k, "-", a.kind) for a in over]
     assert told == [(20, "+", "stuck", name, 10.0 * small.tick_s), (30, "-", "stuck")]
+
+
+def test_a_thermometer_that_may_drift_is_named_until_it_is_trusted_again_or_accused(small):
+    alarms, name = Alarms(small), small.names[1]
+    told = []
+    for k in range(40):
+        step = step_of(small, k, np.zeros(len(small.names)), 0.0)
+        step.may_drift_K[1], step.since_s[1] = (0.1, 10.0) if k // 10 in (1, 2) else (0.0, np.nan)
+        step.fault[1] = Fault.DRIFTING if k >= 20 else Fault.NONE
+        begun, over = alarms.step(step)
+        told += [(k, "+", a.kind, a.channel) for a in begun] + [(k, "-", a.kind) for a in over]
+        if k == 10:
+            assert begun[0].since_s == 10.0
+    assert told == [(10, "+", MAY_DRIFT, name), (20, "+", "drifting", name), (20, "-", MAY_DRIFT)]

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.faults.neighbours import AS_IT_IS, FEWEST
-from estimator.faults.outlier import SCALES, unexplained
+from estimator.faults.outlier import AS_IT_IS, FEWEST, SCALES, unexplained
 
 X = np.arange(15) * 62.0
 ALIKE = np.exp(-0.5 * ((X[:, None] - X) / 250.0) ** 2)

@@ -12,8 +12,9 @@ import rerun as rr
 from rerun.chunk import RrdReader
 from scipy.stats import chi2
 
+from estimator.alarms.alarms import Alarm
 from estimator.errors import InputError
-from estimator.faults.fault import Fault
+from estimator.faults.fault import MAY_DRIFT, Fault
 from tests.viz_fake import fake_run
 from tests.viz_read import fixed, rows, view_names
 from viz.drawing import profile, screw
@@ -214,6 +215,21 @@ def test_what_is_broken_is_named_in_the_profile_and_stretches_nothing(jumped, ru
     time_s, labels = rows(tmp_path / "jumped.rrd", "/FS-20/profile/faults", "Points2D:labels")
     for t, row in zip(time_s, labels, strict=True):
         assert (row or []) == (["T03 jumped since 0:05:01"] if t > 300 else [])
+
+
+def test_what_may_drift_is_named_in_the_profile_and_in_a_lane_of_its_own(run, tmp_path):
+    now = run.track.time_s > 300
+    may_drift_K, since_s = run.track.may_drift_K.copy(), run.track.since_s.copy()
+    may_drift_K[now, 2], since_s[now, 2] = 0.123, 301.0
+    alarm = Alarm(MAY_DRIFT, "T03", 301.0, "T03 may drift")
+    judged = [Judged(1.0, (), ()), Judged(301.0, (), (alarm,)), Judged(400.0, (), ())]
+    suspected = replace(run, track=replace(run.track, may_drift_K=may_drift_K, since_s=since_s), judged=judged)
+    save(tmp_path / "suspected.rrd", [suspected], "")
+    time_s, labels = rows(tmp_path / "suspected.rrd", "/FS-20/profile/faults", "Points2D:labels")
+    for t, row in zip(time_s, labels, strict=True):
+        assert (row or []) == (["T03 may drift, +0.12 K since 0:05:01"] if t > 300 else [])
+    time_s, states = rows(tmp_path / "suspected.rrd", "/FS-20/state/faults/may_drift", "StateChange:state")
+    assert list(zip(time_s, np.ravel(states), strict=True)) == [(301.0, "T03"), (400.0, "")]
 
 
 def test_what_is_broken_is_grey_in_the_maps(jumped, saved, tmp_path):

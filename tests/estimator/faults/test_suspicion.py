@@ -1,0 +1,106 @@
+"""A thermometer that may drift: used, named, and the estimate's sd holds what it would be off by."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.recordings import read_recording
+from drivers.virtual_rig import simulate, write
+from estimator.batch.replay import Replay, replay
+from estimator.faults.fault import Fault
+from estimator.filter import Filter
+from estimator.step import SERIES
+from tests.conftest import stepped
+
+SECONDS, AT, ONE = 3000, 1500, 4
+
+
+@pytest.fixture(scope="module")
+def healthy(paper, tmp_path_factory):
+    """Strokes for four minutes, and three quarters of an hour of rest, on the machine of the recordings."""
+    log = write(simulate("FS-20", seed=101, seconds=SECONDS), tmp_path_factory.mktemp("rig") / "a.log")
+    return read_recording(log, paper[0])
+
+
+@pytest.fixture(scope="module")
+def usual(healthy, paper):
+    """What the filter makes of it."""
+    rig, model = paper
+    return replay(model, rig, healthy)
+
+
+def drifting(healthy, K_per_h, seconds=SECONDS):
+    """Thermometer ONE drifts from AT on, for so many seconds; and back, in five times as many."""
+    readings, peak = healthy.channels.copy(), K_per_h / 3600 * seconds
+    readings[:, ONE] += np.interp(np.arange(len(healthy)), [AT, AT + seconds, AT + 6 * seconds], [0.0, peak, 0.0])
+    return replace(healthy, channels=readings)
+
+
+def suspected(track):
+    """The ticks at which ONE may drift."""
+    return np.flatnonzero(track.may_drift_K[:, ONE])
+
+
+def test_of_healthy_thermometers_none_is_suspected(usual):
+    assert not usual.may_drift_K.any()
+
+
+def test_a_drift_is_suspected_and_used_before_it_is_accused(healthy, paper):
+    rig, model = paper
+    track = replay(model, rig, drifting(healthy, 3.0))
+    first, accused = suspected(track)[0], np.flatnonzero(track.fault[:, ONE] == Fault.DRIFTING)[0]
+    assert first - AT <= 70
+    assert first < accused
+    assert track.fused[first:accused, ONE].all()
+    assert (track.since_s[first:accused, ONE] == track.time_s[first]).all()
+    assert not suspected(track)[-1] >= accused
+    assert not np.delete(track.may_drift_K, ONE, axis=1).any()
+
+
+def test_the_sd_holds_what_a_slow_drift_adds(healthy, usual, paper):
+    """Which is several times the sd that knows nothing of it."""
+    rig, model = paper
+    track = replay(model, rig, drifting(healthy, 0.3))
+    first = suspected(track)[0]
+    assert first - AT < 1000
+    assert not track.fault.any()
+    added = abs(track.elongation_um - usual.elongation_um)
+    assert added[-1] > 2 * usual.sigma_um[-1]
+    assert (added <= 2 * track.sigma_um).all()
+    assert track.may_drift_K[-1, ONE] == pytest.approx(0.3 / 3600 * (SECONDS - AT), rel=0.3)
+    near = np.argmin(abs(track.x_mm - rig.channels[rig.names[ONE]].at_mm))
+    assert track.profile_sd_K[-1, near] > 3 * usual.profile_sd_K[-1, near]
+    assert track.error_at_table_sd_um[-1] > usual.error_at_table_sd_um[-1]
+    np.testing.assert_array_equal(track.sigma_um[:first], usual.sigma_um[:first])
+
+
+def test_a_suspicion_passes_and_the_sd_is_as_it_was(healthy, usual, paper):
+    """P is not touched by it."""
+    rig, model = paper
+    track = replay(model, rig, drifting(healthy, 0.7, 200))
+    at = suspected(track)
+    assert at[0] < AT + 200 < at[-1] < AT + 1200
+    assert not track.fault.any()
+    np.testing.assert_allclose(track.sigma_um[at[-1] + 1 :], usual.sigma_um[at[-1] + 1 :], rtol=1e-6)
+    assert np.isnan(track.since_s[at[-1] + 1 :, ONE]).all()
+
+
+@pytest.mark.parametrize("drift", [(0.7, 200), (3.0,)], ids=["passes", "accused"])
+def test_live_suspects_and_widens_as_batch_does(drift, healthy, paper):
+    rig, model = paper
+    recording = drifting(healthy, *drift).rows(slice(0, AT + 700))
+    recording.channels[1000:1003] = np.nan
+    live, batch = stepped(Filter(model, rig), recording), replay(model, rig, recording)
+    assert suspected(batch).size
+    for key in SERIES:
+        np.testing.assert_allclose(getattr(live, key), getattr(batch, key), rtol=1e-9, atol=1e-9, err_msg=key)
+
+
+def test_after_the_fact_the_sd_holds_it_too(healthy, paper):
+    rig, model = paper
+    found = Replay(model, rig, drifting(healthy, 0.3), None, lambda _: None)
+    smoothed = found.smoothed()
+    assert smoothed.sigma_um[-1] == pytest.approx(found.track.sigma_um[-1], abs=1e-9)
