@@ -166,7 +166,7 @@ def _live(
     With `process` the heat scatters too, thermometers differ by constants, and the bodies are not quite as warm as the
     screw at the start. The screw grows by a share `expansion` of the model's open-loop growth more, as far as a
     thermometer can tell unseen.
-    A displacement reading comes every third tick, with an unknown zero of 5 um.
+    A displacement reading comes every third tick, with an unknown zero of 5 um; at rest a direct one, if the rig has it.
     """
     dice = np.random.default_rng(seed)
     forcing = Forcing(model, rig, Start(22.0, 0.0, dict.fromkeys(rig.inputs, 0.0)))
@@ -200,7 +200,10 @@ def _live(
         channels += readings.sd * dice.standard_normal(channels.shape)
     unread = np.arange(len(drive)) % 3 > 0
     channels[np.ix_(unread, readings.spans > 0)] = np.nan
-    return Lived(replace(drive, channels=channels), (states - start) @ growth + more, states)
+    grown, inputs = (states - start) @ growth + more, drive.inputs
+    if "displacement_direct" in inputs:
+        inputs = inputs | {"displacement_direct": np.where(drive.omega > 0.0, np.nan, grown - 40.0)}
+    return Lived(replace(drive, channels=channels, inputs=inputs), grown, states)
 
 
 @pytest.fixture(scope="session")

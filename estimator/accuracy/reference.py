@@ -30,32 +30,55 @@ def left_alone(recording: Recording, rig: Rig, model: Model, alone: Array) -> Jo
 
     alone  (K,) what the channel would read by the model alone, um, NaN before the start; growth, if it does not say
     """
-    um, noise = np.full((2, len(recording)), np.nan)
-    if "displacement" not in rig.channels:
-        return Joined(um, noise, 0.0)
-    at = rig.index("displacement")
-    age_s = recording.ages_s[:, at]
-    late = np.diff(alone, prepend=alone[:1]) * np.clip(age_s / rig.tick_s, 0.0, 1.0)
-    held = recording.channels[:, at] - alone + late
-    direct = recording.inputs["displacement_direct"] - alone if "displacement_direct" in recording.inputs else held
     scatter = model["displacement.sd"] if "displacement.sd" in model.values else 0.0
-    out, end = Joined(um, noise, scatter), Stop(0.0, 0.0)
-    for driving, ticks in phases(recording):
-        left, read_at = (held, recording.time_s - age_s) if driving else (direct, recording.time_s)
-        end = _join(left, read_at, recording.time_s, ticks if driving else _settled(ticks, recording), end, out)
-    return out
+    if "displacement" not in rig.channels:
+        return _unread(recording, scatter)
+    at = rig.index("displacement")
+    late = np.diff(alone, prepend=alone[:1]) * np.clip(recording.ages_s[:, at] / rig.tick_s, 0.0, 1.0)
+    held, direct = _readings(recording, rig)
+    return _joined(held - alone + late, direct - alone, recording, rig, scatter)
 
 
 def grown(trial: Trial, posed: Posed, model: Model) -> Array:
     """The reference at the ticks of a trial, (T,) um since its start; NaN where nothing is read."""
-    run, rig, before = posed.run, trial.rig, trial.begin - 1
-    if "displacement" not in rig.channels:
-        return np.full(len(run.grown), np.nan)
-    at = rig.index("displacement")
-    reads = np.append(run.spot[0, at], run.lagged[:, at]) + posed.offset[:, at]
-    known = np.isfinite(posed.forcing.readings.sd[at])
-    alone = np.append(np.full(before, np.nan), reads if known else np.append(0.0, run.grown))
+    run, rig = posed.run, trial.rig
+    alone = np.append(0.0, run.grown)
+    if "displacement" in rig.channels and np.isfinite(posed.forcing.readings.sd[at := rig.index("displacement")]):
+        alone = np.append(run.spot[0, at], run.lagged[:, at]) + posed.offset[:, at]
+    alone = np.append(np.full(trial.begin - 1, np.nan), alone)
     return run.grown + left_alone(trial.recording, rig, model, alone).um[trial.begin :]
+
+
+def slope(reads: Array, trial: Trial) -> Array:
+    """How that moves, (T,), when what the displacement would read by the model alone moves by `reads`, (T,)."""
+    if "displacement" not in trial.rig.channels:
+        return np.full(len(reads), np.nan)
+    alone = np.append(np.full(trial.begin - 1, np.nan), np.append(0.0, reads))
+    held, direct = (np.where(np.isfinite(each), alone, np.nan) for each in _readings(trial.recording, trial.rig))
+    return _joined(held, direct, trial.recording, trial.rig, 0.0).um[trial.begin :]
+
+
+def _unread(recording: Recording, scatter: float) -> Joined:
+    um, noise = np.full((2, len(recording)), np.nan)
+    return Joined(um, noise, scatter)
+
+
+def _readings(recording: Recording, rig: Rig) -> tuple[Array, Array]:
+    """Readings of a drive and at rest, (K,) um each."""
+    held = recording.channels[:, rig.index("displacement")]
+    return held, recording.inputs.get("displacement_direct", held)
+
+
+def _joined(held: Array, direct: Array, recording: Recording, rig: Rig, scatter: float) -> Joined:
+    """Drives and rests of a recording, shifted to begin where the one before ended."""
+    out, end = _unread(recording, scatter), Stop(0.0, 0.0)
+    time_s, age_s = recording.time_s, recording.ages_s[:, rig.index("displacement")]
+    for driving, ticks in phases(recording):
+        if driving:
+            end = _join(held, time_s - age_s, time_s, ticks, end, out)
+        else:
+            end = _join(direct, time_s, time_s, _settled(ticks, recording), end, out)
+    return out
 
 
 def _settled(ticks: Array, recording: Recording) -> Array:

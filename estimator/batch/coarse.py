@@ -22,7 +22,8 @@ def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
     """Every `ticks` ticks in one, with the rig that has this tick.
 
     Speed and inputs are means; coverage is the mean weighted by the angle turned, so that the heat of constant torque
-    stays where and as large as it was; a channel keeps its last reading and that reading's age.
+    stays where and as large as it was; a channel keeps its last reading and that reading's age, and so does the direct
+    reading of the displacement.
     """
     groups = len(recording) // ticks
     if groups == 0:
@@ -37,13 +38,19 @@ def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
             last,
             channels=channels,
             ages_s=ages,
-            inputs={name: _mean(_grouped(column, groups, ticks)) for name, column in recording.inputs.items()},
+            inputs={name: _shortened(name, recording, groups, ticks) for name in recording.inputs},
             omega=_mean(omega),
             unevenness=_unevenness(recording, groups, ticks),
             coverage=(turned[..., None] * coverage).sum(axis=1) / turned.sum(axis=1)[:, None],
         ),
         replace(rig, tick_s=rig.tick_s * ticks),
     )
+
+
+def _shortened(name: str, recording: Recording, groups: int, ticks: int) -> Array:
+    """An input at the longer tick: its mean; of the direct reading the last."""
+    column = _grouped(recording.inputs[name], groups, ticks)
+    return column[:, -1] if name == "displacement_direct" else _mean(column)
 
 
 def _grouped(column: Array, groups: int, ticks: int) -> Array:

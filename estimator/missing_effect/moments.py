@@ -14,12 +14,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.batch.open_loop import open_loop_misfit
-from estimator.batch.trial import Trial
+from estimator.accuracy.reference import grown, slope
+from estimator.batch.open_loop import open_loop_misfit, where_measured
+from estimator.batch.trial import Posed, Trial
 from estimator.batch.trials import Trials
 from estimator.model import Model
 from estimator.record import Array
-from estimator.sensitivity.objective import BLOCK_S, GOOD_K, GOOD_UM, reading_slope
+from estimator.sensitivity.objective import BLOCK_S, GOOD_K, GOOD_UM
+from estimator.sensitivity.sensitivity import NominalColumn, nominal_column
+from estimator.sensitivity.tangent import tangent
 
 
 @dataclass(frozen=True)
@@ -34,14 +37,17 @@ class Column:
 class Moments:
     """Sums of one recording, (k + 1, k + 1) each: over thermometers, K2, and over the displacement, um2.
 
-    heat_count, length_count  readings in them
+    grown   of the elongation, um2: of the displacement's readings and those at rest, joined (`accuracy.reference`)
+    heat_count, length_count, grown_count  readings in them
     blocks  stretches of ten minutes, each as good as one independent reading
     """
 
     heat: Array
     length: Array
+    grown: Array
     heat_count: int
     length_count: int
+    grown_count: int
     blocks: float
 
     @property
@@ -70,16 +76,23 @@ def moments_of(trial: Trial, model: Model, columns: Sequence[Column]) -> Moments
     """Moments of one recording."""
     posed = trial.pose(model)
     misfit = open_loop_misfit(trial, posed)
-    known = np.isfinite(misfit)
-    stack = np.empty((len(columns) + 1, *misfit.shape))
-    for row, column in zip(stack, columns, strict=False):
-        row[:] = reading_slope(trial, posed, column.model, column.path)
-    stack[-1] = misfit
+    stack, lengths = np.empty((len(columns) + 1, *misfit.shape)), np.empty((len(columns) + 1, len(misfit)))
+    for row, length, column in zip(stack, lengths, columns, strict=False):
+        moved = nominal_column(trial, posed, tangent(trial, posed, column.model, column.path))
+        row[:], length[:] = where_measured(moved.reading, trial), slope(_reads(moved, trial, posed), trial)
+    stack[-1], lengths[-1] = misfit, grown(trial, posed, model) - posed.run.grown
     heat = trial.rig.is_thermometer
-    sums = []
-    for family in (heat, ~heat):
-        rows = stack[:, :, family][:, known[:, family]]
-        sums.append((rows @ rows.T, rows.shape[1]))
-    time_s = trial.rest.time_s
-    blocks = max(1.0, float(time_s[-1] - time_s[0]) / BLOCK_S)
-    return Moments(sums[0][0], sums[1][0], sums[0][1], sums[1][1], blocks)
+    rows = [stack[:, :, family][:, np.isfinite(misfit[:, family])] for family in (heat, ~heat)]
+    rows.append(lengths[:, np.isfinite(lengths[-1])])
+    heats, reads, grows = (row @ row.T for row in rows)
+    heat_count, read_count, grown_count = (row.shape[1] for row in rows)
+    blocks = max(1.0, float(trial.rest.time_s[-1] - trial.rest.time_s[0]) / BLOCK_S)
+    return Moments(heats, reads, grows, heat_count, read_count, grown_count, blocks)
+
+
+def _reads(moved: NominalColumn, trial: Trial, posed: Posed) -> Array:
+    """How what the displacement would read moves, (T,); the growth, where the model does not read it."""
+    rig, known = trial.rig, np.isfinite(posed.forcing.readings.sd)
+    if "displacement" in rig.channels and known[rig.index("displacement")]:
+        return moved.reading[:, rig.index("displacement")]
+    return moved.grown

@@ -30,7 +30,7 @@ class Explanation:
     change      (k,) of each parameter, from all recordings
     covariance  (k, k) of it, from how independent the readings are taken to be
     misfit      mean square of what is left on recordings left out, 1: as good as a good model; and what the priors add
-    error       open-loop error there
+    error       open-loop error there;  read_um: likewise, of the displacement's readings themselves, their zero out
     runs        misfit of each recording
     """
 
@@ -39,6 +39,7 @@ class Explanation:
     covariance: Array
     misfit: float
     error: Error
+    read_um: float
     runs: Array
 
     @property
@@ -87,16 +88,20 @@ class Panel:
         change, covariance = self._solve(whole, chosen), self._covariance(whole, chosen)
         several = len(self.found) > 1
         left = [self._solve(whole - own, chosen) if several else change for own in self._weighted]
-        runs, heat, length = (np.array([_rest(s, chosen, x) for s, x in zip(sums, left, strict=True)]) for sums in (
-            self._weighted, [m.heat for m in self.found], [m.length for m in self.found],
-        ))  # fmt: skip
+        runs = np.array([_rest(s, chosen, x) for s, x in zip(self._weighted, left, strict=True)])
+
+        def rms(sums: Sequence[Array], counts: Sequence[int]) -> float:
+            rest = sum(_rest(s, chosen, x) for s, x in zip(sums, left, strict=True))
+            return float(np.sqrt(max(rest, 0.0) / sum(counts))) if sum(counts) else float("nan")
+
         weights = np.array([m.weight for m in self.found])
-        heat_K = np.sqrt(heat.sum() / max(sum(m.heat_count for m in self.found), 1))
-        lengths = sum(m.length_count for m in self.found)
-        length_um = np.sqrt(length.sum() / lengths) if lengths else np.nan
+        heat_K, length_um, grown_um = (
+            rms([getattr(m, name) for m in self.found], [getattr(m, f"{name}_count") for m in self.found])
+            for name in ("heat", "length", "grown")
+        )
         misfit = (runs.sum() + self._unlikely(chosen, change)) / weights.sum()
-        error = Error(float(heat_K), float(length_um))
-        return Explanation(tuple(chosen), change, covariance, float(misfit), error, runs / weights)
+        error = Error(heat_K, grown_um)
+        return Explanation(tuple(chosen), change, covariance, float(misfit), error, length_um, runs / weights)
 
     def with_another(self, new: Moments) -> float:
         """Root of the least misfit on one recording more, where the others and the priors hold the parameters."""

@@ -19,13 +19,13 @@ from itertools import combinations
 
 import numpy as np
 
-from estimator.accuracy.noise_floor import Error, noise_floor
+from estimator.accuracy.noise_floor import noise_floor
 from estimator.batch.trials import slow_trials_of
 from estimator.effect import Effect
 from estimator.missing_effect.candidates import Candidate, candidates
 from estimator.missing_effect.hypothesis import NONE, Hypothesis, refined
 from estimator.missing_effect.moments import Column
-from estimator.missing_effect.panel import Panel
+from estimator.missing_effect.panel import Explanation, Panel
 from estimator.missing_effect.screening import Screened, Screening, screening
 from estimator.missing_effect.stand_ins import UnknownBodyHeat, UnknownHeat, UnknownReading
 from estimator.missing_effect.suggestion import ALIKE, ALONE, GOOD, MATERIAL, Suggestion, alike, material
@@ -151,7 +151,7 @@ class Search:
             fitted = sorted(fitted, key=lambda h: h.names[0] not in two)
         found: list[Hypothesis] = []
         wrong = None if unexplained is not None else wrong  # it leaves clearly more
-        far = self._far(wrong.judged.error if wrong else self.before.judged.error)
+        far = self._far(wrong.judged if wrong else self.before.judged)
         if wrong is not None:
             verdict = "input_error"
         elif unexplained is not None:
@@ -166,11 +166,11 @@ class Search:
         uses = self.trials.uses
         return Suggestion(verdict, (*found, *rest), tied, self.as_given, self.again, uses, two, wrong, unexplained, far)
 
-    def _far(self, error: Error) -> bool:
+    def _far(self, judged: Explanation) -> bool:
         """Whether a model is so far off that something must be missing."""
         floor = noise_floor(self.model, self.trials[0])
         heat, length = np.fmax(GOOD_K, floor.temperature_K), np.fmax(GOOD_UM, floor.elongation_um)
-        return bool(error.temperature_K > FAR * heat or error.elongation_um > FAR * length)
+        return bool(judged.error.temperature_K > FAR * heat or judged.read_um > FAR * length)
 
     def _few(self, fitted: list[Hypothesis], screened: Screening) -> list[Hypothesis]:
         """Effects, in the model or not, one of which alone explains nearly all that fitting all parameters again gains.

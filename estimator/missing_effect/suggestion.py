@@ -74,7 +74,7 @@ def material(h: Hypothesis, as_given: Hypothesis, again: Hypothesis) -> bool:
     least = MATERIAL if len(h.judged.runs) > 1 else ALONE
     beside = min(least, MATERIAL_REFIT) if h.refit else 0.95
     less = h.misfit <= least * as_given.misfit and h.misfit <= beside * again.misfit
-    rivals = (as_given.judged.error, again.judged.error)
-    heat = min(r.temperature_K for r in rivals) ** 2 - h.judged.error.temperature_K**2
-    length = np.nan_to_num(min(r.elongation_um for r in rivals) ** 2 - h.judged.error.elongation_um**2)
+    rivals = (as_given.judged, again.judged)
+    heat = min(r.error.temperature_K for r in rivals) ** 2 - h.judged.error.temperature_K**2
+    length = np.nan_to_num(min(r.read_um for r in rivals) ** 2 - h.judged.read_um**2)
     return bool(less and (heat > MATERIAL_K**2 or length > MATERIAL_UM**2))

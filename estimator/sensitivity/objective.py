@@ -14,14 +14,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from estimator.batch.open_loop import where_measured
-from estimator.batch.trial import Posed, Trial
 from estimator.effect import Param
-from estimator.model import Model
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.sensitivity.sensitivity import nominal_column
-from estimator.sensitivity.tangent import tangent
 
 GOOD_K, GOOD_UM = 0.05, 0.2  # s of a thermometer, of the displacement
 BLOCK_S = 600.0
@@ -36,11 +31,6 @@ def weights(rig: Rig) -> Array:
     """w: what one reading of each channel counts, in independent readings, (m,)."""
     heat = rig.is_thermometer
     return np.where(heat, 1.0 / max(heat.sum(), 1), 1.0) * rig.tick_s / BLOCK_S
-
-
-def reading_slope(trial: Trial, posed: Posed, model: Model, path: str) -> Array:
-    """d(open-loop reading)/dp where measured, unknown zeros taken out, (T, m): what takes off the misfit."""
-    return where_measured(nominal_column(trial, posed, tangent(trial, posed, model, path)).reading, trial)
 
 
 def prior_roots(params: Iterable[Param]) -> Array:

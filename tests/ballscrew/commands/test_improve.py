@@ -42,7 +42,9 @@ class Rub(Effect):
 def hypothesis(model: Model, names: tuple[str, ...] = (), heat_K: float = 0.5) -> Hypothesis:
     """A model judged to leave so much; the first free parameter of each name has been fitted."""
     paths = tuple(next(p for p in model.free() if p.startswith(f"{name}.")) for name in names)
-    judged = Explanation((), np.zeros(0), 0.25**2 * np.eye(len(paths)), heat_K, Error(heat_K, 4 * heat_K), np.zeros(1))
+    judged = Explanation(
+        (), np.zeros(0), 0.25**2 * np.eye(len(paths)), heat_K, Error(heat_K, 4 * heat_K), 4 * heat_K, np.zeros(1)
+    )
     return Hypothesis(names, False, model, paths, judged)
 
 
