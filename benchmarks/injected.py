@@ -68,6 +68,13 @@ def failing(recording: Recording, kind: str, channels: Sequence[int], at_s: floa
     return replace(recording, channels=readings)
 
 
+def drifting(recording: Recording, channel: int, K_per_h: float, at_s: float) -> Recording:
+    """The recording with a channel that drifts from a time on."""
+    readings, since_s = recording.channels.copy(), np.maximum(recording.time_s - at_s, 0.0)
+    readings[:, channel] = np.round((readings[:, channel] + K_per_h / 3600.0 * since_s) / STEP_C) * STEP_C
+    return replace(recording, channels=readings)
+
+
 INPUT_FAILURES: dict[str, Callable[[Array], Array]] = {
     "0 degC": lambda reading: 0.0 * reading,
     "85 degC": lambda reading: 0.0 * reading + 85.0,
