@@ -11,6 +11,8 @@ from drivers.recordings import read_recording
 from drivers.virtual_rig import simulate, write
 from estimator.batch.replay import Replay, replay
 from estimator.faults.fault import Fault
+from estimator.faults.sentences import sentences
+from estimator.faults.use import Told, use_of
 from estimator.filter import Filter
 from estimator.step import SERIES
 from tests.conftest import stepped
@@ -104,3 +106,18 @@ def test_after_the_fact_the_sd_holds_it_too(healthy, paper):
     found = Replay(model, rig, drifting(healthy, 0.3), None, lambda _: None)
     smoothed = found.smoothed()
     assert smoothed.sigma_um[-1] == pytest.approx(found.track.sigma_um[-1], abs=1e-9)
+
+
+@pytest.mark.parametrize(("K_per_h", "said"), [(0.3, True), (3.0, False)], ids=["used", "left out"])
+def test_it_is_said_of_a_recording_but_of_what_was_accused_then(K_per_h, said, healthy, paper):
+    rig, model = paper
+    recording = drifting(healthy, K_per_h)
+    track = replay(model, rig, recording)
+    use = use_of(recording, rig, Told.by(track))
+    first = track.time_s[suspected(track)[0]]
+    told = [sentence for sentence in sentences([use], rig) if "may have drifted" in sentence]
+    at = f"T05 at {rig.channels['T05'].at_mm:g} mm may have drifted by"
+    ends = f"K, from {first:.0f} s on: it is used, and the estimate's sd allows for it"
+    assert [at in each and each.endswith(ends) for each in told] == [True] * said
+    assert bool(use.channels[ONE].suspicions) == said
+    assert use.channels[ONE].suspect == (Fault.NONE if said else Fault.DRIFTING)
