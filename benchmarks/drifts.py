@@ -34,7 +34,7 @@ HEAD = (
 class Found:
     """What becomes of a drift.
 
-    suspected_s, accused_s  after which time, NaN: never
+    suspected_s, accused_s  after which time, NaN: never, or it was suspected before it drifted and still is
     um, sd    most that the elongation is off by, and by how many of its sd
     lost_s    longest time that it is off by more than 5 sd and 0.5 um
     in_2sd    share of ticks from the drift's beginning on in which the truth is within 2 sd
@@ -59,7 +59,7 @@ def found(run: str, at_s: float, seed: int, channel: str, K_per_h: float) -> Fou
     lost = error > np.maximum(LOST_SD * sd, LOST_UM)
     since_s = track.time_s[now] - at_s
     return Found(
-        suspected_s=_first(since_s, track.may_drift_K[now, i] != 0),
+        suspected_s=_first(since_s, (track.may_drift_K[now, i] != 0) & (track.since_s[now, i] >= at_s)),
         accused_s=_first(since_s, track.fault[now, i] == Fault.DRIFTING),
         um=float(error.max()),
         sd=float((error / sd).max()),

@@ -192,7 +192,7 @@ def _outcome(case: Case, rig: Rig, track: Track, base: Track, true_um: Array) ->
     words = NAMED.get(case.kind, ())
     may_drift = (track.may_drift_K[now] != 0) & track.fused[now]
     right = np.isin(fault, [each for each in Fault if each.word in words])
-    right |= may_drift & (Fault.DRIFTING.word in words)
+    right |= may_drift & (track.since_s[now] >= case.at_s) & (Fault.DRIFTING.word in words)
     named = [np.flatnonzero(right[:, i]) for i in np.flatnonzero(own)]
     named_s = max((float(rows[0]) * tick_s if len(rows) else np.inf for rows in named), default=0.0)
     return Outcome(
