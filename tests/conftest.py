@@ -166,7 +166,8 @@ def _live(
     With `process` the heat scatters too, thermometers differ by constants, and the bodies are not quite as warm as the
     screw at the start. The screw grows by a share `expansion` of the model's open-loop growth more, as far as a
     thermometer can tell unseen.
-    A displacement reading comes every third tick, with an unknown zero of 5 um; at rest a direct one, if the rig has it.
+    A displacement reading comes every third tick, with an unknown zero of 5 um, and a direct one at rest, where the rig
+    has it.
     """
     dice = np.random.default_rng(seed)
     forcing = Forcing(model, rig, Start(22.0, 0.0, dict.fromkeys(rig.inputs, 0.0)))

@@ -94,7 +94,7 @@ def note(improvement: Improvement) -> str:
 def steps_section(out: Outcome) -> Section:
     """The first page of report and views."""
     steps, lengths = out.improvement.steps, "displacement" in out.work.rig.channels
-    of_what = "um: of the displacement readings, so while driving; " if lengths else ""
+    of_what = "um: of the displacement readings, at rest joined at the stop; " if lengths else ""
     said = [
         f"Added: {', '.join(filter(None, added(steps))) or 'nothing'}.",
         out.said,
