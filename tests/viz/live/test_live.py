@@ -271,7 +271,7 @@ def test_rigs_that_lack_something_are_shown_all_the_same(fed: Fed, tmp_path: Pat
 def shorter(step: Step) -> Step:
     """A step without its last channel."""
     per_channel = ("names", "measured", "predicted", "innovation", "innovation_sd", "fused", "why", "open_loop")
-    per_channel += ("fault", "since_s", "jump")
+    per_channel += ("fault", "since_s", "may_drift_K", "jump")
     return replace(step, **{name: getattr(step, name)[:-1] for name in per_channel})
 
 
