@@ -67,6 +67,7 @@ def _counterparts(one: Machine) -> dict[str, float]:
     friction = nut.drag_torque * OMEGA_20
     return {
         "conduction.scale": one.screw.conductivity / PAPER.screw.conductivity,
+        "conduction.capacity": one.screw.volumetric_heat / PAPER.screw.volumetric_heat,
         "still_air.h": one.air.still,
         "rotating_convection.h": one.air.rotating,
         "rotating_convection.m": one.air.exponent,

@@ -117,9 +117,9 @@ class Screw:
         return omega / (self.reference_rpm * 2 * np.pi / 60)
 
     def overlap(self, from_mm: float | Vector, to_mm: float | Vector) -> Vector:
-        """Share of each cell inside [from, to] mm: (..., cells), 0 ... 1."""
-        lo = np.maximum(np.asarray(from_mm, dtype=float)[..., None], self.edges_mm[:-1])
-        hi = np.minimum(np.asarray(to_mm, dtype=float)[..., None], self.edges_mm[1:])
+        """Share of each cell inside [from, to] mm: (..., cells), 0 ... 1. Complex where a place is."""
+        lo = np.maximum(np.asarray(from_mm)[..., None], self.edges_mm[:-1])
+        hi = np.minimum(np.asarray(to_mm)[..., None], self.edges_mm[1:])
         return np.maximum(hi - lo, 0.0) / (self.length * 1e3)
 
     def at(self, x_mm: float) -> Vector:

@@ -104,12 +104,14 @@ class Read:
 class Lag:
     """The channel follows its spot with a first-order lag of tau s, starting in equilibrium.
 
-    noise  how far the lag itself is off: sd of the reading as a multiple of what the lag takes from it
+    noise   how far the lag itself is off: sd of the reading as a multiple of what the lag takes from it
+    own_sd  sd of the share by which this channel's own lag is longer or shorter
     """
 
     channel: str
     tau: Any
     noise: Any = 0.0
+    own_sd: Any = 0.0
 
 
 @dataclass(frozen=True, eq=False)

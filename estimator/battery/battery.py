@@ -45,7 +45,7 @@ def battery(effect: type[Effect], model: Model, rig: Rig) -> list[Finding]:
 
     What the effect needs of other effects must be in the model. One that does not fit the rig is not checked further.
     """
-    bench, findings = Bench(effect, without(model, effect.name), rig), []
+    bench, findings = Bench(effect, without(model, effect.name, rig), rig), []
     for name in CHECKS:
         findings.append(_finding(name, bench))
         if name == "fits the rig" and not findings[-1].ok:

@@ -11,7 +11,8 @@ import numpy as np
 
 from estimator.battery import exercise
 from estimator.effect import Effect
-from estimator.inputs.inputs import Inputs
+from estimator.errors import SetupError
+from estimator.inputs.inputs import Inputs, nothing
 from estimator.model import Model
 from estimator.network import assemble
 from estimator.network.assemble import Layout
@@ -89,8 +90,15 @@ def _of_term(term: Term) -> Iterator[tuple[str, Any]]:
             yield key, value
 
 
-def without(model: Model, name: str) -> Model:
-    """The model without an effect and without those that scale it; as it is where it lacks the effect."""
+def without(model: Model, name: str, rig: Rig) -> Model:
+    """The model without an effect and without those that cannot do without it; as it is where it lacks the effect."""
+    if name not in model.effects:
+        return model
+    less, u = model - name, nothing(rig)
     for other in model.moved_by(name):
-        model = model - other
-    return model
+        try:
+            if other in less.effects:
+                less.terms_of(other, u, rig)
+        except SetupError:
+            less -= other
+    return less

@@ -20,6 +20,8 @@ STRUCTURE: tuple[type[Effect], ...] = (
 HEAT: tuple[type[Effect], ...] = (
     air.RotatingConvection,
     nut.NutBody,
+    bearings.AnchorSeat,
+    bearings.FreeSeat,
     bearings.AnchorHousing,
     bearings.FreeHousing,
     friction.NutSpeedExponent,

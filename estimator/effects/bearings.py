@@ -1,4 +1,4 @@
-"""The two support bearings: their friction, and the housings through which heat leaves to the machine base."""
+"""The two support bearings: where they sit, their friction, and the housings through which heat leaves to the base."""
 
 from __future__ import annotations
 
@@ -12,12 +12,60 @@ from estimator.record import Array
 from estimator.rig import Rig
 from estimator.terms import SCREW, Heat, Link, Store, Term
 
+SEATS = ("anchor_seat", "free_seat")
 
-def under_bearing(rig: Rig, support: str) -> Array:
-    """Share of a heat put in by a bearing that falls to each cell, (cells,); sums to 1."""
+
+def under_bearing(rig: Rig, support: str, seat: SimpleNamespace | None) -> Array:
+    """Share of a heat put in by a bearing that falls to each cell, (cells,); sums to 1.
+
+    seat  parameters of the effect for it, None: the bearing is where the rig file says
+    """
     bearing = rig.the_support(support)
-    width = rig.the_screw().overlap(bearing.at_mm - bearing.width_mm / 2, bearing.at_mm + bearing.width_mm / 2)
+    at_mm, half_mm = bearing.at_mm, bearing.width_mm / 2
+    if seat is not None:
+        at_mm, half_mm = at_mm + seat.shift, half_mm * seat.width
+    width = rig.the_screw().overlap(at_mm - half_mm, at_mm + half_mm)
     return width / width.sum()
+
+
+def seat_of(p: SimpleNamespace, support: str) -> SimpleNamespace | None:
+    """The seat of a bearing, among the parameters of an effect that `scales` it; None where the model has no such."""
+    seat: SimpleNamespace | None = getattr(p, f"{support}_seat", None)
+    return seat
+
+
+class BearingSeat(Effect):
+    """Friction enters the screw, and heat leaves to the housing, at another place and width than the rig file's."""
+
+    support: ClassVar[str]
+    shift = Param(0.0, "mm", lo=-20.0, hi=20.0, null=0.0, sd=1.5, source="mounting, and drawings to the nearest mm")
+    width = Param(
+        1.0, "1", lo=0.3, hi=2.0, null=1.0, sd=0.25, source="inner rings, spacer and nut: which of them touch"
+    )
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        rig.the_support(self.support)
+        return iter(())
+
+
+class AnchorSeat(BearingSeat):
+    """The anchor bearing sits on another place and width of the screw than the rig file says.
+
+    x = x_rig + shift, b = width b_rig, of the heat of friction and of the heat that leaves to the housing
+    """
+
+    support = "anchor"
+    trace = "Thermometers at the anchor too warm and too cold side by side while driving."
+
+
+class FreeSeat(BearingSeat):
+    """The free-side bearing sits on another place and width of the screw than the rig file says.
+
+    x = x_rig + shift, b = width b_rig, of the heat of friction and of the heat that leaves to the housing
+    """
+
+    support = "free"
+    trace = "Thermometers at the free bearing too warm and too cold side by side while driving."
 
 
 class BearingFriction(Effect):
@@ -32,7 +80,12 @@ class BearingFriction(Effect):
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         relative = u.speed_law(rig.the_screw(), p.n)
         into_screw, into_housing = p.power * relative, p.power_housing * relative
-        yield Heat(SCREW, into_screw, over=under_bearing(rig, self.support), noise=p.noise * into_screw)
+        yield Heat(
+            SCREW,
+            into_screw,
+            over=under_bearing(rig, self.support, seat_of(p, self.support)),
+            noise=p.noise * into_screw,
+        )
         yield Heat(f"{self.support}_housing", into_housing, noise=p.noise * into_housing, spare=True)
 
 
@@ -44,6 +97,7 @@ class AnchorFriction(BearingFriction):
     P_housing  heat into the housing, W: gone where the housing is not modelled as a body
     """
 
+    scales = ("anchor_seat",)
     support = "anchor"
     trace = "The anchor's side is too cold from the first minute of a drive on."
 
@@ -56,6 +110,7 @@ class FreeFriction(BearingFriction):
     P_housing  heat into the housing, W: gone where the housing is not modelled as a body
     """
 
+    scales = ("free_seat",)
     support = "free"
     trace = "The free side is too cold from the first minute of a drive on."
     power = Param(15.0, "W", lo=0.0, hi=2000.0, null=0.0, sd=8.0, source="up to 41 W for a pair at 1667 rpm, Palmgren")
@@ -74,7 +129,7 @@ class BearingHousing(Effect):
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         node = f"{self.support}_housing"
         yield Store(node, p.capacity, p.noise, start=f"{self.support}_bracket")
-        yield Link(SCREW, node, p.g * under_bearing(rig, self.support))
+        yield Link(SCREW, node, p.g * under_bearing(rig, self.support, seat_of(p, self.support)))
         yield Link(node, "base", p.g_base)
 
 
@@ -84,6 +139,7 @@ class AnchorHousing(BearingHousing):
     C dT/dt = q_housing + g (T_screw - T) - g_base (T - T_base)
     """
 
+    scales = ("anchor_seat",)
     support = "anchor"
     trace = "The first 100 mm at the anchor: fast at the stop, slow later."
 
@@ -94,6 +150,7 @@ class FreeHousing(BearingHousing):
     C dT/dt = q_housing + g (T_screw - T) - g_base (T - T_base)
     """
 
+    scales = ("free_seat",)
     support = "free"
     trace = "The first 100 mm at the free bearing: fast at the stop, slow later."
     capacity = Param(2500.0, "J/K", lo=100.0, hi=50000.0, sd=800.0, source="1800 - 4600 computed from drawings")

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 
 from estimator.effect import Effect, Param, needed
-from estimator.effects.bearings import under_bearing
+from estimator.effects.bearings import SEATS, seat_of, under_bearing
 from estimator.effects.nut import per_cell
 from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
@@ -38,7 +38,7 @@ class BearingSpeedExponent(Effect):
     q = P (|omega / omega_ref|^(n + extra) - |omega / omega_ref|^n), P and n of anchor_friction and free_friction
     """
 
-    scales = ("anchor_friction", "free_friction")
+    scales = ("anchor_friction", "free_friction", *SEATS)
     trace = "None at the reference speed; at others the ends of the screw are too warm or too cold."
     extra = Param(0.2, "1", lo=-0.6, hi=0.8, null=0.0, source="1.0 load ... 1.67 viscous, Palmgren")
 
@@ -47,7 +47,7 @@ class BearingSpeedExponent(Effect):
         for support in BEARINGS:
             bearing = needed(p, f"{support}_friction")
             more = u.speed_law(screw, bearing.n + p.extra) - u.speed_law(screw, bearing.n)
-            yield Heat(SCREW, bearing.power * more, over=under_bearing(rig, support))
+            yield Heat(SCREW, bearing.power * more, over=under_bearing(rig, support, seat_of(p, support)))
             yield Heat(f"{support}_housing", bearing.power_housing * more, spare=True)
 
 
@@ -57,7 +57,9 @@ class FrictionThinning(Effect):
     q = -rate P |omega / omega_ref|^n (T - T_start), P and n of nut_friction;   ratio times that rate at the bearings
     """
 
-    scales = ("nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing")
+    scales = (
+        "nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing", *SEATS
+    )  # fmt: skip
     trace = "The curve bends early: less heat the warmer it is, whatever the time; worse for short strokes."
     rate = Param(0.03, "1/K", lo=0.0, hi=0.08, null=0.0, source="3.1 - 3.5 %/K, Vogel-Cameron for VG100 - VG220")
     ratio = Param(1.35, "1", lo=0.0, hi=3.0, fixed=True, source="bearings 4.2 %/K, Palmgren, against 3.1")
@@ -74,7 +76,7 @@ class FrictionThinning(Effect):
             if bearing is None:
                 continue
             turn = p.rate * p.ratio * w**bearing.n
-            yield Link(SCREW, START, turn * bearing.power * under_bearing(rig, support))
+            yield Link(SCREW, START, turn * bearing.power * under_bearing(rig, support, seat_of(p, support)))
             if getattr(p, f"{support}_housing") is not None:
                 yield Link(f"{support}_housing", START, turn * bearing.power_housing)
 

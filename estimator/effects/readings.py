@@ -20,6 +20,7 @@ class Thermometers(Effect):
     zero_sd    thermometers differ by a constant each, ...
     zero_walk  ... that changes slowly with each one's own drift
     gain_sd    each shows a little more or less of its rise than is true
+    lag_sd     each one's lag is a little longer or shorter than tau
     tau        holds the bore's delay behind the mean of the section too, about 2 s
     lag_noise  lags differ between thermometers by a quarter, and stay wrong for as long as a drive lasts: the filter
                weighs a reading as if its lag scattered by this much
@@ -34,6 +35,7 @@ class Thermometers(Effect):
     zero_sd = Param(0.015, "K", lo=0.0, hi=1.0, fixed=True, source="0.05 K between 15 channels after warm-up")
     zero_walk = Param(0.0001, "K/sqrt(s)", lo=0.0, hi=0.1, fixed=True, source="0.006 K in an hour")
     gain_sd = Param(0.004, "1", lo=0.0, hi=0.1, fixed=True, source="0.4 % of the temperature, class 1 of IEC 60584")
+    lag_sd = Param(0.25, "1", lo=0.0, hi=2.0, fixed=True, source="how hard each is pressed on: a quarter")
     board = Param(0.0, "K/K", lo=-0.3, hi=0.3, null=0.0, sd=0.003, fixed=True, source="0.03 K per 10 K")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
@@ -42,7 +44,7 @@ class Thermometers(Effect):
             channel = rig.channels[name]
             if channel.at_mm is not None:
                 yield Read(name, {SCREW: Spot(channel.at_mm)}, p.sd, offset, p.zero_sd, p.zero_walk, p.gain_sd)
-                yield Lag(name, p.tau, p.lag_noise)
+                yield Lag(name, p.tau, p.lag_noise, p.lag_sd)
             elif channel.node is not None:
                 yield Read(name, {channel.node: 1.0}, p.sd, offset, p.zero_sd, p.zero_walk, p.gain_sd)
 

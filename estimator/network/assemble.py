@@ -77,7 +77,8 @@ class Network:
 
 @dataclass(frozen=True)
 class Readings:
-    """What the channels read: rows (m, n) of H, scatter sd (m,), lag tau (m,) s with its noise, unknown zeros, gains.
+    """What the channels read: rows (m, n) of H, scatter sd (m,), lag tau (m,) s with its noise, unknown zeros; how far
+    each one's own lag and gain may be off.
 
     spans   (m,) how much of the elongation a channel reads: 1 for the displacement, 0 for thermometers
     growth  (n,) um/K of the measured span
@@ -87,6 +88,7 @@ class Readings:
     sd: Array
     tau: Array
     lag_noise: Array
+    lag_sd: Array
     zero_sd: Array
     zero_walk: Array
     gain_sd: Array
@@ -231,7 +233,7 @@ def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
     """H, scatter, lags and zeros of the channels; one that no effect reads has a row of zeros and sd inf."""
     m, dtype = len(rig.names), _dtype(terms)
     rows, known = np.zeros((m, place.size), dtype), np.zeros(m, dtype=bool)
-    variance, tau, lag_noise, zero_sd, zero_walk, gain_sd, spans = np.zeros((7, m), dtype)
+    variance, tau, lag_noise, lag_sd, zero_sd, zero_walk, gain_sd, spans = np.zeros((8, m), dtype)
     for term in terms:
         if isinstance(term, Read):
             i = rig.index(term.channel)
@@ -246,8 +248,11 @@ def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
             i = rig.index(term.channel)
             tau[i] += term.tau
             lag_noise[i] = np.sqrt(lag_noise[i] ** 2 + term.noise**2)
+            lag_sd[i] = np.sqrt(lag_sd[i] ** 2 + term.own_sd**2)
     sd = np.where(known, np.sqrt(variance), np.inf)
-    return Readings(rows, sd, tau, lag_noise, zero_sd, zero_walk, gain_sd, spans, span_growth(terms, rig, place))
+    return Readings(
+        rows, sd, tau, lag_noise, lag_sd, zero_sd, zero_walk, gain_sd, spans, span_growth(terms, rig, place)
+    )  # fmt: skip
 
 
 def _row(node: str, weight: Any, terms: Sequence[Term], rig: Rig, place: Layout) -> Array:

@@ -52,7 +52,7 @@ NUMBERS: Mapping[type, Mapping[str, Number]] = {  # wide enough for any machine
         "zero_walk": Number(ONE, 0.0, 1e6),
         "gain_sd": Number(ONE, 0.0, 1.0),
     },
-    Lag: {"tau": Number(ONE, 0.0, 1e6, "s"), "noise": Number(ONE, 0.0, 1e6)},
+    Lag: {"tau": Number(ONE, 0.0, 1e6, "s"), "noise": Number(ONE, 0.0, 1e6), "own_sd": Number(ONE, 0.0, 10.0)},
     Expand: {"error": Number(ONE, -0.9, 9.0)},
     Shift: {"by": Number(TICKS, -1e4, 1e4, forced=True), "over": Number(CELLS, -1e6, 1e6)},
 }

@@ -6,7 +6,7 @@ run and, as the filter follows the readings,
     Z <- F Z + dF z + d(J w)             how the open-loop run moves with each parameter
     S <- F S - K (H F S + D)             what the filter lacks of the rest, D: how the readings move
 
-The gains of the thermometers, each its own, are parameters as well: D is what the channel has risen.
+The thermometers' own gains and lags are parameters as well (own.py).
 
 so that the true temperatures differ from the estimate by (S + Z) d beside the filter's own P, and the elongation alike.
 Estimates do not change by it: their uncertainty does.
@@ -24,6 +24,7 @@ from estimator.network.forcing import Drive, Ticks
 from estimator.record import Array
 from estimator.state.moves import Course, Doubtful, Kernels, Moves, carried, followed
 from estimator.state.open_loop import lag_filter
+from estimator.state.own import OwnErrors
 from estimator.state.run import Run
 from estimator.state.tangent import Moved, ReadingsTangent
 
@@ -42,14 +43,14 @@ class Doubt:
         self._run, self._start = run, run.x[run.state.temperatures]
         self._moved = [Moved(run.forcing, run.forcing.model, path) for path in doubts.paths]
         self._in_ticks = [i for i, moved in enumerate(self._moved) if moved.in_ticks]
-        gain_sd = run.forcing.readings.gain_sd
-        self._gains = np.flatnonzero(gain_sd)
-        self._paths, self._root = doubts.paths, block_diag(root(doubts.covariance), np.diag(gain_sd[self._gains]))
+        readings = run.forcing.readings
+        self._own = OwnErrors(readings, readings.rows @ self._start, run.forcing.rig.tick_s)
+        self._paths, self._root = doubts.paths, block_diag(root(doubts.covariance), np.diag(self._own.sd))
         first = np.zeros(len(run.offset))
         m, n, size = len(first), run.state.n, run.state.size
         found = [moved.readings(run, run.offset, first) or ReadingsTangent.none(m, n, size) for moved in self._moved]
         self._rows, self._growth, self._keep, self._ramp, x0 = (
-            stacked([getattr(each, key) for each in found], shape, len(self._gains))
+            stacked([getattr(each, key) for each in found], shape, len(self._own.sd))
             for key, shape in (("rows", (m, n)), ("growth", (n,)), ("keep", (m,)), ("ramp", (m,)), ("x0", (size,)))
         )
         self._zeros = np.array([run.state.channel_zeros(column) for column in x0.T]).reshape(-1, m).T
@@ -103,8 +104,7 @@ class Doubt:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
         K, p, q, forcing = len(ticks.regime), len(self._root), len(self._moved), self._run.forcing
         B, offset = np.zeros((K, self._run.state.n, p)), np.zeros((K, len(self._zeros), p))
-        rise = course.lagged[1:] - forcing.readings.rows @ self._start
-        offset[:, self._gains, q + np.arange(len(self._gains))] = rise[:, self._gains]
+        offset[:, :, q:] = self._own.offset(course)
         heat, outside = np.zeros((q, *ticks.heat.shape)), np.zeros((q, *ticks.outside.shape))
         for i in self._in_ticks:
             own = self._moved[i].ticks(drive)
@@ -117,6 +117,7 @@ class Doubt:
         own_spot = np.einsum("kn,mnp->kmp", course.z[1:], self._rows)
         pushed = (course.lagged - course.spot)[:-1, :, None] * self._keep
         pushed += np.diff(course.spot, axis=0)[:, :, None] * self._ramp
+        pushed[:, :, q:] += self._own.pushed(course)
         return B, offset, own_spot, pushed
 
     def _regime_slopes(self, regime: int) -> RegimeSlopes:

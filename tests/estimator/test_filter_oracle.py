@@ -21,6 +21,12 @@ from tests.conftest import stepped
 SAMPLES = 8
 
 
+@pytest.fixture(scope="module")
+def small_model(small_model):
+    """Without what is considered, and no part of the joint distribution: the thermometers' own errors."""
+    return small_model.with_values({"thermometers.gain_sd": 0.0, "thermometers.lag_sd": 0.0})
+
+
 @pytest.fixture(scope="module", params=["small", "half"])
 def ticking(request) -> Rig:
     """The small rig at a tick of 1 s, and of half a second."""

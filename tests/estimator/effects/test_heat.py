@@ -126,7 +126,7 @@ def test_churning_comes_back_at_rest(rig):
 
 @pytest.mark.parametrize("name", ["nut_speed_exponent", "churning", "friction_thinning"])
 def test_what_an_effect_scales_must_be_there(name, full, rig, u):
-    model = without(full, "nut_friction") + CATALOGUE[name]
+    model = without(full, "nut_friction", rig) + CATALOGUE[name]
     with pytest.raises(SetupError, match=rf"^full: {name}: needs the effect 'nut_friction', .* add it first$"):
         list(model.terms_of(name, u, rig))
 

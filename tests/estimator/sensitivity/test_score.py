@@ -28,8 +28,8 @@ TICKS = 120
 STEP = 1e-30
 PARAMETERS = [f"{e.name}.{key}" for e in SMALL for key, param in e.params.items() if param.over != "channel"]
 # without bearings, in the only drive of a run, and what is considered but never estimated
-IDLE = {"friction_thinning.ratio", "churning.recovery", "thermometers.gain_sd"}
-NOISE = {"noise", "sd", "lag_noise", "zero_sd", "zero_walk", "gain_sd"}
+IDLE = {"friction_thinning.ratio", "churning.recovery", "thermometers.gain_sd", "thermometers.lag_sd"}
+NOISE = {"noise", "sd", "lag_noise", "zero_sd", "zero_walk", "gain_sd", "lag_sd"}
 
 
 # --- an independent likelihood, in complex numbers

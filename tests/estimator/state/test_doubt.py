@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from estimator.batch.replay import replay
+from estimator.effect import Effect, Param
 from estimator.filter import Filter
 from estimator.model import Value
 from estimator.state.doubt import root
+from estimator.terms import Lag
 from tests.conftest import stepped
 
 DOUBTFUL = {  # a step that is small enough to be linear, and one of each kind
@@ -32,7 +34,7 @@ def run(small, driven):
 @pytest.fixture(scope="module")
 def known(small_model):
     """The model with nothing in doubt."""
-    return small_model.with_values({"thermometers.gain_sd": 0.0})
+    return small_model.with_values({"thermometers.gain_sd": 0.0, "thermometers.lag_sd": 0.0})
 
 
 def added(known, doubtful, rig, recording):
@@ -61,6 +63,30 @@ def test_a_thermometer_of_another_gain_moves_the_estimate_as_said(known, small, 
         off[i] = replay(known, small, replace(lived.recording, channels=channels)).elongation_um - alone
     said = added(known, known.with_values({"thermometers.gain_sd": gain}), small, lived.recording)
     wanted = np.sqrt((off**2).sum(axis=0))
+    np.testing.assert_allclose(said, wanted, rtol=0.02, atol=0.02 * wanted.max())
+
+
+class OwnLag(Effect):
+    """One thermometer lags more than the others: tau_i = tau + by."""
+
+    by, channel = Param(0.0, "s"), Param(0.0, "1")
+
+    def terms(self, p, u, rig):
+        for number, name in enumerate(rig.thermometers):
+            yield Lag(name, p.by * (number == p.channel))
+
+
+def test_a_thermometer_of_another_lag_moves_the_estimate_as_said(known, small, run, live):
+    share = 0.01
+    other, off = known + OwnLag, np.zeros((4, len(run)))
+    lived = live(known, small, run)
+    alone = replay(known, small, lived.recording).elongation_um
+    for i in range(4):
+        late = other.with_values({"own_lag.by": share * known["thermometers.tau"], "own_lag.channel": i})
+        off[i] = replay(known, small, live(late, small, run).recording).elongation_um - alone
+    said = added(known, known.with_values({"thermometers.lag_sd": share}), small, lived.recording)
+    wanted = np.sqrt((off**2).sum(axis=0))
+    assert wanted.max() > 1e-3
     np.testing.assert_allclose(said, wanted, rtol=0.02, atol=0.02 * wanted.max())
 
 
