@@ -242,3 +242,24 @@ def test_a_shift_is_felt_by_what_links_to_its_input_only(rig, u):
         inflow = assemble.network_of(terms, place, 3).inflow
         np.testing.assert_allclose(inflow[:, 0, len(place.inputs)], felt)
         np.testing.assert_allclose(assemble.outside(terms, u, place)[:, -1], 1.5)
+
+
+@pytest.mark.parametrize("support", ["anchor", "free"])
+def test_a_seat_moves_and_widens_where_friction_enters_and_heat_leaves(support, full, rig, u):
+    seated = full + CATALOGUE[f"{support}_seat"]
+    moved = seated.with_values({f"{support}_seat.shift": 3.0, f"{support}_seat.width": 1.5})
+
+    def entering(model):
+        heats = [*model.terms_of(f"{support}_friction", u, rig), *model.terms_of(f"{support}_housing", u, rig)]
+        return [share for term in heats for share in (getattr(term, "over", None), getattr(term, "g", None))
+                if np.shape(share) == (rig.screw.cells,)]  # fmt: skip
+
+    for usual, same, other in zip(entering(full), entering(seated), entering(moved), strict=True):
+        np.testing.assert_array_equal(same, usual)
+        assert other.sum() == pytest.approx(usual.sum(), rel=1e-12)
+        middle, wide = (np.average(rig.screw.x_mm, weights=share) for share in (usual, other))
+        assert wide - middle == pytest.approx(3.0, abs=0.1)
+        spread, wider = (np.sqrt(np.average((rig.screw.x_mm - at) ** 2, weights=share))
+                         for at, share in ((middle, usual), (wide, other)))  # fmt: skip
+        assert wider / spread == pytest.approx(1.5, rel=0.02)
+    assert len(entering(full)) == 2
