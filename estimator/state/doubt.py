@@ -50,22 +50,23 @@ class Doubt:
         m, n, size = len(first), run.state.n, run.state.size
         found = [moved.readings(run, run.offset, first) or ReadingsTangent.none(m, n, size) for moved in self._moved]
         self._rows, self._growth, self._keep, self._ramp, x0 = (
-            stacked([getattr(each, key) for each in found], shape, len(self._own.sd))
+            stacked([getattr(each, key) for each in found], shape)
             for key, shape in (("rows", (m, n)), ("growth", (n,)), ("keep", (m,)), ("ramp", (m,)), ("x0", (size,)))
         )
         self._zeros = np.array([run.state.channel_zeros(column) for column in x0.T]).reshape(-1, m).T
         self._Z = self._Z0 = np.ascontiguousarray(x0[run.state.temperatures])
         self._spot = np.einsum("mn,np->mp", run.forcing.readings.rows, self._Z) + self._start @ self._rows
-        self._lagged, self._S = self._spot, np.zeros_like(x0)
+        self._lagged, self._S = self._spot, np.zeros((size, len(self._root)))
         self._slopes: dict[int, RegimeSlopes] = {}
 
     def by(self, run: Run) -> Doubt:
         """The same of the run by another model, of the parameters that it has too."""
         other = Doubt(run)
         at = [self._paths.index(path) for path in other._paths]
-        at += range(len(self._paths), len(self._root))
-        for key in ("_Z", "_Z0", "_spot", "_lagged", "_S"):
+        for key in ("_Z", "_Z0", "_spot", "_lagged"):
             setattr(other, key, getattr(self, key)[:, at])
+        other._S = self._S[:, [*at, *range(len(self._paths), len(self._root))]]
+        other._own = self._own
         return other
 
     def ahead(self, drive: Drive, ticks: Ticks, course: Course) -> Moves:
@@ -78,17 +79,18 @@ class Doubt:
         )  # fmt: skip
         growth = np.einsum("n,knp->kp", self._run.state.growth, Z - self._Z0)
         growth += (course.z[1:] - self._start) @ self._growth
-        self._Z = Z[-1].copy()
+        self._Z, D = Z[-1].copy(), np.concatenate([D, self._own.moved(course)], axis=2)
         return Moves(ticks.regime, course.grown_um, Z, D, growth, D @ self._root)
 
     def behind(self, moves: Moves, gain: Array) -> Doubtful:
         """What the next K ticks are off by, which the filter has updated with `gain` (K, size, m), 0: nothing fused."""
-        state, grown = self._run.state, moves.grown_um
+        state, grown, q = self._run.state, moves.grown_um, len(self._moved)
         H = np.array([state.rows(float(um)) for um in grown])
         S = self._followed(*self._transitions(moves.regime), H, gain, moves.readings, self._S)
         self._S = S[-1].copy()
-        growth = moves.elongation + np.einsum("ks,ksp->kp", state.elongation(grown), S)
-        S[:, state.temperatures] += moves.states
+        growth = np.einsum("ks,ksp->kp", state.elongation(grown), S)
+        growth[:, :q] += moves.elongation
+        S[:, state.temperatures, :q] += moves.states
         return Doubtful(S @ self._root, growth @ self._root)
 
     @property
@@ -102,9 +104,8 @@ class Doubt:
 
     def _pushes(self, drive: Drive, ticks: Ticks, course: Course) -> tuple[Array, Array, Array, Array]:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
-        K, p, q, forcing = len(ticks.regime), len(self._root), len(self._moved), self._run.forcing
-        B, offset = np.zeros((K, self._run.state.n, p)), np.zeros((K, len(self._zeros), p))
-        offset[:, :, q:] = self._own.offset(course)
+        K, q, forcing = len(ticks.regime), len(self._moved), self._run.forcing
+        B, offset = np.zeros((K, self._run.state.n, q)), np.zeros((K, len(self._zeros), q))
         heat, outside = np.zeros((q, *ticks.heat.shape)), np.zeros((q, *ticks.outside.shape))
         for i in self._in_ticks:
             own = self._moved[i].ticks(drive)
@@ -113,11 +114,10 @@ class Doubt:
             at, of = ticks.regime == r, self._regime_slopes(r)
             put = heat[:, at] + ticks.outside[at] @ of.inflow.mT + outside[:, at] @ forcing.inflow(r).T
             states = put @ forcing.transition(r).J.T + course.z[:-1][at] @ of.F.mT + ticks.heat[at] @ of.J.mT
-            B[at, :, :q] = states.transpose(1, 2, 0)
+            B[at] = states.transpose(1, 2, 0)
         own_spot = np.einsum("kn,mnp->kmp", course.z[1:], self._rows)
         pushed = (course.lagged - course.spot)[:-1, :, None] * self._keep
         pushed += np.diff(course.spot, axis=0)[:, :, None] * self._ramp
-        pushed[:, :, q:] += self._own.pushed(course)
         return B, offset, own_spot, pushed
 
     def _regime_slopes(self, regime: int) -> RegimeSlopes:
@@ -152,9 +152,9 @@ def regime_slopes(moved: Sequence[Moved], run: Run, regime: int) -> RegimeSlopes
     return of
 
 
-def stacked(columns: Sequence[Array], shape: tuple[int, ...], more: int) -> Array:
-    """Derivatives by each parameter side by side, then some that are zero, (*shape, p)."""
-    return np.stack([*columns, *[np.zeros(shape)] * more], axis=-1) if columns or more else np.zeros((*shape, 0))
+def stacked(columns: Sequence[Array], shape: tuple[int, ...]) -> Array:
+    """Derivatives by each parameter side by side, (*shape, q)."""
+    return np.stack(columns, axis=-1) if columns else np.zeros((*shape, 0))
 
 
 def root(covariance: Array) -> Array:

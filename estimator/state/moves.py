@@ -33,7 +33,8 @@ class Moves:
     """How the open-loop run moves over K ticks, whatever is fused of them.
 
     regime, grown_um  (K,) of the run itself
-    states            (K, n, p) Z;   readings (K, m, p) D;   elongation (K, p) um
+    states            (K, n, q) Z of q parameters of the model;   elongation (K, q) um
+    readings          (K, m, p) D of these, and then of the thermometers' own errors
     doubt             (K, m, p) the readings, per standard normal error of the parameters together
     """
 

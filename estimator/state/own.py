@@ -1,8 +1,9 @@
 """What thermometers' own errors make of their readings: each has a gain and a lag that are not quite its kind's.
 
-    y  <- y + rise d_gain            ds  <- ds + (dk (s - T) + dr (T' - T)) d_lag,   k, r of lag_filter, by ln tau
+    dy = rise                                       by its share of the gain
+    dy <- k dy + dk (s - T) + dr (T' - T)           by its share of the lag; k, r of lag_filter, their slopes by ln tau
 
-Of every one by itself, and considered as parameters are (doubt.py).
+They are considered as parameters are (doubt.py), but move nothing besides their own readings.
 """
 
 from __future__ import annotations
@@ -18,34 +19,28 @@ STEP = 1e-30
 
 
 class OwnErrors:
-    """The gains and then the lags of those thermometers that may be off, r of them.
+    """The gains and then the lags of those thermometers that may be off, r of them; of one run, in order of time.
 
     sd  (r,) as shares: of the rise since the start, and of the lag
     """
 
     def __init__(self, readings: Readings, start: Array, tick_s: float) -> None:
         """start (m,): what the channels showed of the temperatures at the first sample."""
-        self._start, self._m = start, len(readings.tau)
+        self._start, self._late = start, np.zeros_like(start)
         lag_sd = np.where(readings.tau > 0.0, readings.lag_sd, 0.0)
         self._gains, self._lags = np.flatnonzero(readings.gain_sd), np.flatnonzero(lag_sd)
         self.sd = np.append(readings.gain_sd[self._gains], lag_sd[self._lags])
-        keep, ramp = lag_filter(readings.tau * (1.0 + 1j * STEP), tick_s)
-        self._keep, self._ramp = np.imag(keep) / STEP, np.imag(ramp) / STEP
+        both = lag_filter(readings.tau * (1.0 + 1j * STEP), tick_s)
+        self._keep, self._slope = np.real(both[0]), np.imag(both) / STEP
 
-    def offset(self, course: Course) -> Array:
-        """What gains add to the readings of K ticks, (K, m, r) per share."""
-        rise, lags = course.lagged[1:] - self._start, np.zeros((len(course.grown_um), self._m, len(self._lags)))
-        return np.concatenate([_each(rise, self._gains), lags], axis=2)
-
-    def pushed(self, course: Course) -> Array:
-        """What lags add to the lagged readings in each of K ticks, (K, m, r) per share."""
-        late = (course.lagged - course.spot)[:-1] * self._keep + np.diff(course.spot, axis=0) * self._ramp
-        gains = np.zeros((len(late), self._m, len(self._gains)))
-        return np.concatenate([gains, _each(late, self._lags)], axis=2)
-
-
-def _each(values: Array, channels: Array) -> Array:
-    """Of values (K, m) those of some channels, each in a column of its own, (K, m, r)."""
-    alone = np.zeros((*values.shape, len(channels)))
-    alone[:, channels, np.arange(len(channels))] = values[:, channels]
-    return alone
+    def moved(self, course: Course) -> Array:
+        """How the readings of the next K ticks move with each share, (K, m, r); call in order of time."""
+        rise = course.lagged[1:] - self._start
+        pushed = (course.lagged - course.spot)[:-1] * self._slope[0] + np.diff(course.spot, axis=0) * self._slope[1]
+        late = np.empty_like(pushed)
+        for k, push in enumerate(pushed):
+            late[k] = self._late = self._keep * self._late + push
+        moved = np.zeros((*rise.shape, len(self.sd)))
+        moved[:, self._gains, np.arange(len(self._gains))] = rise[:, self._gains]
+        moved[:, self._lags, len(self._gains) + np.arange(len(self._lags))] = late[:, self._lags]
+        return moved

@@ -23,6 +23,7 @@ from estimator.state.run import Run
 from estimator.terms import Chain, Expand, Heat, Lag, Link, Read, Shift, Store
 
 STEP = 1e-30
+OF_TICKS = {Heat, Read, Shift}
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,8 @@ class Moved:
         u, rig, place = drive.inputs, self._forcing.rig, self._forcing.place
         if not self.in_ticks:
             return TicksTangent.none(len(u), place.size, place.boundaries, len(rig.names))
-        terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
+        of_ticks = [name for name, kinds in self._kinds_of.items() if kinds & OF_TICKS]
+        terms = [term for name in of_ticks for term in self._model.terms_of(name, u, rig)]
         outside = np.zeros((len(u), place.boundaries))
         if Shift in self._kinds:
             outside = slope(assemble.outside(list(self._model.terms(u, rig)), u, place))
@@ -104,18 +106,23 @@ class Moved:
     @property
     def in_ticks(self) -> bool:
         """Whether it may move what is said of a tick, and not of its regime alone."""
-        return bool(self._kinds & {Heat, Read, Shift})
+        return bool(self._kinds & OF_TICKS)
 
     @property
     def in_regimes(self) -> bool:
         """Whether it may move what a regime stores and conducts."""
         return bool(self._kinds & {Store, Chain, Link})
 
-    @cached_property
+    @property
     def _kinds(self) -> set[type]:
-        """Of which kinds the terms are that move: the same whatever the inputs."""
+        """Of which kinds the terms are that move."""
+        return set().union(*self._kinds_of.values())
+
+    @cached_property
+    def _kinds_of(self) -> dict[str, set[type]]:
+        """The same by effect, whatever the inputs."""
         u, rig = nothing(self._forcing.rig), self._forcing.rig
-        return {type(term) for name in self._effects for term in self._model.terms_of(name, u, rig)}
+        return {name: {type(term) for term in self._model.terms_of(name, u, rig)} for name in self._effects}
 
 
 def slope(value: Array) -> Array:

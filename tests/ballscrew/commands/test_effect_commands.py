@@ -179,7 +179,7 @@ def test_a_file_that_is_not_named_does_not_run(folder):
 def test_an_effect_of_the_catalogue_is_added_at_its_defaults(folder):
     before = (folder / "model.toml").read_bytes()
     out = done("add", "churning", "model.toml", "-o", "better.toml")
-    assert "better.toml: churning added to 11 effects, at its defaults" in out
+    assert "better.toml: churning added to 13 effects, at its defaults" in out
     old, new = load_model(folder / "model.toml"), load_model(folder / "better.toml")
     assert new.effects.keys() - old.effects.keys() == {"churning"}
     assert {path: new.values[path] for path in old.values} == dict(old.values)
