@@ -15,7 +15,7 @@ from estimator.terms import SCREW, Heat, Link, Store, Term
 SEATS = ("anchor_seat", "free_seat")
 
 
-def under_bearing(rig: Rig, support: str, seat: SimpleNamespace | None) -> Array:
+def under_bearing(rig: Rig, support: str, seat: SimpleNamespace | None = None) -> Array:
     """Share of a heat put in by a bearing that falls to each cell, (cells,); sums to 1.
 
     seat  parameters of the effect for it, None: the bearing is where the rig file says

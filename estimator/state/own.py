@@ -14,8 +14,7 @@ from estimator.network.assemble import Readings
 from estimator.record import Array
 from estimator.state.moves import Course
 from estimator.state.open_loop import lag_filter
-
-STEP = 1e-30
+from estimator.state.tangent import STEP, slope
 
 
 class OwnErrors:
@@ -30,13 +29,13 @@ class OwnErrors:
         lag_sd = np.where(readings.tau > 0.0, readings.lag_sd, 0.0)
         self._gains, self._lags = np.flatnonzero(readings.gain_sd), np.flatnonzero(lag_sd)
         self.sd = np.append(readings.gain_sd[self._gains], lag_sd[self._lags])
-        both = lag_filter(readings.tau * (1.0 + 1j * STEP), tick_s)
-        self._keep, self._slope = np.real(both[0]), np.imag(both) / STEP
+        keep, ramp = lag_filter(readings.tau * (1.0 + 1j * STEP), tick_s)
+        self._keep, self._slopes = np.real(keep), (slope(keep), slope(ramp))
 
     def moved(self, course: Course) -> Array:
         """How the readings of the next K ticks move with each share, (K, m, r); call in order of time."""
         rise = course.lagged[1:] - self._start
-        pushed = (course.lagged - course.spot)[:-1] * self._slope[0] + np.diff(course.spot, axis=0) * self._slope[1]
+        pushed = (course.lagged - course.spot)[:-1] * self._slopes[0] + np.diff(course.spot, axis=0) * self._slopes[1]
         late = np.empty_like(pushed)
         for k, push in enumerate(pushed):
             late[k] = self._late = self._keep * self._late + push
