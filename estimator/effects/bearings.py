@@ -38,7 +38,7 @@ class BearingSeat(Effect):
     """Friction enters the screw, and heat leaves to the housing, at another place and width than the rig file's."""
 
     support: ClassVar[str]
-    shift = Param(0.0, "mm", lo=-20.0, hi=20.0, null=0.0, sd=1.5, source="mounting, and drawings to the nearest mm")
+    shift = Param(0.0, "mm", lo=-10.0, hi=10.0, null=0.0, sd=1.5, source="mounting, and drawings to the nearest mm")
     width = Param(
         1.0, "1", lo=0.3, hi=2.0, null=1.0, sd=0.25, source="inner rings, spacer and nut: which of them touch"
     )
