@@ -135,3 +135,4 @@ class Shift:
 
 
 Term = Store | Chain | Link | Heat | Read | Lag | Expand | Shift
+OF_TICKS = (Heat, Read, Shift)  # what is said of each tick: the others say something of a regime, or of the run

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import ClassVar
 
+import numpy as np
+
 from estimator.effect import Effect, Param
 from estimator.inputs.inputs import Inputs
 from estimator.record import Array
@@ -16,16 +18,17 @@ SEATS = ("anchor_seat", "free_seat")
 
 
 def under_bearing(rig: Rig, support: str, seat: SimpleNamespace | None = None) -> Array:
-    """Share of a heat put in by a bearing that falls to each cell, (cells,); sums to 1.
+    """Share of a heat put in by a bearing that falls to each cell, (..., cells); sums to 1.
 
-    seat  parameters of the effect for it, None: the bearing is where the rig file says
+    seat  parameters of the effect for it, None: the bearing is where the rig file says; a column of each, (rows, 1),
+          gives a row for each
     """
     bearing = rig.the_support(support)
     at_mm, half_mm = bearing.at_mm, bearing.width_mm / 2
     if seat is not None:
         at_mm, half_mm = at_mm + seat.shift, half_mm * seat.width
-    width = rig.the_screw().overlap(at_mm - half_mm, at_mm + half_mm)
-    return width / width.sum()
+    width = rig.the_screw().overlap(np.squeeze(at_mm - half_mm), np.squeeze(at_mm + half_mm))
+    return np.asarray(width / width.sum(axis=-1, keepdims=True))
 
 
 def seat_of(p: SimpleNamespace, support: str) -> SimpleNamespace | None:

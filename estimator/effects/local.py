@@ -15,12 +15,12 @@ from estimator.terms import SCREW, Heat, Term
 
 
 def spot(rig: Rig, at_mm: Any, width_mm: Any) -> Any:
-    """Share of a heat put in around a place that falls to each cell, (cells,); sums to 1. Smooth in the place.
+    """Share of a heat put in around a place that falls to each cell, (..., cells); sums to 1. Smooth in the place.
 
     exp(-(x - at)^2 / (2 s^2)), s = width / sqrt(12): as wide as an even spread over the width
     """
     share = np.exp(-6.0 * ((rig.the_screw().x_mm - at_mm) / width_mm) ** 2)
-    return share / share.sum()
+    return share / share.sum(axis=-1, keepdims=True)
 
 
 class LocalHeat(Effect):
@@ -71,4 +71,4 @@ class MotorHeat(Effect):
         end = screw.to_mm if at_end else screw.from_mm
         inwards = np.abs(screw.x_mm - end)
         share = 1.0 / (1.0 + np.exp((inwards - p.width) / 2.0))
-        yield Heat(SCREW, p.power * u.motion.turning, over=share / share.sum())
+        yield Heat(SCREW, p.power * u.motion.turning, over=share / share.sum(axis=-1, keepdims=True))

@@ -55,6 +55,8 @@ class Motion:
     def freshness(self, decay_s: float, recovery_s: float) -> Array:
         """1 after a long rest; fades while the screw turns and comes back while it stands: (ticks, 1).
 
+        Of one tick with columns of seconds, (rows, 1): as many rows.
+
         turning: f <- f e^(-t / decay)        at rest: 1 - f <- (1 - f) e^(-t / recovery)
         """
         level: Any = 1.0
@@ -64,10 +66,10 @@ class Motion:
         ends = np.append(np.flatnonzero(np.diff(turning)) + 1, len(turning))
         parts, first = [], 0
         for end in ends:
-            elapsed = np.arange(1, end - first + 1) * self.tick_s
+            elapsed = np.arange(1, end - first + 1)[:, None] * self.tick_s
             parts.append(_faded(level, bool(turning[first]), elapsed, decay_s, recovery_s))
             level, first = parts[-1][-1], end
-        return np.concatenate(parts)[:, None]
+        return np.concatenate(parts)
 
 
 def _faded(level: Any, turned: bool, seconds: Any, decay_s: Any, recovery_s: Any) -> Any:

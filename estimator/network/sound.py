@@ -16,7 +16,22 @@ from estimator.errors import SetupError
 from estimator.inputs.inputs import Inputs
 from estimator.model import Model
 from estimator.rig import Rig
-from estimator.terms import ELONGATION, SCREW, START, Chain, Expand, Heat, Lag, Link, Read, Shift, Spot, Store, Term
+from estimator.terms import (
+    ELONGATION,
+    OF_TICKS,
+    SCREW,
+    START,
+    Chain,
+    Expand,
+    Heat,
+    Lag,
+    Link,
+    Read,
+    Shift,
+    Spot,
+    Store,
+    Term,
+)
 
 ONE, TICKS, CELLS, BOTH = "one", "ticks", "cells", "ticks and cells"  # what a number is the same for, or as many as
 EACH = "each cell"  # as many as cells, never one for all
@@ -85,15 +100,21 @@ class Sound:
     def __init__(self, model: Model, rig: Rig) -> None:
         self.model, self.rig = model, rig
         self._usual: dict[str, object] = {}
+        self._in_ticks: dict[str, bool] = {}
 
     def terms(self, u: Inputs, forced: bool = True) -> list[Term]:
-        """All terms at inputs `u`, which are those of a run where they are `forced`."""
-        return [term for name in self.model.effects for term in self.of(name, u, forced)]
+        """All terms at inputs `u`; where these are `forced`, those of a run, all that say something of its ticks.
+
+        What the catalogue's effects say of regimes alone is sound and not asked for at each tick.
+        """
+        asked = (name for name in self.model.effects if not forced or self._in_ticks.get(name, True))
+        return [term for name in asked for term in self.of(name, u, forced)]
 
     def of(self, name: str, u: Inputs, forced: bool = True) -> list[Term]:
         """Those of one effect."""
         terms, asked = self.model.terms_of(name, u, self.rig), Asked(u, self.rig, forced)
         if CATALOGUE.get(name) is type(self.model.effects[name]):
+            self._in_ticks.setdefault(name, any(isinstance(term, OF_TICKS) for term in terms))
             return terms
         for wrong in unsound(terms, asked):
             raise self.model.error(name, wrong)

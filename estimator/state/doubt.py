@@ -26,7 +26,7 @@ from estimator.state.moves import Course, Doubtful, Kernels, Moves, carried, fol
 from estimator.state.open_loop import lag_filter
 from estimator.state.own import OwnErrors
 from estimator.state.run import Run
-from estimator.state.tangent import Moved, ReadingsTangent
+from estimator.state.tangent import Moved, MovedApart, ReadingsTangent
 
 REMEMBERED = 64  # regimes whose derivatives are kept
 
@@ -43,6 +43,8 @@ class Doubt:
         self._run, self._start = run, run.x[run.state.temperatures]
         self._moved = [Moved(run.forcing, run.forcing.model, path) for path in doubts.paths]
         self._in_ticks = [i for i, moved in enumerate(self._moved) if moved.in_ticks]
+        self._by_rows = [i for i in self._in_ticks if self._moved[i].by_rows]
+        self._apart = MovedApart(run.forcing, [self._moved[i] for i in self._by_rows])
         readings = run.forcing.readings
         self._own = OwnErrors(readings, readings.rows @ self._start, run.forcing.rig.tick_s)
         self._paths, self._root = doubts.paths, block_diag(root(doubts.covariance), np.diag(self._own.sd))
@@ -105,11 +107,7 @@ class Doubt:
     def _pushes(self, drive: Drive, ticks: Ticks, course: Course) -> tuple[Array, Array, Array, Array]:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
         K, q, forcing = len(ticks.regime), len(self._moved), self._run.forcing
-        B, offset = np.zeros((K, self._run.state.n, q)), np.zeros((K, len(self._zeros), q))
-        heat, outside = np.zeros((q, *ticks.heat.shape)), np.zeros((q, *ticks.outside.shape))
-        for i in self._in_ticks:
-            own = self._moved[i].ticks(drive)
-            heat[i], outside[i], offset[:, :, i] = own.heat, own.outside, own.offset
+        B, (heat, outside, offset) = np.zeros((K, self._run.state.n, q)), self._own_pushes(drive, ticks)
         for r in set(ticks.regime.tolist()):
             at, of = ticks.regime == r, self._regime_slopes(r)
             put = heat[:, at] + ticks.outside[at] @ of.inflow.mT + outside[:, at] @ forcing.inflow(r).T
@@ -119,6 +117,20 @@ class Doubt:
         pushed = (course.lagged - course.spot)[:-1, :, None] * self._keep
         pushed += np.diff(course.spot, axis=0)[:, :, None] * self._ramp
         return B, offset, own_spot, pushed
+
+    def _own_pushes(self, drive: Drive, ticks: Ticks) -> tuple[Array, Array, Array]:
+        """How what the model makes of K ticks moves: heat (q, K, n), outside (q, K, boundaries), offset (K, m, q)."""
+        K, q = len(ticks.regime), len(self._moved)
+        heat, outside = np.zeros((q, *ticks.heat.shape)), np.zeros((q, *ticks.outside.shape))
+        offset, alone = np.zeros((K, len(self._zeros), q)), self._in_ticks
+        if K == 1:  # a run of ticks is asked by each parameter, one tick by all of them: half of what a tick costs
+            heat[self._by_rows, 0], rows = self._apart.tick(drive)
+            offset[0][:, self._by_rows] = rows.T
+            alone = [i for i in alone if i not in self._by_rows]
+        for i in alone:
+            own = self._moved[i].ticks(drive)
+            heat[i], outside[i], offset[:, :, i] = own.heat, own.outside, own.offset
+        return heat, outside, offset
 
     def _regime_slopes(self, regime: int) -> RegimeSlopes:
         """How one regime's tick moves with each parameter."""

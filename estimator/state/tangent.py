@@ -20,10 +20,9 @@ from estimator.network.forcing import Drive, Forcing
 from estimator.record import Array
 from estimator.state.open_loop import lag_filter
 from estimator.state.run import Run
-from estimator.terms import Chain, Expand, Heat, Lag, Link, Read, Shift, Store
+from estimator.terms import OF_TICKS, Chain, Expand, Lag, Link, Read, Shift, Store
 
 STEP = 1e-30
-OF_TICKS = {Heat, Read, Shift}
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,7 @@ class Moved:
     """A model, forced as another of the same structure, with one parameter "effect.param" moved."""
 
     def __init__(self, forcing: Forcing, model: Model, path: str) -> None:
-        self._forcing, self._model = forcing, model.with_values({path: model[path] + 1j * STEP})
+        self._forcing, self._model, self.path = forcing, model.with_values({path: model[path] + 1j * STEP}), path
         self._effects = model.moved_by(path.partition(".")[0])
 
     def network(self, which: Sequence[int] | None = None) -> Network:
@@ -81,8 +80,7 @@ class Moved:
         u, rig, place = drive.inputs, self._forcing.rig, self._forcing.place
         if not self.in_ticks:
             return TicksTangent.none(len(u), place.size, place.boundaries, len(rig.names))
-        of_ticks = [name for name, kinds in self._kinds_of.items() if kinds & OF_TICKS]
-        terms = [term for name in of_ticks for term in self._model.terms_of(name, u, rig)]
+        terms = [term for name in self.effects_in_ticks for term in self._model.terms_of(name, u, rig)]
         outside = np.zeros((len(u), place.boundaries))
         if Shift in self._kinds:
             outside = slope(assemble.outside(list(self._model.terms(u, rig)), u, place))
@@ -104,9 +102,21 @@ class Moved:
         return ReadingsTangent(*(slope(value) for value in (*parts, x0, P0)))
 
     @property
+    def effects_in_ticks(self) -> list[str]:
+        """Those of its effects that say something of a tick."""
+        return [name for name, kinds in self._kinds_of.items() if kinds & {*OF_TICKS}]
+
+    @property
     def in_ticks(self) -> bool:
         """Whether it may move what is said of a tick, and not of its regime alone."""
-        return bool(self._kinds & OF_TICKS)
+        return bool(self._kinds & {*OF_TICKS})
+
+    @property
+    def by_rows(self) -> bool:
+        """Whether columns of values can be asked of its effects: a user's own need not work on them."""
+        effect, _, key = self.path.partition(".")
+        chooses = self._model.effects[effect].params[key].over == "channel"
+        return self.in_ticks and not chooses and Shift not in self._kinds and not {*self._effects} & {*self._model.use}
 
     @property
     def in_regimes(self) -> bool:
@@ -123,6 +133,23 @@ class Moved:
         """The same by effect, whatever the inputs."""
         u, rig = nothing(self._forcing.rig), self._forcing.rig
         return {name: {type(term) for term in self._model.terms_of(name, u, rig)} for name in self._effects}
+
+
+class MovedApart:
+    """A model whose parameters move in a row each: derivatives of one tick by all of them, asked once."""
+
+    def __init__(self, forcing: Forcing, moved: Sequence[Moved]) -> None:
+        model, self._forcing, self._rows = forcing.model, forcing, len(moved)
+        columns = 1j * STEP * np.eye(len(moved))[:, :, None]
+        self._model = model.with_values({one.path: model[one.path] + h for one, h in zip(moved, columns, strict=True)})
+        self._effects = sorted({name for each in moved for name in each.effects_in_ticks})
+
+    def tick(self, drive: Drive) -> tuple[Array, Array]:
+        """Derivatives of heat (q, n) and offset (q, m), a row for each."""
+        rig, place = self._forcing.rig, self._forcing.place
+        terms = [term for name in self._effects for term in self._model.terms_of(name, drive.inputs, rig)]
+        heat = assemble.heat(terms, place, self._rows, drive.spread)
+        return slope(heat), slope(assemble.offsets(terms, rig, self._rows))
 
 
 def slope(value: Array) -> Array:
