@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,12 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array, Index, Mask, Whole = NDArray[np.float64], NDArray[np.intp], NDArray[np.bool_], NDArray[np.int64]
-# One frame as 26 bytes: what a reader in another process sends, and what arrays are cut from.
+# One frame as 27 bytes: what a reader in another process sends, and what arrays are cut from.
 FRAME = np.dtype(
-    [("time", "<f8"), ("id", "<u4"), ("extended", "?"), ("dlc", "u1"), ("data", "u1", (8,)), ("number", "<u4")]
+    [
+        ("time", "<f8"),
+        ("id", "<u4"),
+        ("extended", "?"),
+        ("dlc", "u1"),
+        ("data", "u1", (8,)),
+        ("number", "<u4"),
+        ("bus", "u1"),
+    ]
 )
 _COLUMNS = FRAME.names or ()
-PACKED = struct.Struct("<dI?B8sI")  # the same for one frame
+PACKED = struct.Struct("<dI?B8sIB")  # the same for one frame
 
 
 @dataclass
@@ -57,7 +65,9 @@ class Frames:
     dlc       (n,) uint8, 0 ... 8
     data      (n, 8) uint8, zero beyond dlc
     number    (n,) of the line in a text log, else of the frame, from 1
+    bus       (n,) uint8, which of `buses`
     unit      "line" or "frame": what `number` counts
+    buses     names of the buses that were recorded
     """
 
     time: Array
@@ -66,7 +76,9 @@ class Frames:
     dlc: NDArray[np.uint8]
     data: NDArray[np.uint8]
     number: NDArray[np.uint32]
+    bus: NDArray[np.uint8]
     unit: str = "frame"
+    buses: tuple[str, ...] = ("can0",)
 
     def __len__(self) -> int:
         return len(self.time)
@@ -78,21 +90,32 @@ class Frames:
 
     def take(self, which: Mask | Index | slice) -> Frames:
         """The frames at these indices, or where a mask is true."""
-        return Frames(*(getattr(self, name)[which] for name in _COLUMNS), self.unit)
+        return Frames(*(getattr(self, name)[which] for name in _COLUMNS), self.unit, self.buses)
+
+    def with_ids(self, ids: NDArray[np.uint32]) -> Frames:
+        """The same frames under other ids, (n,)."""
+        return replace(self, id=ids)
+
+    def on_clock(self, time: Array) -> Frames:
+        """The same frames with other stamps, (n,) s."""
+        return replace(self, time=time)
 
     def where(self, index: int) -> str:
         """Where one frame stands, as text: "line 1204"."""
         return f"{self.unit} {int(self.number[index])}"
 
     @classmethod
-    def of(cls, table: NDArray[np.void], unit: str) -> Frames:
+    def of(cls, table: NDArray[np.void], unit: str, buses: Sequence[str] = ("can0",)) -> Frames:
         """From a table of dtype FRAME."""
-        return cls(*(np.ascontiguousarray(table[name]) for name in _COLUMNS), unit)
+        return cls(*(np.ascontiguousarray(table[name]) for name in _COLUMNS), unit, tuple(buses))
 
     @classmethod
     def joined(cls, parts: Sequence[Frames]) -> Frames:
         """One log behind the other."""
-        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in _COLUMNS), parts[0].unit)
+        buses = tuple(dict.fromkeys(name for part in parts for name in part.buses))
+        same = [np.array([buses.index(name) for name in part.buses], np.uint8)[part.bus] for part in parts]
+        columns = (np.concatenate([getattr(part, name) for part in parts]) for name in _COLUMNS[:-1])
+        return cls(*columns, np.concatenate(same), parts[0].unit, buses)
 
 
 def words_of(data: NDArray[np.uint8]) -> tuple[NDArray[np.uint64], NDArray[np.uint64]]:

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from drivers.budget import Budget
+from drivers.decode.addresses import addressed
+from drivers.decode.buses import chosen, of_the_rig, on_one_clock
 from drivers.decode.clock import RigClock
 from drivers.decode.decode import Decoder
 from drivers.decode.ticks import Ticks, split
 from drivers.frames import Frames, Tally
+from drivers.lab.lab import read_lab
 from drivers.logs.joined import Progress, join
-from drivers.logs.labcsv import read_lab
 from drivers.logs.logs import SUFFIXES, is_lab_csv, read_log
 from drivers.logs.truth import is_truth
 from estimator.errors import InputError
@@ -79,10 +82,15 @@ def read_joined(
 
 def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tally: Tally, budget: Budget) -> Recording:
     decoder = Decoder(rig, tally)
+    rigs = chosen(frames, rig.log.bus, name)
+    frames = addressed(frames.take(rigs), decoder.used, decoder.dbc, name, tally)
     if why := decoder.mismatch(frames):
         raise InputError(f"{name}: {len(frames)} frames, none of this rig: {why}")
-    rigs = decoder.not_ours(frames)
-    frames = frames.take(rigs)
+    for pick in (decoder.not_ours, partial(of_the_rig, wanted=decoder.wanted, name=name, tally=tally)):
+        kept = pick(frames)
+        frames, rigs = frames.take(kept), rigs[kept]
+    frames = frames.on_clock(on_one_clock(frames, name, tally))
+    decoder.never_came(frames)
     clock = RigClock(rig.tick_s, decoder.scan.modulus, tally, lambda frame: where(int(rigs[frame])), budget)
     closes, scan = decoder.closings(frames)
     now = clock.run(frames.time, closes, scan)

@@ -42,9 +42,11 @@ class Ticker:
             return iter(())
         size = len(data)
         if not (0 <= time_s < LATEST_S and 0 <= can_id <= (0x1FFFFFFF if extended else 0x7FF) and size <= 8):
-            plausible(_frames([PACKED.pack(time_s, can_id & 0xFFFFFFFF, extended, min(size, 9), b"", 0)]), self.tally)
+            plausible(
+                _frames([PACKED.pack(time_s, can_id & 0xFFFFFFFF, extended, min(size, 9), b"", 0, 0)]), self.tally
+            )
             return iter(())
-        packed = PACKED.pack(time_s, can_id, extended, size, bytes(data), 0)
+        packed = PACKED.pack(time_s, can_id, extended, size, bytes(data), 0, 0)
         scan = self.decoder.closing(can_id, extended, data)
         frame = self.frames, packed, scan is not None
         self.frames += 1

@@ -161,6 +161,7 @@ class Log:
     """How the rig's logs are read. All but the time column is about CAN; signals are "Message.Signal".
 
     dbc          DBC file, in the rig folder or one that ships with the package
+    bus          the rig's bus in a log of several: its name, or its number n for "can<n>"
     closes       message that closes a tick
     time_column  time column of a lab CSV: seconds or ISO times
     scan         messages that make one scan together with the closing message
@@ -173,6 +174,7 @@ class Log:
     """
 
     dbc: str | None = None
+    bus: str | int | None = None
     closes: str | None = None
     time_column: str = "time_s"
     scan: tuple[str, ...] = ()

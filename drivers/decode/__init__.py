@@ -1,1 +1,1 @@
-"""Frames into ticks: decode, dbc, sources, checks, scan, drive, condense, clock, scans, ticks."""
+"""Frames into ticks: decode, dbc, sources, buses, addresses, checks, scan, drive, condense, clock, scans, ticks."""

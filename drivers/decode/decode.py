@@ -56,6 +56,20 @@ class Decoder:
         self.tally.skip("sent by us", np.count_nonzero(ours))
         return np.flatnonzero(~ours)
 
+    @cached_property
+    def wanted(self) -> dict[int, str]:
+        """Names of the messages that the rig needs, by key."""
+        return {message.key: message.name for message in self.used}
+
+    def never_came(self, frames: Frames) -> None:
+        """Say first which messages of the rig are not there, and what is not measured for that."""
+        there = set(np.unique(frames.key).tolist())
+        for message in reversed(self.used):
+            if message.key not in there:
+                lost = ", ".join(source.name for source in self.sources.get(message.name, ()))
+                never = f"{message.name} (0x{message.id:X}) never came"
+                self.tally.notes.insert(0, f"{never}: no {lost}" if lost else never)
+
     def closings(self, frames: Frames) -> tuple[Mask, Whole]:
         """Which frames close a scan, (n,), and their scan number, (n,), -1 where there is none."""
         number = np.full(len(frames), -1, np.int64)
@@ -127,8 +141,8 @@ class Decoder:
         keys = np.unique(frames.key).tolist()
         if {message.key for message in self.used}.intersection(keys):
             return ""
-        ids = [f"0x{key >> 1:X}" for key in keys]
-        wanted = [f"0x{message.id:X} ({message.name})" for message in self.used]
+        ids = [_id(key) for key in keys]
+        wanted = [f"{_id(message.key)} ({message.name})" for message in self.used]
         return f"ids {_few(ids)}; expected {_few(wanted)} as in {self.dbc.path.name}"
 
     def _account(self, frames: Frames) -> None:
@@ -136,9 +150,14 @@ class Decoder:
         for key, count in zip(*(column.tolist() for column in np.unique(frames.key, return_counts=True)), strict=True):
             message = self.dbc.by_key.get(key)
             if message is None:
-                self.tally.skip(f"unknown id 0x{key >> 1:0{8 if key & 1 else 3}X}", count)
+                self.tally.skip(f"unknown id {_id(key)}", count)
             elif message not in self.used:
                 self.tally.skip(f"not in the rig file {message.name}", count)
+
+
+def _id(key: int) -> str:
+    """An id as candump writes it: eight digits where it has 29 bits."""
+    return f"0x{key >> 1:0{8 if key & 1 else 3}X}"
 
 
 def _few(words: list[str]) -> str:

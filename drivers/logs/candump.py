@@ -55,7 +55,7 @@ def read_candump(
                 rest = b""
                 break
     reader.finish(rest)
-    return Frames.of(reader.table(), "line"), f"{reader.lines} lines read"
+    return Frames.of(reader.table(), "line", tuple(reader.buses) or ("can0",)), f"{reader.lines} lines read"
 
 
 class _Reader:
@@ -66,7 +66,7 @@ class _Reader:
         self.lines = 0
         self.count = 0
         self.foreign = 0  # first line that is no frame
-        self.buses: set[bytes] = set()
+        self.buses: dict[str, int] = {}
         self.blocks: list[NDArray[np.void]] = []
 
     def feed(self, text: bytes) -> bytes:
@@ -95,9 +95,6 @@ class _Reader:
 
     def table(self) -> NDArray[np.void]:
         """All frames in the order of the file, dtype FRAME."""
-        if len(self.buses) > 1:
-            names = ", ".join(sorted(name.decode("latin-1") for name in self.buses))
-            self.tally.note(f"frames of {len(self.buses)} interfaces ({names}) taken as one bus")
         return np.concatenate(self.blocks) if self.blocks else np.empty(0, FRAME)
 
     def _endless(self, rest: bytes) -> bytes:
@@ -118,10 +115,13 @@ class _Reader:
             good, table = _cut(buffer, starts[same], layout)
             table["number"] = self.lines + 1 + same[good]
             tables.append(table)
-            self.buses.add(layout[3])
+            table["bus"] = self._bus(layout[3].decode("latin-1"))
             todo = np.setdiff1d(todo, same[good], assume_unique=True) if attempt < _LAYOUTS else todo[1:]
         if tables:
             self._keep(np.concatenate(tables))
+
+    def _bus(self, name: str) -> int:
+        return min(self.buses.setdefault(name, len(self.buses)), 255)
 
     def _layout(self, line: Callable[[int], bytes], todo: Index) -> tuple[re.Match[bytes] | None, Index]:
         """The match of the first line still to do that is a frame; lines before it are counted and left."""

@@ -12,9 +12,9 @@ from pathlib import Path
 from drivers.budget import Budget
 from drivers.frames import LATEST_S, Tally
 from drivers.logs.candump_line import frame_of
+from drivers.logs.lines import WholeLines
 from drivers.logs.logs import is_lab_csv
 from drivers.logs.outside import EVERY, Outside
-from drivers.logs.python_can import WholeLines
 from drivers.received import Received
 from estimator.errors import InputError
 

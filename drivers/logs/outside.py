@@ -49,7 +49,7 @@ class Block(NamedTuple):
 class Outside:
     """One log in a process of its own, until the budget is spent; `tally` hears what was no frame and where it ended.
 
-    frames  so far;  found  what was read, in words
+    frames  so far;  found  what was read, in words;  buses  their names, once the account has come
     """
 
     def __init__(self, path: Path, tally: Tally, budget: Budget, how: str) -> None:
@@ -57,6 +57,7 @@ class Outside:
         self._path, self._tally, self._budget, self._how = path, tally, budget, how
         self._size = path.stat().st_size
         self.found = f"{self._size} bytes"
+        self.buses: tuple[str, ...] = ("can0",)
 
     def __iter__(self) -> Iterator[Block]:
         mf4 = 4_000_000_000 if self._path.suffix.lower() == ".mf4" else 0
@@ -101,7 +102,7 @@ class Outside:
 
     def _account(self, text: bytes) -> None:
         account = json.loads(text)
-        self.found = account["found"]
+        self.found, self.buses = account["found"], tuple(account["buses"]) or self.buses
         for reason, count in account["skipped"].items():
             self._tally.skip(reason, count)
         for sentence in account["notes"]:
@@ -119,7 +120,9 @@ def read_outside(
         if progress:
             progress(min(block.share, 1.0))
     unit = "line" if path.suffix.lower() in {".asc", ".csv", ".trc"} else "frame"
-    return Frames.of(np.concatenate(tables), unit), outside.found
+    table = np.concatenate(tables)
+    names = [*outside.buses, *(f"bus {k + 1}" for k in range(len(outside.buses), table["bus"].max(initial=0) + 1))]
+    return Frames.of(table, unit, names), outside.found
 
 
 def _start(path: Path, how: str, memory: int) -> subprocess.Popen[bytes]:

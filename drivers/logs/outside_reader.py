@@ -27,6 +27,7 @@ class Sender:
         self.messages = Messages(path, self.tally)
         self.size = max(path.stat().st_size, 1)
         self.how = how
+        self.buses: dict[str, int] = {}
         self.rows: list[Any] = []  # packed frames, or tuples
         self.lock = threading.Lock()
         self.done = threading.Event()
@@ -40,7 +41,8 @@ class Sender:
             take(message)
         self.done.set()
         self._flush()
-        account = {"skipped": self.tally.skipped, "notes": self.tally.notes, "found": self.messages.found}
+        about = {"found": self.messages.found, "buses": list(self.buses)}
+        account = {"skipped": self.tally.skipped, "notes": self.tally.notes, **about}
         with self.lock:
             self._send(b"A", 0, json.dumps(account).encode())
 
@@ -50,7 +52,8 @@ class Sender:
             return
         data, place = bytes(message.data), self.messages.place & 0xFFFFFFFF
         about = message.timestamp, message.arbitration_id, message.is_extended_id
-        self._keep(PACKED.pack(*about, len(data), data, place))
+        bus = min(self.buses.setdefault(self.messages.channel(message), len(self.buses)), 255)
+        self._keep(PACKED.pack(*about, len(data), data, place, bus))
 
     def _every(self, message: can.Message) -> None:
         if message.is_remote_frame or len(message.data) == message.dlc:

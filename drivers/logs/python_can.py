@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -12,9 +11,10 @@ import can
 from can.io.player import MESSAGE_READERS
 
 from drivers.frames import Tally
+from drivers.logs.lines import AscLines, WholeLines
 
+_DATED_S = 1e6  # later stamps count from 1970
 TEXT = frozenset({".asc", ".csv", ".trc"})
-_LONGEST_LINE = 4096
 
 
 class Messages:
@@ -78,7 +78,8 @@ class Messages:
             self._tally.note(f"torn at {place}: {why}; read up to there")
 
     def _read(self, options: dict[str, Any]) -> Iterator[can.Message]:
-        self._lines = WholeLines(self._path) if self._suffix in TEXT else None
+        reads = {".asc": AscLines}.get(self._suffix, WholeLines)
+        self._lines = reads(self._path) if self._suffix in TEXT else None
         with MESSAGE_READERS[self._suffix](self._lines or str(self._path), **options) as reader:
             self._file = self._lines or reader.file
             for message in reader:
@@ -86,6 +87,8 @@ class Messages:
                 if self._lines:
                     # what stands before the first frame is the file's head
                     self._silent(self._lines.silent - 1 if self.count > 1 else 0)
+                    if message.timestamp > _DATED_S:
+                        message.timestamp -= self._lines.shift_s
                 yield message
             if self._lines:
                 self._silent(self._lines.silent)
@@ -94,42 +97,6 @@ class Messages:
         assert self._lines
         self._tally.skip("line without a frame", max(lines, 0))
         self._lines.silent = 0
-
-
-class WholeLines:
-    """A text file line by line, long lines cut short; a last one without its end may be cut itself and is kept back."""
-
-    def __init__(self, path: Path) -> None:
-        self._file = path.open("rb")
-        self.tell, self.close = self._file.tell, self._file.close
-        self.count = 0
-        self.silent = 0  # lines since the last frame, comments left out
-        self.torn = False
-
-    def __iter__(self) -> Iterator[str]:
-        return self
-
-    def __next__(self) -> str:
-        line = end = self._file.readline(_LONGEST_LINE)
-        while end and not end.endswith(b"\n"):
-            end = self._file.readline(_LONGEST_LINE)
-        self.count += bool(line)
-        self.torn |= bool(line) and not end
-        if not end:
-            raise StopIteration
-        text = line.decode("utf-8", "surrogateescape") if line.isascii() else line.decode("latin-1")
-        self.silent += not text.lstrip().startswith((";", "//", "End T", "end t")) and bool(text.strip())
-        return text
-
-    def account(self, tally: Tally) -> None:
-        """Tell of a last line without its end."""
-        if self.torn:
-            tally.skip("torn line")
-            tally.note(f"torn at line {self.count}: it has no line end; read up to there")
-
-    def read(self) -> str:
-        """Only its presence counts: python-can takes what can be read for a file."""
-        raise io.UnsupportedOperation("read")
 
 
 def _told_size(path: Path) -> int | None:

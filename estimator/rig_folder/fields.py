@@ -61,9 +61,9 @@ def checked(value: Any, hint: Any, place: str, bound: Bound | None = None) -> An
         return record(tables[0], value, place)
     if float in kinds:
         return _number(value, place, bound)
-    for kind, word in KINDS.items():
-        if kind in kinds and type(value) is not kind:
-            raise SetupError(f"{place}: expected {word}, got {brief(value)}")
+    expected = [word for kind, word in KINDS.items() if kind in kinds]
+    if expected and type(value) not in kinds:
+        raise SetupError(f"{place}: expected {' or '.join(expected)}, got {brief(value)}")
     if isinstance(value, str):
         return _text(value, place)
     if bound is not None:

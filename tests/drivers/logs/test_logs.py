@@ -149,7 +149,7 @@ def test_windows_line_ends_and_directions(tmp_path: Path) -> None:
 def test_two_interfaces_are_said(tmp_path: Path) -> None:
     path = tmp_path / "a.log"
     path.write_text(log_fake.text(ROWS).replace("can0 24", "can1 24"))
-    assert read_recording(path, RIG).notes == ("frames of 2 interfaces (can0, can1) taken as one bus",)
+    assert read_recording(path, RIG).notes == ("the rig's messages come on can0 and can1",)
 
 
 def test_files_that_are_no_log(tmp_path: Path) -> None:
@@ -186,7 +186,7 @@ def test_files_that_are_no_log(tmp_path: Path) -> None:
     assert complaint(path) == f"{path}: 3 frames over 0.99 s, less than one tick of 1 s"
     path = log_fake.write(tmp_path / "e.log", [row._replace(id=0x100 + row.id % 6, extended=True) for row in ROWS])
     assert complaint(path) == (
-        f"{path}: 168 frames, none of this rig: ids 0x100, 0x101, 0x102, 0x103 and 2 more; "
+        f"{path}: 168 frames, none of this rig: ids 0x00000100, 0x00000101, 0x00000102, 0x00000103 and 2 more; "
         "expected 0x210 (Telemeter1), 0x211 (Telemeter2), 0x212 (Telemeter3), 0x213 (Telemeter4) and 6 more "
         "as in rig.dbc"
     )
@@ -253,7 +253,7 @@ def answer(tmp_path: Path, *used_s: float, frames: int = 0) -> str:
     blocks: Queue[outside.Block] = Queue()
     for seconds in used_s:
         blocks.put(outside.Block(b"F", frames, 0.0, seconds, b""))
-    blocks.put(outside.Block(b"A", 0, 1.0, 0.0, b'{"found": "all", "skipped": {}, "notes": []}'))
+    blocks.put(outside.Block(b"A", 0, 1.0, 0.0, b'{"found": "all", "skipped": {}, "notes": [], "buses": []}'))
     reading = outside.Outside(make(tmp_path / "a.blf"), tally := Tally(), Budget(stall_s=1.0, seconds=20.0), "classic")
     list(reading.within_budget(blocks))
     return reading.found if reading.found == "all" else tally.notes[-1]

@@ -1,0 +1,93 @@
+"""Of a log of several buses: which frames are the rig's, and their stamps on one clock.
+
+Frames stand in a log in the order in which they came. Where the clocks of two buses differ by c, a frame of the one
+that comes straight after one of the other is stamped c too late or too early: c lies between the most that the one
+sort of pairs allows and the least that the other does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from drivers.frames import Array, Frames, Index, Mask, Tally
+from estimator.errors import InputError
+
+_TOLERATED_S = 0.05  # by which clocks may differ, and what one may drift by inside a block
+_BLOCK = 200  # pairs of frames that show how far two clocks are apart
+_FEWEST = 20
+
+
+def chosen(frames: Frames, bus: str | int | None, name: str) -> Index:
+    """Indices of the frames of the bus that rig.toml names; all where it names none."""
+    if bus is None:
+        return np.arange(len(frames))
+    wanted = bus if isinstance(bus, str) else next((b for b in frames.buses if b.endswith(f"n{bus}")), f"can{bus}")
+    if wanted not in frames.buses:
+        raise InputError(f"{name}: no frame of bus '{bus}', rig.toml's log.bus; it has {', '.join(frames.buses)}")
+    return np.flatnonzero(frames.bus == frames.buses.index(wanted))
+
+
+def of_the_rig(frames: Frames, wanted: Mapping[int, str], name: str, tally: Tally) -> Index:
+    """Indices of the frames of those buses that carry what the rig needs (`wanted`: names by key).
+
+    A message that comes on two buses is an InputError: they are two machines, and rig.toml has to say which is the rig.
+    """
+    on = {key: np.unique(frames.bus[frames.key == key]) for key in wanted}
+    if twice := [key for key, buses in on.items() if len(buses) > 1]:
+        names = " and ".join(sorted({frames.buses[k] for key in twice for k in on[key]}))
+        what = f"{wanted[twice[0]]} (0x{twice[0] >> 1:X})" + (f" and {len(twice) - 1} more" if len(twice) > 1 else "")
+        first = frames.buses[on[twice[0]][0]]
+        fix = f'name the rig\'s, such as bus = "{first}", under [log] in rig.toml'
+        raise InputError(f"{name}: {what} come on the buses {names}, two machines: {fix}")
+    used = {int(k) for buses in on.values() for k in buses}
+    if not used:
+        return np.arange(len(frames))
+    if len(used) > 1:
+        tally.note(f"the rig's messages come on {' and '.join(sorted(frames.buses[k] for k in used))}")
+    ours = np.isin(frames.bus, sorted(used))
+    for k in set(np.unique(frames.bus[~ours]).tolist()):
+        tally.skip(f"on {frames.buses[k]}, where nothing of the rig is", np.count_nonzero(frames.bus == k))
+    return np.flatnonzero(ours)
+
+
+def on_one_clock(frames: Frames, name: str, tally: Tally) -> Array:
+    """Stamps of all frames, (n,) s, on the clock of the first frame's bus.
+
+    Clocks of which one runs unsteadily against the other are an InputError.
+    """
+    time = frames.time.copy()
+    first, *others = dict.fromkeys(frames.bus.tolist()) or [0]
+    for bus in others:
+        index = np.flatnonzero((frames.bus == first) | (frames.bus == bus))
+        is_other = frames.bus[index] == bus
+        names = f"{frames.buses[bus]} and {frames.buses[first]}"
+        lead = _lead(frames.time[index], is_other, f"{name}: the clocks of {names}")
+        if lead is None:
+            continue
+        time[index[is_other]] -= lead
+        low, high = sorted((abs(float(lead.min())), abs(float(lead.max()))))
+        by = f"{low:.2f} s" if high - low < _TOLERATED_S else f"{low:.2f} to {high:.2f} s"
+        tally.note(f"the clocks of {names} are {by} apart: both on that of {frames.buses[first]}")
+    latest = np.maximum.accumulate(time)
+    return np.where((latest > time) & (latest - time < _TOLERATED_S) & bool(others), latest, time)
+
+
+def _lead(time: Array, is_other: Mask, what: str) -> Array | None:
+    """By how much the other bus's clock is ahead at each of its frames, (m,) s; None where both run alike."""
+    pairs = np.flatnonzero(is_other[1:] != is_other[:-1]) + 1
+    step, to_other = np.diff(time)[pairs - 1], is_other[pairs]
+    most, least = step[to_other], -step[~to_other]
+    against = [np.mean(most < -_TOLERATED_S), np.mean(least > _TOLERATED_S)] if len(pairs) > _FEWEST else [0.0]
+    if max(against) < 0.5:
+        return None
+    blocks = [slice(k, k + _BLOCK) for k in range(0, len(pairs) - _FEWEST, _BLOCK)]
+    upper = np.array([np.min(step[b][to_other[b]], initial=np.inf) for b in blocks])
+    lower = np.array([np.max(-step[b][~to_other[b]], initial=-np.inf) for b in blocks])
+    if (good := lower - upper < _TOLERATED_S).mean() < 0.8:
+        raise InputError(f"{what} are apart by no steady time: record both with one clock, or the rig on one bus")
+    middle, at = (lower + upper)[good] / 2, np.array([pairs[b].mean() for b in blocks])[good]
+    if np.ptp(middle) < _TOLERATED_S:
+        middle[:] = np.median(middle)
+    return np.interp(np.flatnonzero(is_other), at, middle)

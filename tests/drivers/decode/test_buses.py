@@ -1,0 +1,107 @@
+"""Logs of several buses: which is the rig's, and whose clock counts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drivers.decode.buses import on_one_clock
+from drivers.frames import FRAME, Frames, Tally
+from drivers.recordings import read_recording
+from estimator.errors import InputError
+from estimator.record import Recording
+from estimator.rig_folder.rig_folder import load_rig
+from tests import log_fake
+from tests.log_fake import Row
+
+RIG = load_rig(Path(__file__).parents[3] / "recordings")
+ROWS = log_fake.log(40)
+DRIVE = (0x220, 0x221, 0x230)
+
+
+def write(path: Path, bus: Callable[[Row], str], clock: Callable[[Row], float]) -> Path:
+    lines = [f"({clock(row):.6f}) {bus(row)} {row.id:03X}#{row.data.hex().upper()}\n" for row in ROWS]
+    path.write_text("".join(lines))
+    return path
+
+
+def assert_same(one: Recording, two: Recording) -> None:
+    np.testing.assert_array_equal(one.channels, two.channels)
+    np.testing.assert_allclose(one.time_s, two.time_s, atol=0.02)
+    np.testing.assert_allclose(one.omega, two.omega, rtol=0.05, atol=0.5)
+
+
+def the_drive_on_can1(row: Row) -> str:
+    return "can1" if row.id in DRIVE else "can0"
+
+
+@pytest.mark.parametrize("lead_s", [0.8, -0.8, 3600.0, -1_600_000_000.0])
+def test_two_clocks_are_made_one(tmp_path: Path, lead_s: float) -> None:
+    def clock(row: Row) -> float:
+        return row.time + lead_s * (row.id in DRIVE)
+
+    record = read_recording(write(tmp_path / "a.log", the_drive_on_can1, clock), RIG)
+    assert_same(record, read_recording(log_fake.write(tmp_path / "b.log", ROWS), RIG))
+    assert any("the clocks of" in note for note in record.notes)
+
+
+def test_one_clock_is_left_alone_even_where_it_jumps(tmp_path: Path) -> None:
+    def clock(row: Row) -> float:
+        return row.time + 1000.0 * (row.time > log_fake.START + 20)
+
+    record = read_recording(write(tmp_path / "a.log", the_drive_on_can1, clock), RIG)
+    assert_same(record, read_recording(log_fake.write(tmp_path / "b.log", ROWS), RIG))
+    assert not any("the clocks of" in note for note in record.notes)
+
+
+def frames_of(time: np.ndarray, bus: np.ndarray) -> Frames:
+    table = np.zeros(len(time), FRAME)
+    table["time"], table["bus"] = time, bus
+    return Frames.of(table, "line", ("can0", "can1"))
+
+
+@given(lead=st.floats(-5, 5), drift=st.floats(-1e-3, 1e-3), seed=st.integers(0, 99))
+def test_clocks_that_drift_apart_are_followed(lead: float, drift: float, seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    true = np.cumsum(draw.uniform(0.001, 0.02, 4000))
+    bus = draw.integers(0, 2, 4000)
+    bus[0] = 0
+    aligned = on_one_clock(frames_of(true + bus * (lead + drift * true), bus), "a.log", Tally())
+    assert np.abs(aligned - true).max() < 0.07  # clocks this little apart are left alone
+
+
+def test_clocks_that_hop_against_each_other_are_refused() -> None:
+    draw = np.random.default_rng(1)
+    true, bus = np.arange(4000) * 0.01, np.arange(4000) % 2
+    with pytest.raises(InputError, match="the clocks of can1 and can0 are apart by no steady time"):
+        on_one_clock(frames_of(true + bus * draw.uniform(0.5, 5, 4000), bus), "a.log", Tally())
+
+
+def test_two_machines_in_a_log(tmp_path: Path) -> None:
+    path, own, other = tmp_path / "a.log", log_fake.text(ROWS), log_fake.text(log_fake.log(40, seed=1))
+    both = sorted([*own.splitlines(), *other.replace("can0", "can1").splitlines()])
+    path.write_text("\n".join([*both, ""]))
+    with pytest.raises(InputError) as error:
+        read_recording(path, RIG)
+    assert "come on the buses can0 and can1, two machines: name the rig's, such as bus" in str(error.value)
+    alone = read_recording(log_fake.write(tmp_path / "b.log", ROWS), RIG)
+    for bus in ("can0", 0):
+        assert_same(read_recording(path, replace(RIG, log=replace(RIG.log, bus=bus))), alone)
+    with pytest.raises(InputError, match=r"no frame of bus 'can7', rig\.toml's log\.bus; it has can0, can1"):
+        read_recording(path, replace(RIG, log=replace(RIG.log, bus="can7")))
+
+
+def test_a_bus_that_has_nothing_of_the_rig_does_not_touch_its_clock(tmp_path: Path) -> None:
+    lines = log_fake.text(ROWS).splitlines()
+    strangers = [f"({k * 0.5:.6f}) can9 7A0#00" for k in range(len(lines))]
+    path = tmp_path / "a.log"
+    path.write_text("\n".join([line for pair in zip(lines, strangers) for line in pair] + [""]))
+    record = read_recording(path, RIG)
+    assert_same(record, read_recording(log_fake.write(tmp_path / "b.log", ROWS), RIG))
+    assert record.skipped["on can9, where nothing of the rig is"] == len(lines)

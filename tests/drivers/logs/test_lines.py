@@ -1,0 +1,67 @@
+"""Dialects of Vector's .asc."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.recordings import read_recording
+from estimator.rig_folder.rig_folder import load_rig
+from tests import log_fake
+
+RIG = load_rig(Path(__file__).parents[3] / "recordings")
+ROWS = log_fake.log(12)
+DATE = "Tue Nov 14 10:13:20.000 pm 2023"
+
+
+def asc(path: Path, times: np.ndarray, kind: str, date: str = DATE, between: str = "") -> Path:
+    head = [f"date {date}", f"base hex  timestamps {kind}", "internal events logged", f"Begin Triggerblock {date}"]
+    frames = [
+        f"{time:11.6f} 1  {row.id:X}             Rx   d {len(row.data)} {row.data.hex(' ').upper()}\n{between}"
+        for time, row in zip(times, ROWS)
+    ]
+    path.write_text("\n".join([*head, "".join(frames)]) + "End TriggerBlock\n")
+    return path
+
+
+@pytest.fixture
+def since() -> np.ndarray:
+    """Times of the frames since the first, s."""
+    return np.array([row.time for row in ROWS]) - ROWS[0].time
+
+
+def assert_as_written(path: Path, other: Path) -> None:
+    record, same = read_recording(path, RIG), read_recording(log_fake.write(other, ROWS), RIG)
+    np.testing.assert_allclose(record.time_s, same.time_s, atol=1e-4)
+    np.testing.assert_array_equal(record.channels, same.channels)
+
+
+@pytest.mark.parametrize("date", [DATE, "yesterday"])
+def test_times_relative_to_the_line_before(tmp_path: Path, since: np.ndarray, date: str) -> None:
+    path = asc(tmp_path / "a.asc", np.diff(since, prepend=0.0), "relative", date)
+    assert_as_written(path, tmp_path / "b.log")
+
+
+def test_lines_without_a_frame_take_time_too(tmp_path: Path, since: np.ndarray) -> None:
+    steps = np.round(np.diff(since, prepend=0.0) / 2, 7)
+    event = "%s 1  Statistic: D 0 R 0 XD 0 XR 0 E 0 O 0 B 0.00%%\n"
+    path = asc(tmp_path / "a.asc", steps, "relative", between="@\n")
+    text = path.read_text()
+    for step in [*steps[1:], 0.0]:
+        text = text.replace("@\n", event % f"{step:.6f}", 1)
+    path.write_text(text)
+    assert_as_written(path, tmp_path / "b.log")
+
+
+@pytest.mark.parametrize("date", [DATE, "yesterday"])
+@pytest.mark.parametrize("before_s", [0.5, 8.0])
+def test_times_before_the_trigger(tmp_path: Path, since: np.ndarray, before_s: float, date: str) -> None:
+    assert_as_written(asc(tmp_path / "a.asc", since - before_s, "absolute", date), tmp_path / "b.log")
+
+
+def test_a_head_that_says_relative_of_times_that_only_rise(tmp_path: Path, since: np.ndarray) -> None:
+    path = asc(tmp_path / "a.asc", since, "relative")
+    assert_as_written(path, tmp_path / "b.log")
+    assert "its times only rise" in read_recording(path, RIG).notes[0]
