@@ -157,13 +157,36 @@ class Support:
 
 
 @dataclass(frozen=True)
+class Csv:
+    """What a lab CSV's reader cannot find by itself; what is not said is found.
+
+    separator    between cells: a character, "tab" or "space"
+    decimal      mark: "." or ","
+    time_format  of times as text, in strptime's letters: "%d.%m.%Y %H:%M:%S"
+    time_unit    of times as numbers: "s", "ms", "us", "ns", "min", "h" or "d"
+    encoding     of the text, such as "utf-16" or "cp1252"
+    skip         lines before the names
+    sort         rows by their times: true in any case, false never
+    """
+
+    separator: str | None = None
+    decimal: str | None = None
+    time_format: str | None = None
+    time_unit: str | None = None
+    encoding: str | None = None
+    skip: int = 0
+    sort: bool | None = None
+
+
+@dataclass(frozen=True)
 class Log:
-    """How the rig's logs are read. All but the time column is about CAN; signals are "Message.Signal".
+    """How the rig's logs are read. All but `time_column` and `csv` is about CAN; signals are "Message.Signal".
 
     dbc          DBC file, in the rig folder or one that ships with the package
     bus          the rig's bus in a log of several: its name, or its number n for "can<n>"
     closes       message that closes a tick
-    time_column  time column of a lab CSV: seconds or ISO times
+    time_column  time column of a lab CSV
+    csv          what the reader of a lab CSV has to be told
     scan         messages that make one scan together with the closing message
     scan_state   condition that a closing message must meet, else its scan does not count
     scan_crc     CRC-16/CCITT-FALSE over the data bytes of the scan's messages, in their order
@@ -177,6 +200,7 @@ class Log:
     bus: str | int | None = None
     closes: str | None = None
     time_column: str = "time_s"
+    csv: Csv = Csv()
     scan: tuple[str, ...] = ()
     scan_state: str | None = None
     scan_crc: str | None = None

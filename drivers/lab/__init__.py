@@ -1,1 +1,1 @@
-"""Tables of a lab: lab."""
+"""Tables of a lab into ticks: lab, sheet, names, columns, numerals, stamps, counting, order."""

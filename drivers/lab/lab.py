@@ -1,12 +1,10 @@
-"""A plain lab CSV: a header row, a time column in seconds or ISO times, one column per channel or input, any step."""
+"""A lab CSV into ticks: a line of names, a column of times, one column per channel or input, any step.
+
+What was recognised by itself is said in one note: "';' between cells, ',' as decimal mark, names in line 5".
+"""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Iterator
-from contextlib import suppress
-from datetime import UTC, datetime
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -16,141 +14,114 @@ from drivers.decode.clock import RigClock
 from drivers.decode.condense import Condenser, Readings
 from drivers.decode.ticks import Ticks, split
 from drivers.frames import Array, Index, Tally
+from drivers.lab import counting, order, stamps
+from drivers.lab.columns import Columns, find_columns, to_the_unit
+from drivers.lab.numerals import NOTHING, decimal_mark, numbers
+from drivers.lab.sheet import Sheet, read_sheet
 from estimator.errors import InputError
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
-
-HOUR_S = 3600.0
 
 
 class Table:
     """The rows of a lab CSV: `time` (n,) s, `line` (n,) line numbers, `columns` (n,) per channel or input."""
 
     def __init__(self, path: Path, rig: Rig, tally: Tally, budget: Budget) -> None:
-        self.path = path
-        self.tally = tally
-        with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-            rows = csv.reader(_whole_lines(file, tally, budget))
-            try:
-                header = [cell.strip() for cell in next(rows, [])]
-                self.columns: dict[str, Array] = {}
-                where = self._where(header, rig)
-                cells = self._cells(rows, len(header), budget)
-            except csv.Error as error:
-                raise InputError(f"{path}: no CSV: {error}; expected commas and a header row") from None
-        self.line = np.array([line for line, _ in cells], np.uint32)
-        columns = list(zip(*(row for _, row in cells), strict=True)) or [()] * len(header)
-        stamps = columns[header.index(rig.log.time_column)]
-        self.time = _numbers(stamps, _seconds)
-        for name, index in where.items():
-            self.columns[name] = self._measured(columns[index], name)
-        self._only_timed()
-        if any(map(_is_local, stamps[:10])):
-            self._without_summer_time()
+        self.path, self.rig, self.tally = path, rig, tally
+        signals = {**rig.channels, **rig.inputs}
+        wanted = [rig.log.time_column, *(rule.column or name for name, rule in signals.items())]
+        sheet = read_sheet(path, rig.log.csv, wanted, tally, budget)
+        found = find_columns(sheet, rig, tally)
+        self.line = np.array(sheet.line, np.uint32)
+        self.said = sheet.said
+        cells = {name: sheet.column(place) for name, place in found.of.items()}
+        texts = found.stamps(sheet)
+        self.mark = rig.log.csv.decimal or decimal_mark(_all(cells, texts), sheet.separator, path)
+        if self.mark == ",":
+            self.said.append("',' as decimal mark")
+        self.columns: dict[str, Array] = {}
+        for name in cells:
+            values = self._measured(cells[name], name)
+            self.columns[name] = to_the_unit(values, sheet, found, name, signals[name])
+        self.time, local = self._timed(texts, sheet, found)
+        self._only_timed(texts)
+        self._put_in_order(local)
+        if self.said:
+            tally.notes.insert(0, ", ".join(self.said))
 
-    def _where(self, header: list[str], rig: Rig) -> dict[str, int]:
-        """Column number of each channel and input that has one."""
-        if rig.log.time_column not in header:
-            names = ", ".join(header[:6]) + (" ..." if len(header) > 6 else "")
-            raise InputError(
-                f"{self.path}: no time column '{rig.log.time_column}' in the header ({names[:200] or 'empty'}); "
-                "name it in rig.toml as log.time_column"
-            )
-        names = {name: rule.column or name for name, rule in [*rig.channels.items(), *rig.inputs.items()]}
-        where = {name: header.index(column) for name, column in names.items() if column in header}
-        if missing := [column for name, column in names.items() if name not in where]:
-            self.tally.note(f"no column {', '.join(missing)}: not measured")
-        if not any(name in where for name in rig.channels):
-            raise InputError(f"{self.path}: no column of any channel; expected {', '.join(list(names.values())[:8])}")
-        for column in sorted({*header} - {*names.values(), rig.log.time_column, ""}):
-            self.tally.skip(f"column not in the rig file {column[:40]}")
-        return where
-
-    def _cells(self, rows: Iterator[list[str]], width: int, budget: Budget) -> list[tuple[int, list[str]]]:
-        cells = []
-        for row in islice(rows, budget.frames // max(width, 1)):
-            if len(row) == width:
-                cells.append((rows.line_num, row))  # type: ignore[attr-defined]
-            elif row:
-                self.tally.skip("row with a wrong number of cells")
-        return cells
-
-    def _measured(self, cells: tuple[str, ...], name: str) -> Array:
-        values = _numbers(cells, _number)
-        wrong = np.isnan(values) & np.array([cell.strip().lower() not in ("", "nan") for cell in cells], bool)
+    def _measured(self, cells: list[str], name: str) -> Array:
+        values = numbers(cells, self.mark)
+        wrong = np.isnan(values) & np.array([cell.lower() not in NOTHING for cell in cells], bool)
         self.tally.skip(f"no number {name}", np.count_nonzero(wrong))
+        if wrong.any() and not np.isfinite(values).any():
+            first = int(np.argmax(wrong))
+            self.tally.note(f"{name} is never a number: '{cells[first][:40]}' in line {self.line[first]}")
         return values
 
-    def _only_timed(self) -> None:
+    def _timed(self, texts: list[str], sheet: Sheet, found: Columns) -> tuple[Array, bool]:
+        """Seconds of each row, (n,), and whether they are times of a day in no zone."""
+        rule = self.rig.log.csv
+        count = numbers(texts, self.mark)
+        if rule.time_format is None and np.isfinite(count).sum() * 2 > len(count):
+            if len(found.time) > 1:
+                raise InputError(f"{self.path}: dates and times are numbers; name one column as log.time_column")
+            name = sheet.names[found.time[0]]
+            of_file = found.units.get(found.time[0]) or counting.unit_in_name(name)
+            place = f"{self.path}: '{name}'"
+            time, said = counting.seconds(count, self.rig.tick_s, rule.time_unit, of_file, place)
+            self.said += [said] if said else []
+            return time, False
+        read = stamps.stamps(texts, rule.time_format, lambda k: f"{self.path}: line {self.line[k]}")
+        self.said += [read.said] if read.said else []
+        return read.time, read.local
+
+    def _only_timed(self, texts: list[str]) -> None:
         good = np.isfinite(self.time) & (np.abs(self.time) < 4.2e9)
         self.tally.skip("time is no number", np.count_nonzero(~good))
-        self.time, self.line = self.time[good], self.line[good]
-        self.columns = {name: column[good] for name, column in self.columns.items()}
-        if not len(self.time):
+        if not good.any():
+            shown = f": '{texts[0][:40]}' in line {self.line[0]} is no time" if texts else ""
             raise InputError(
-                f"{self.path}: 0 usable rows; expected a header row, then seconds or ISO times and numbers"
+                f"{self.path}: 0 usable rows{shown}; expected seconds, ISO times such as 2026-03-01 12:00:05, dates "
+                "such as 01.03.2026 12:00:05, or time_format in csv of [log] in rig.toml"
             )
+        self._take(np.flatnonzero(good))
 
-    def _without_summer_time(self) -> None:
-        """Local time leaves out an hour when summer begins, and has one twice when it ends."""
-        steps = np.diff(self.time)
-        most = 1.5 * np.median(steps[steps > 0]) if (steps > 0).any() else 0.0
-        before, after = -self.time[:-1] % HOUR_S, self.time[1:] % HOUR_S  # from the full hour
-        change = (before <= most) & (after <= most) & (most < HOUR_S / 2)
-        hours = np.where(change, np.rint((steps - before - after) / HOUR_S), 0.0)
-        hours[np.abs(hours) != 1] = 0.0
-        for row in np.flatnonzero(hours):
-            to = "forward" if hours[row] > 0 else "back"
-            self.tally.note(f"the clock was put {to} an hour at line {self.line[row + 1]}: no time passes there")
-        self.time[1:] -= HOUR_S * np.cumsum(hours)
+    def _take(self, rows: Index) -> None:
+        self.time, self.line = self.time[rows], self.line[rows]
+        self.columns = {name: column[rows] for name, column in self.columns.items()}
 
+    def _put_in_order(self, local: bool) -> None:
+        sort = self.rig.log.csv.sort
+        if sort is not False and order.newest_first(self.time):
+            self._take(np.arange(len(self.time))[::-1])
+            self.said.append("newest row first, turned round")
+        if local:
+            self.time, changes = order.summer_time(self.time)
+            for row, to in changes:
+                self.tally.note(f"the clock was put {to} an hour at line {self.line[row]}: no time passes there")
+        moved = order.out_of_order(self.time) if sort is None else bool(sort) * int((np.diff(self.time) < 0).sum())
+        if moved:
+            self._take(np.argsort(self.time, kind="stable"))
+            self.said.append(f"rows sorted by time: it went back {moved} times")
+        self._apart()
 
-def _whole_lines(file: Iterator[str], tally: Tally, budget: Budget) -> Iterator[str]:
-    """Lines with their end: the last one may be cut short."""
-    size = number = 0
-    while line := file.readline(1 << 16):  # type: ignore[attr-defined]
-        number += 1
-        size += len(line)
-        if not line.endswith(("\n", "\r")):
-            tally.skip("torn line")
-            tally.note(f"torn at line {number}: it has no line end; read up to there")
-            return
-        if size > budget.size:
-            tally.note(f"stopped at line {number}: {budget.spent(0, size, late=False)}")
-            return
-        yield line.replace("\0", "?")
-
-
-def _numbers(cells: tuple[str, ...], number: Callable[[str], float]) -> Array:
-    try:
-        return np.array(cells, dtype=float)
-    except ValueError:
-        return np.array([number(cell) for cell in cells])
+    def _apart(self) -> None:
+        """Rows of one time are one row, or so many between it and the next."""
+        if len(self.time) > 1 and np.ptp(self.time) == 0:
+            raise InputError(
+                f"{self.path}: time stands still: all {len(self.time)} rows have the same; is it another column?"
+            )
+        last, together = order.lasts(self.time, np.array(list(self.columns.values())))
+        if len(last) < len(self.time):
+            self.said.append(f"{len(self.time)} rows of {len(last)} times, taken together")
+            self._take(last)
+            self.columns = dict(zip(self.columns, together, strict=True))
+        self.time, said = order.spread(self.time)
+        self.said += [said] if said else []
 
 
-def _seconds(cell: str) -> float:
-    """Seconds from a number or an ISO time; NaN if it is neither. Local time counts the same on every machine."""
-    try:
-        return float(cell)
-    except ValueError:
-        with suppress(ValueError, OverflowError, OSError):
-            time = datetime.fromisoformat(cell.strip())
-            return (time if time.tzinfo else time.replace(tzinfo=UTC)).timestamp()
-    return np.nan
-
-
-def _is_local(cell: str) -> bool:
-    """Whether it is a time of day that names no zone."""
-    with suppress(ValueError):
-        return ":" in cell and datetime.fromisoformat(cell.strip()).tzinfo is None
-    return False
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return np.nan
+def _all(cells: dict[str, list[str]], texts: list[str]) -> list[str]:
+    return [cell for column in [*cells.values(), texts] for cell in column]
 
 
 def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:

@@ -8,7 +8,7 @@ from typing import Any
 
 from estimator.errors import SetupError
 from estimator.model import Prior, Value
-from estimator.rig import RAD_S, Channel, Nut, Rig, Screw, Signal, Support
+from estimator.rig import RAD_S, Channel, Csv, Nut, Rig, Screw, Signal, Support
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,7 @@ BOUNDS: Mapping[type, Mapping[str, Bound]] = {
     },
     Nut: {"length_mm": WIDTH, "centre_mm": PLACE, "direction": Bound("", -1.0, 1.0, "1 or -1")},
     Support: {"at_mm": PLACE, "width_mm": WIDTH},
+    Csv: {"skip": Bound("lines", 0, 100_000)},
     Signal: SIGNAL,
     Channel: {**SIGNAL, "at_mm": PLACE},
     Value: {"sd": Bound("", 0.0, 1e12), "lo": ANY, "hi": ANY},
@@ -69,6 +70,7 @@ UNITS: Mapping[str, tuple[str, ...]] = {  # of the inputs that the catalogue kno
     "displacement_direct": ("um",),
     **dict.fromkeys(TEMPERATURES, ("degC",)),
 }
+TIME_UNITS = ("s", "ms", "us", "ns", "min", "h", "d")
 COLDEST_C = -273.15
 SHOWN = 60  # characters of a wrong value
 

@@ -9,7 +9,7 @@ import numpy as np
 from estimator.errors import nearest
 from estimator.network import mesh
 from estimator.rig import Rig, Screw
-from estimator.rig_folder.bounds import COLDEST_C, UNITS
+from estimator.rig_folder.bounds import COLDEST_C, TIME_UNITS, UNITS
 
 THINNEST_MM, SHORTEST_MM = 0.1, 1.0
 CLOSEST_MM = 1e-3
@@ -86,6 +86,13 @@ def _log(rig: Rig) -> Iterator[str]:
     for key in ("scan_state", "scan_crc", "fault_mask"):
         if getattr(rig.log, key) is not None and not rig.log.scan:
             yield f"log.{key} is of a scan, but there is no log.scan; name the messages that make one"
+    csv = rig.log.csv
+    if csv.separator not in (None, "tab", "space") and len(csv.separator) > 1:
+        yield f'log.csv.separator: \'{csv.separator}\' is none; give one character, "tab" or "space"'
+    if csv.decimal not in (None, ".", ","):
+        yield f'log.csv.decimal: \'{csv.decimal}\' is no decimal mark; use "." or ","'
+    if csv.time_unit not in (None, *TIME_UNITS):
+        yield f"log.csv.time_unit: {nearest(csv.time_unit, TIME_UNITS)}"
 
 
 def _off_the_screw(rig: Rig) -> Iterator[str]:

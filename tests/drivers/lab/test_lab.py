@@ -145,14 +145,16 @@ def test_a_csv_that_is_none(tmp_path: Path, rod: Rig) -> None:
             read_recording(tmp_path / "a.csv", rod)
         return str(error.value).removeprefix(f"{tmp_path / 'a.csv'}: ")
 
-    assert complaint("") == "no time column 't' in the header (empty); name it in rig.toml as log.time_column"
+    assert complaint("") == "no column of any channel; expected left, B, P/kW, ambient, found empty"
     assert (
-        complaint("T,left\n1,2\n")
-        == "no time column 't' in the header (T, left); name it in rig.toml as log.time_column"
+        complaint("time,left\n1,2\n")
+        == "no time column 't' in the header (time, left); name it in rig.toml as log.time_column"
     )
-    assert complaint("t,ambient\n1,2\n") == "no column of any channel; expected left, B, P/kW, ambient"
-    assert complaint("t,left\n") == "0 usable rows; expected a header row, then seconds or ISO times and numbers"
-    assert complaint("t,left\nx,1\n").startswith("0 usable rows")
+    assert complaint("t,ambient\n1,2\n") == (
+        "no column of any channel; expected left, B, P/kW, ambient, found t, ambient"
+    )
+    assert complaint("t,left\n").startswith("0 usable rows; expected seconds, ISO times such as 2026-03-01 12:00:05")
+    assert complaint("t,left\nx,1\n").startswith("0 usable rows: 'x' in line 2 is no time; expected seconds")
 
 
 def test_truth_beside_a_recording(tmp_path: Path) -> None:

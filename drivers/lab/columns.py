@@ -1,0 +1,143 @@
+"""Which column of a sheet is which channel or input, where its times are, and in which units."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drivers.frames import Array, Tally
+from drivers.lab.names import contradicts, nearest_name, unit_in, unit_of
+from drivers.lab.numerals import NOTHING
+from drivers.lab.sheet import Sheet, place_of
+from drivers.lab.stamps import kind_of
+from estimator.errors import InputError
+from estimator.rig import Rig, Signal
+
+COLDEST_K = 150.0  # what is below is no machine in K
+_SAMPLE = 40  # rows that show what a column holds
+_MOST_HEAD = 5  # rows below the names that hold no measurement
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Places of columns: of each channel and input that has one; of the times, one, or a date's and a clock's.
+
+    units  of columns, where the file says them
+    """
+
+    of: dict[str, int]
+    time: tuple[int, ...]
+    units: dict[int, str]
+
+    def stamps(self, sheet: Sheet) -> list[str]:
+        """The cells of the times, a date and its clock together, (n,)."""
+        return [" ".join(row[k].strip() for k in self.time).strip() for row in sheet.rows]
+
+
+def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
+    """Find them by name, times by what they look like too; takes lines of units and the like from the rows."""
+    names = {name: rule.column or name for name, rule in [*rig.channels.items(), *rig.inputs.items()]}
+    taken = {k for k, name in enumerate(sheet.names) if name in names.values() or name == rig.log.time_column}
+    places = {name: place_of(sheet, column, taken) for name, column in names.items()}
+    of = {name: place for name, place in places.items() if place is not None}
+    if not any(name in of for name in rig.channels):
+        raise InputError(
+            f"{sheet.path}: no column of any channel; expected {_some(names.values())}, found {_found(sheet)}"
+        )
+    time = _times(sheet, rig.log.time_column, {*of.values()})
+    units = {k: unit for k, name in enumerate(sheet.names) if (unit := unit_in(name))}
+    columns = Columns(of, time, units | _without_head(sheet, {*of.values()}, time))
+    free = [name for k, name in enumerate(sheet.names) if k not in {*of.values(), *time} and name]
+    if missing := [column for name, column in names.items() if name not in of]:
+        near = [near for column in missing if (near := nearest_name(column, free))]
+        hint = f" (there is '{near[0]}')" if near else ""
+        tally.note(f"no column {', '.join(missing)}{hint}: not measured")
+    for name in sorted({*free}):
+        tally.skip(f"column not in the rig file {name[:40]}")
+    return columns
+
+
+def _times(sheet: Sheet, name: str, taken: set[int]) -> tuple[int, ...]:
+    place = place_of(sheet, name, taken)
+    free = [k for k in range(len(sheet.names)) if k not in taken]
+    kinds = {k: _kind(sheet, k) for k in free}
+    dates, clocks, whole = ([k for k in free if kinds[k] == kind] for kind in ("date", "clock", "stamp"))
+    if place in clocks and len(dates) == 1:
+        return dates[0], clocks[clocks.index(place)]
+    if place in dates and len(clocks) == 1:
+        return dates[dates.index(place)], clocks[0]
+    if place is not None:
+        return (place,)
+    if len(whole) == 1 or (len(dates) == len(clocks) == 1 and not whole):
+        found = (whole[0],) if whole else (dates[0], clocks[0])
+        sheet.said.append("times in " + " and ".join(f"'{sheet.names[k]}'" for k in found))
+        return found
+    near = nearest_name(name, [sheet.names[k] for k in free])
+    hint = f"; is it '{near}'? Name" if near else "; name"
+    raise InputError(
+        f"{sheet.path}: no time column '{name}' in the header ({_found(sheet)}){hint} it in rig.toml as log.time_column"
+    )
+
+
+def _kind(sheet: Sheet, place: int) -> str:
+    """What most of a column's first cells are: "date", "clock" or "stamp", "" for numbers and the like."""
+    kinds = Counter(kind_of(row[place].strip()) for row in sheet.rows[:_SAMPLE])
+    return max(kinds, key=kinds.__getitem__, default="")
+
+
+def _without_head(sheet: Sheet, measured: set[int], time: tuple[int, ...]) -> dict[int, str]:
+    """Take the rows before the first measurement from the sheet; the units that one of them tells."""
+    units: dict[int, str] = {}
+    for _ in range(_MOST_HEAD):
+        if (
+            not sheet.rows
+            or any(_numeric(sheet.rows[0][k]) for k in {*measured, *time})
+            or _is_time(sheet.rows[0], time)
+        ):
+            break
+        row, line = sheet.rows.pop(0), sheet.line.pop(0)
+        if told := {k: unit for k, cell in enumerate(row) if (unit := unit_of(cell))}:
+            units |= told
+            sheet.said.append(f"units in line {line}")
+    return units
+
+
+def _is_time(row: list[str], time: tuple[int, ...]) -> bool:
+    return bool(kind_of(" ".join(row[k].strip() for k in time)))
+
+
+def _numeric(cell: str) -> bool:
+    return bool(cell.strip()) and cell.strip().lower() not in NOTHING and not cell.strip("0123456789.,+-eE \t'")
+
+
+def to_the_unit(values: Array, sheet: Sheet, columns: Columns, name: str, rule: Signal) -> Array:
+    """A column's numbers, (n,), in the unit of rig.toml: K as degC; another that the file says is an InputError.
+
+    A scale or an offset in rig.toml says that its writer knows the file's unit. "TC1 (K)" may be a type of
+    thermocouple.
+    """
+    said = columns.units.get(columns.of[name])
+    if said is None or (rule.scale, rule.offset) != (1.0, 0.0) or not contradicts(said, rule.unit):
+        return values
+    if (said, rule.unit) == ("K", "degC"):
+        known = values[np.isfinite(values)]
+        if len(known) and np.median(known) < COLDEST_K:
+            return values
+        sheet.said.append(f"{name} in K")
+        return values - 273.15
+    raise InputError(
+        f"{sheet.path}: column '{sheet.names[columns.of[name]]}' is in {said}, rig.toml has {name} in {rule.unit}: "
+        "convert it there with scale and offset"
+    )
+
+
+def _found(sheet: Sheet) -> str:
+    return _some([name for name in sheet.names if name]) or "empty"
+
+
+def _some(names: Any) -> str:
+    names = list(names)
+    return (", ".join(names[:6]) + (" ..." if len(names) > 6 else ""))[:200]

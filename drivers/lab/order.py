@@ -1,0 +1,106 @@
+"""Rows in the order of their times, and times apart where rows share one.
+
+Loggers write the newest row first, parts the wrong way round, and several rows under one stamp. A clock that was set
+back is no matter of order: its rows stay where they are, and the rig's clock deals with it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivers.frames import Array, Index
+
+HOUR_S = 3600.0
+_ROOM = 0.5  # of a usual step: rows closer than this are two clocks rather than one out of order
+
+
+def newest_first(time: Array) -> bool:
+    """Whether the rows are in the opposite order."""
+    steps = np.diff(time)
+    return bool((steps < 0).sum() > (steps > 0).sum())
+
+
+def out_of_order(time: Array) -> int:
+    """How many times are out of order and can be sorted; 0 where there are none, or the clock was set back."""
+    back = int((np.diff(time) < 0).sum())
+    return back if back and (_apart(time) or _blocks(time)) else 0
+
+
+def _apart(time: Array) -> bool:
+    """Whether all rows, once sorted, are as far apart as rows usually are."""
+    steps, usual = np.diff(np.sort(time)), np.diff(time)
+    return bool((steps >= _ROOM * np.median(usual[usual > 0])).all()) if (usual > 0).any() else False
+
+
+def _blocks(time: Array) -> bool:
+    """Whether the rising parts follow each other without overlap, once they are in order."""
+    starts = np.flatnonzero(np.diff(time, prepend=np.inf) < 0)
+    ends = np.append(starts[1:], len(time)) - 1
+    by_start = np.argsort(time[starts], kind="stable")
+    return bool((time[starts[by_start]][1:] > time[ends[by_start]][:-1]).all())
+
+
+def summer_time(time: Array) -> tuple[Array, list[tuple[int, str]]]:
+    """Local times without the hours that a change of the clock takes or gives, and at which rows they were.
+
+    Local time leaves out an hour when summer begins, and has one twice when it ends.
+    """
+    steps = np.diff(time)
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    most = 1.5 * usual
+    before, after = -time[:-1] % HOUR_S, time[1:] % HOUR_S  # from the full hour
+    change = (before <= most) & (after <= most) & (most < HOUR_S / 2)
+    hours = np.where(change, np.rint((steps - before - after) / HOUR_S), 0.0)
+    hours[np.abs(hours) != 1] = 0.0
+    time = time - HOUR_S * np.concatenate(([0.0], np.cumsum(hours)))[: len(time)]
+    return time, [(int(row) + 1, "forward" if hours[row] > 0 else "back") for row in np.flatnonzero(hours)]
+
+
+def shared(time: Array) -> tuple[Index, Index]:
+    """First row of each run of equal times, (g,), and how many rows it has, (g,)."""
+    first = np.flatnonzero(np.diff(time, prepend=np.nan) != 0)
+    return first, np.diff(np.append(first, len(time)))
+
+
+def lasts(time: Array, columns: Array) -> tuple[Index, Array]:
+    """Rows that are one: of equal times, alike, or each with other cells filled. Their last row (g,) and cells (m, g).
+
+    columns  (m, n), NaN where a cell is empty
+    """
+    first, count = shared(time)
+    last = first + count - 1
+    filled = np.isfinite(columns)
+    here = np.maximum.accumulate(np.where(filled, np.arange(len(time)), -1), axis=1)[:, last]
+    together = np.where(here >= first, np.take_along_axis(columns, np.maximum(here, 0), axis=1), np.nan)
+    same = np.repeat(together, count, axis=1)
+    one = ((columns == same) | ~filled).all(axis=0)
+    if count.max(initial=1) > 1 and np.logical_and.reduceat(one, first)[count > 1].mean() > 0.5:
+        return last, together
+    return np.arange(len(time)), columns
+
+
+def spread(time: Array) -> tuple[Array, str]:
+    """Times of rows of which several have the same, evenly over the time until the next, and what was done, in words.
+
+    Where that leaves less than half a usual step for each, the clock stood still: each row takes a usual step.
+    """
+    first, count = shared(time)
+    if len(first) < 2 or count.max() < 2:
+        return time, ""
+    gap = np.diff(time[first])
+    rows = float(np.median(count))
+    step = float(np.median(gap[gap > 0])) / rows if (gap > 0).any() else 0.0
+    gap = np.where((gap := np.append(gap, -1.0)) > 0, gap, count * step)
+    each = np.where(gap > 1.5 * count * step, step, gap / count)
+    still = (count > 1) & (each < _ROOM * step)
+    each[still] = step
+    begin = time[first] + np.concatenate(([0.0], np.cumsum(np.where(still, count * step - gap, 0.0))[:-1]))
+    if count[0] < rows and not still[0]:  # it began in the middle of its stamp
+        begin[0], each[0] = begin[0] + max(gap[0] - count[0] * step, 0.0), step
+    within = np.arange(len(time)) - np.repeat(first, count)
+    said = (
+        [f"up to {count.max()} rows share a time, {rows * step:g} s from the next: spread evenly"] if rows > 1 else []
+    )
+    if still.any():
+        said.append(f"time stands still over {int(count[still].sum())} rows: each counts as {step:g} s")
+    return np.repeat(begin, count) + within * np.repeat(each, count), "; ".join(said)

@@ -1,0 +1,155 @@
+"""Times of a CSV as text: dates in any order of day and month, times of day, or both, to seconds.
+
+An order of day and month that the dates leave open, where it matters, is refused and never guessed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, date, datetime
+
+import numpy as np
+
+from drivers.frames import Array
+from estimator.errors import InputError
+
+_DATE = r"(?P<date>(?P<a>\d{1,4})(?P<mark>[./-])(?P<b>\d{1,2})(?P=mark)(?P<c>\d{1,4})\.?)"
+_CLOCK = (
+    r"(?P<hour>\d{1,3}):(?P<minute>\d{1,2})(?::(?P<second>\d{1,2}(?:[.,:]\d{1,9})?))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
+)
+_ZONE = r"\s*(?P<zone>Z|UTC|GMT|[+-]\d{2}(?::?\d{2})?)"
+_STAMP = re.compile(rf"(?:{_DATE})?[ T,;_]*(?:{_CLOCK})?(?:{_ZONE})?")
+_WORDS = re.compile(r"(?=.*\d)(?=.*[A-Za-z]{3}).*|\d{8}[T ]\d{4,}.*")  # a month in letters, or ISO without marks
+_EPOCH = date(1970, 1, 1).toordinal()
+DAY_S = 86400.0
+_ORDERS = {"ymd": "year first", "dmy": "day first", "mdy": "month first"}
+_FORMATS = {"ymd": "%y{0}%m{0}%d", "dmy": "%d{0}%m{0}%y", "mdy": "%m{0}%d{0}%y"}
+
+
+@dataclass(frozen=True)
+class Stamps:
+    """Times in seconds, (n,), NaN where a cell is none; `local`: of a day, in no zone; `said` in which form."""
+
+    time: Array
+    local: bool
+    said: str
+
+
+def kind_of(cell: str) -> str:
+    """ "date", "clock" or "stamp" (both), "" for what is none of them."""
+    match = _STAMP.fullmatch(cell)
+    if match and (match["date"] or match["hour"]):
+        return "stamp" if match["date"] and match["hour"] else "date" if match["date"] else "clock"
+    return "stamp" if _WORDS.fullmatch(cell) and not np.isnan(_by_words(cell)) else ""
+
+
+def stamps(cells: Sequence[str], time_format: str | None, where: Callable[[int], str]) -> Stamps:
+    """Read the cells of a time column as text; `where` names the place of a cell in an error."""
+    if time_format:
+        return _in_format(cells, time_format)
+    found = [_STAMP.fullmatch(cell) for cell in cells]
+    matches = [match if match and (match["date"] or match["hour"]) else None for match in found]
+    days, order = _days(matches, cells, where)
+    clock = np.array([np.nan if match is None else _clock(match) for match in matches])
+    time = days * DAY_S + clock
+    for k, match in enumerate(matches):
+        if match is None and _WORDS.fullmatch(cells[k]):
+            time[k] = _by_words(cells[k])
+    shown = next((m[0] for m in matches if m), "")
+    zoned = any(match and match["zone"] for match in matches)
+    if not order:
+        time[np.isfinite(time)] = np.unwrap(time[np.isfinite(time)], period=DAY_S)
+    plain = order == "ymd" or not shown
+    return Stamps(
+        time, not zoned, "" if plain else f"times as {shown}" + (f", {_ORDERS.get(order, order)}" if order else "")
+    )
+
+
+def _in_format(cells: Sequence[str], time_format: str) -> Stamps:
+    time = np.full(len(cells), np.nan)
+    for k, cell in enumerate(cells):
+        with suppress(ValueError):
+            time[k] = _seconds(datetime.strptime(cell, time_format))
+    if "%d" not in time_format and "%j" not in time_format:
+        time[np.isfinite(time)] = np.unwrap(time[np.isfinite(time)], period=DAY_S)
+    return Stamps(time, "%z" not in time_format, "")
+
+
+def _seconds(time: datetime) -> float:
+    return (time if time.tzinfo else time.replace(tzinfo=UTC)).timestamp()
+
+
+def _by_words(cell: str) -> float:
+    """Seconds of a time such as 1-Mar-2026 12:00:05 or 20260301T120005; NaN if it is none."""
+    from dateutil import parser  # late: only such cells need it
+
+    with suppress(ValueError):
+        return _seconds(datetime.fromisoformat(cell))
+    with suppress(ValueError, OverflowError):
+        return _seconds(parser.parse(cell, dayfirst=True, default=datetime(1970, 1, 1)))
+    return np.nan
+
+
+def _clock(match: re.Match[str]) -> float:
+    """Seconds of the day, less those that its zone is ahead."""
+    hour, minute = int(match["hour"] or 0), int(match["minute"] or 0)
+    if half := (match["half"] or "")[:1].casefold():
+        hour = hour % 12 + 12 * (half == "p")
+    second = float(re.sub("[,:]", ".", match["second"] or "0"))
+    sign, *digits = (match["zone"] or "Z").replace(":", "")
+    ahead = (
+        int("".join(digits).ljust(4, "0")[:2]) * 3600 + int("".join(digits).ljust(4, "0")[2:]) * 60
+        if sign in "+-"
+        else 0
+    )
+    valid = minute < 60 and second < 61 and (hour < 25 or not match["date"])
+    return hour * 3600 + minute * 60 + second - (-ahead if sign == "-" else ahead) if valid else np.nan
+
+
+def _days(matches: list[re.Match[str] | None], cells: Sequence[str], where: Callable[[int], str]) -> tuple[Array, str]:
+    """Days since 1970 of each cell, (n,), and in which order they are written; 0 and "" where there are only clocks."""
+    first = {m["date"]: m for m in matches if m and m["date"]}
+    if not first:
+        return np.zeros(len(matches)), ""
+    read = {order: {text: _day(m, order) for text, m in first.items()} for order in _ORDERS}
+    # a single cell that is no date must not decide: an order is possible that reads as many as any
+    most = max(sum(day is not None for day in of.values()) for of in read.values())
+    possible = {order: of for order, of in read.items() if most and sum(day is not None for day in of.values()) == most}
+    ways = {tuple(day and day - next(d for d in of.values() if d) for day in of.values()) for of in possible.values()}
+    if len(ways) > 1:
+        text, match = next(iter(first.items()))
+        k = next(k for k, m in enumerate(matches) if m and m["date"] == text)
+        formats = " or ".join(_format(order, match) for order in possible)
+        raise InputError(
+            f"{where(k)}: in '{cells[k]}' day or month may come first: say time_format = {formats} "
+            "in csv of [log] in rig.toml"
+        )
+    order = next(iter(possible), "ymd")
+    days = possible.get(order, {})
+    order = order if len(possible) < 2 else "all of one day"
+    return np.array([np.nan if m is None else days.get(m["date"]) or np.nan for m in matches], dtype=float), order
+
+
+def _day(match: re.Match[str], order: str) -> int | None:
+    """Days since 1970 of a date written in this order; None where it cannot be."""
+    parts = dict(zip(order, (match["a"], match["b"], match["c"]), strict=True))
+    long = {key for key, text in parts.items() if len(text) > 2}
+    if long - {"y"} or len(parts["y"]) not in (2, 4) or (order != "dmy" and match["mark"] == "." and "y" not in long):
+        return None
+    if match["mark"] == "." and order == "mdy":
+        return None
+    year = int(parts["y"]) + (2000 if len(parts["y"]) < 3 else 0)
+    with suppress(ValueError):
+        return date(year, int(parts["m"]), int(parts["d"])).toordinal() - _EPOCH
+    return None
+
+
+def _format(order: str, match: re.Match[str]) -> str:
+    """The strptime format of such a stamp."""
+    text = _FORMATS[order].format(match["mark"])
+    text = text.replace("%y", "%Y") if "y" in order and max(len(match["a"]), len(match["c"])) == 4 else text
+    clock = "" if not match["hour"] else " %I:%M:%S %p" if match["half"] else " %H:%M:%S"
+    return f'"{text}{clock}"'

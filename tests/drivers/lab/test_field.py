@@ -1,0 +1,289 @@
+"""Lab CSVs as loggers and spreadsheets write them: the same numbers, written in another way, are the same recording."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from drivers.recordings import read_recording
+from estimator.errors import InputError
+from estimator.record import Recording
+from estimator.rig import Csv, Rig
+from tests.drivers.lab.test_lab import rod
+
+__all__ = ["rod"]
+NAMES = ["t", "left", "B", "P/kW", "ambient"]
+STEP, ROWS = 5.0, 60
+Rows = list[list[str]]
+
+
+@pytest.fixture
+def rig(rod: Rig) -> Rig:
+    """The rod with a tick as long as its rows are apart."""
+    return replace(rod, tick_s=STEP)
+
+
+def rows(time: Callable[[float], str] = "{:g}".format) -> Rows:
+    draw = np.random.default_rng(3)
+    values = np.round(draw.uniform(15, 45, (ROWS, 2)), 2)
+    return [[time(k * STEP), f"{a:.2f}", f"{b:.2f}", "0.125", "21.5"] for k, (a, b) in enumerate(values)]
+
+
+def write(path: Path, cells: Rows, names: Sequence[str] = NAMES, sep: str = ",", head: str = "", **how: str) -> Path:
+    lines = [sep.join(row) for row in [names, *cells]]
+    path.write_text(head + "\n".join(lines) + "\n", **how)
+    return path
+
+
+def clock(form: str, start: str = "2026-03-01 12:00:00") -> Callable[[float], str]:
+    return lambda s: (datetime.fromisoformat(start) + timedelta(seconds=s)).strftime(form)
+
+
+def assert_as_plain(path: Path, rig: Rig, *said: str) -> Recording:
+    """The recording is that of the plain CSV, and its notes say these things."""
+    record = read_recording(path, rig)
+    default = replace(rig, log=replace(rig.log, csv=Csv()))
+    plain = read_recording(write(path.with_name("plain.csv"), rows()), default)
+    np.testing.assert_allclose(record.time_s, plain.time_s, atol=1e-3)
+    np.testing.assert_allclose(record.channels, plain.channels, atol=1e-9)
+    np.testing.assert_allclose(record.inputs["heater"], plain.inputs["heater"])
+    for words in said:
+        assert any(words in note for note in record.notes), record.notes
+    return record
+
+
+def complaint(path: Path, rig: Rig) -> str:
+    with pytest.raises(InputError) as error:
+        read_recording(path, rig)
+    assert "\n" not in str(error.value)
+    return str(error.value).removeprefix(f"{path}: ")
+
+
+@pytest.mark.parametrize("sep", [",", ";", "\t", "|", " "])
+@pytest.mark.parametrize("comma", [False, True])
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
+def test_separators_decimal_marks_and_encodings(tmp_path: Path, rig: Rig, sep: str, comma: bool, encoding: str) -> None:
+    cells = [[cell.replace(".", "," if comma else ".") for cell in row] + ["°C"] for row in rows()]
+    if comma and sep == ",":
+        cells = [[f'"{cell}"' for cell in row] for row in cells]
+    path = write(tmp_path / "a.csv", cells, [*NAMES, "remark"], sep, encoding=encoding, newline="\r\n")
+    assert_as_plain(path, rig, *(["',' as decimal mark"] if comma else []), *(["between cells"] if sep != "," else []))
+
+
+def test_a_comma_between_cells_and_in_numbers_without_quotes(tmp_path: Path, rig: Rig) -> None:
+    cells = [[cell.replace(".", ",") for cell in row] for row in rows()]
+    said = complaint(write(tmp_path / "a.csv", cells), rig)
+    assert said == "5 names but 9 cells in a row; with commas in numbers, cells need another separator or quotes"
+
+
+@pytest.mark.parametrize(
+    ("cell", "decimal", "value"),
+    [("1.234,50", ",", 1234.5), ("1,234.50", ".", 1234.5), ("1234,5", ",", 1234.5), ("0,125", ",", 0.125)],
+)
+def test_marks_between_thousands(tmp_path: Path, rig: Rig, cell: str, decimal: str, value: float) -> None:
+    heater = replace(rig.inputs["heater"], scale=1.0, hi=1e6)
+    rig = replace(rig, inputs={**rig.inputs, "heater": heater})
+    cells = [
+        [f'"{c}"' for c in [r[0], r[1].replace(".", decimal), r[2].replace(".", decimal), cell, "21"]] for r in rows()
+    ]
+    record = read_recording(write(tmp_path / "a.csv", cells), rig)
+    np.testing.assert_allclose(record.inputs["heater"], value)
+
+
+def test_commas_that_may_be_either_are_refused_until_rig_toml_says(tmp_path: Path, rig: Rig) -> None:
+    cells = [[f'"{c}"' for c in (row[0], "22,125", "23,250", "1", "21")] for row in rows()]
+    path = write(tmp_path / "a.csv", cells)
+    assert complaint(path, rig).startswith("is '22,125' 22125 or 22.125? say decimal = ")
+    record = read_recording(path, replace(rig, log=replace(rig.log, csv=Csv(decimal=","))))
+    np.testing.assert_allclose(record.channels[:, 0], 22.125)
+
+
+@pytest.mark.parametrize("head", ["", "Logger;GX-20\nSerial;000123\n\n", "sep=;\n", "# made by TC logger\n" * 40])
+@pytest.mark.parametrize(
+    "units", [None, ["s", "°C", "degC", "kW", "C"], ["", "", "", "", ""], ["[s]", "x", "x", "-", ""]]
+)
+def test_lines_before_the_names_and_below_them(tmp_path: Path, rig: Rig, head: str, units: list[str] | None) -> None:
+    path = write(tmp_path / "a.csv", [*([units] if units else []), *rows()], sep=";", head=head)
+    lines = head.count("\n")
+    assert_as_plain(path, rig, *([f"names in line {lines + 1}"] if lines else []))
+    assert_as_plain(path, replace(rig, log=replace(rig.log, csv=Csv(skip=lines))))
+
+
+def test_units_that_are_others(tmp_path: Path, rig: Rig) -> None:
+    kelvin = [[r[0], f"{float(r[1]) + 273.15:.2f}", *r[2:]] for r in rows()]
+    assert_as_plain(write(tmp_path / "a.csv", kelvin, ["t", "left [K]", *NAMES[2:]]), rig, "A in K")
+    assert_as_plain(write(tmp_path / "a.csv", rows(), ["t", "left (K)", *NAMES[2:]]), rig)  # a thermocouple of type K
+    said = complaint(write(tmp_path / "a.csv", [["s", "°F", "°C", "kW", "°C"], *rows()]), rig)
+    assert said == "column 'left' is in degF, rig.toml has A in degC: convert it there with scale and offset"
+
+
+@pytest.mark.parametrize("end", [",", ",,,"])
+def test_separators_behind_the_last_cell(tmp_path: Path, rig: Rig, end: str) -> None:
+    cells = [[*row[:-1], row[-1] + end] for row in rows()]
+    assert_as_plain(write(tmp_path / "a.csv", cells), rig)
+    assert_as_plain(write(tmp_path / "b.csv", cells, [*NAMES[:-1], NAMES[-1] + end]), rig)
+
+
+def test_names_that_are_nearly_right_doubled_or_not_there(tmp_path: Path, rig: Rig) -> None:
+    assert_as_plain(write(tmp_path / "a.csv", rows(), ["T", "Left (°C)", "b", "P/kW", "Ambient"]), rig, "'b' as B")
+    record = read_recording(write(tmp_path / "a.csv", rows(), ["t", "left", "B2", "P/kW", "ambient"]), rig)
+    assert "no column B (there is 'B2'): not measured" in record.notes
+    record = read_recording(write(tmp_path / "a.csv", rows(), ["t", "left", "B", "P/kW", "ambience"]), rig)
+    assert "no column ambient (there is 'ambience'): not measured" in record.notes
+    said = complaint(write(tmp_path / "a.csv", rows(), ["t", "left", "left", "P/kW", "ambient"]), rig)
+    assert said == "'left' stands in columns 2 and 3: rename all but the one that rig.toml means"
+    said = complaint(write(tmp_path / "a.csv", rows(), ["t", "Left", "LEFT", "P/kW", "ambient"]), rig)
+    assert said == "'Left' and 'LEFT' could both be 'left': rename all but the one that rig.toml means"
+    said = complaint(write(tmp_path / "a.csv", rows(), ["time", *NAMES[1:]]), rig)
+    assert "no time column 't' in the header (time, left, B, P/kW, ambient)" in said
+
+
+@pytest.mark.parametrize(
+    ("form", "said"),
+    [
+        ("%Y-%m-%dT%H:%M:%S", ""),
+        ("%Y-%m-%d %H:%M:%S.%f", ""),
+        ("%Y-%m-%dT%H:%M:%SZ", ""),
+        ("%Y/%m/%d %H:%M:%S", ""),
+        ("%Y%m%dT%H%M%S", ""),
+        ("%d.%m.%Y %H:%M:%S", "day first"),
+        ("%d.%m.%y %H:%M:%S", "day first"),
+        ("%d.%m.%Y %H:%M:%S,000", "day first"),
+        ("%d/%m/%Y %H:%M:%S", "all of one day"),
+        ("%m/%d/%Y %I:%M:%S %p", "all of one day"),
+        ("%d-%b-%Y %H:%M:%S", ""),
+        ("%b %d, %Y %I:%M:%S %p", ""),
+        ("%H:%M:%S", ""),
+        ("%I:%M:%S %p", ""),
+    ],
+)
+def test_times_as_text(tmp_path: Path, rig: Rig, form: str, said: str) -> None:
+    cells = [[f'"{row[0]}"', *row[1:]] for row in rows(clock(form))]
+    assert_as_plain(write(tmp_path / "a.csv", cells), rig, said) if said else assert_as_plain(
+        write(tmp_path / "a.csv", cells), rig
+    )
+
+
+@pytest.mark.parametrize("form", ["%d.%m.%Y %H:%M:%S", "%Y-%m-%d %H:%M:%S", "%H:%M:%S", "%d-%b-%Y %I:%M:%S %p"])
+def test_over_midnight(tmp_path: Path, rig: Rig, form: str) -> None:
+    assert_as_plain(write(tmp_path / "a.csv", rows(clock(form, "2026-02-28 23:58:00"))), rig)
+    assert_as_plain(write(tmp_path / "a.csv", rows(clock(form, "2026-02-28 23:58:00"))[::-1]), rig, "newest row first")
+
+
+@pytest.mark.parametrize("start", ["2026-03-12 23:58:00", "2026-12-31 23:58:00"])
+@pytest.mark.parametrize("form", ["%d/%m/%Y %H:%M:%S", "%m/%d/%Y %H:%M:%S", "%d-%m-%Y %H:%M:%S"])
+def test_the_order_of_day_and_month_by_days_that_are_no_month(tmp_path: Path, rig: Rig, form: str, start: str) -> None:
+    assert_as_plain(write(tmp_path / "a.csv", rows(clock(form, start))), rig)
+
+
+def test_an_order_that_is_open_is_refused_until_rig_toml_says(tmp_path: Path, rig: Rig) -> None:
+    path = write(tmp_path / "a.csv", rows(clock("%d/%m/%Y %H:%M:%S", "2026-03-01 23:58:00")))
+    said = complaint(path, rig)
+    assert "line 2: in '01/03/2026 23:58:00' day or month may come first: say time_format = " in said
+    assert '"%d/%m/%Y %H:%M:%S" or "%m/%d/%Y %H:%M:%S"' in said
+    assert_as_plain(path, replace(rig, log=replace(rig.log, csv=Csv(time_format="%d/%m/%Y %H:%M:%S"))))
+
+
+@pytest.mark.parametrize("names", [["Date", "Time"], ["Datum", "Uhrzeit"], ["t", "when"], ["day", "t"]])
+@pytest.mark.parametrize("form", ["%Y-%m-%d|%H:%M:%S", "%d.%m.%Y|%H:%M:%S", "%m/%d/%Y|%I:%M:%S %p"])
+def test_date_and_time_of_day_in_two_columns(tmp_path: Path, rig: Rig, names: list[str], form: str) -> None:
+    cells = [[*row[0].split("|"), *row[1:]] for row in rows(clock(form, "2026-03-13 23:58:00"))]
+    assert_as_plain(write(tmp_path / "a.csv", cells, [*names, *NAMES[1:]]), rig)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (lambda s: f"{s * 1e3:.0f}", "milliseconds"),
+        (lambda s: f"{s * 1e6:.0f}", "microseconds"),
+        (lambda s: f"{s * 1e9:.0f}", "nanoseconds"),
+        (lambda s: f"{s / 60:.4f}", "minutes"),
+        (lambda s: f"{s / 60:.2f}", "minutes"),
+        (lambda s: f"{s / 3600:.6f}", "hours"),
+        (lambda s: f"{46082.5 + s / 86400:.8f}", "days of a spreadsheet"),
+        (lambda s: f"{1_770_000_000 + s:.0f}", ""),
+        (lambda s: f"{(1_770_000_000 + s) * 1000:.0f}", "milliseconds since 1970"),
+        (lambda s: f"{1_770_000_000_000_000 + int(s * 1e6)}", "microseconds since 1970"),
+        (lambda s: f"{1_770_000_000_000_000_000 + int(s * 1e9)}", "nanoseconds since 1970"),
+    ],
+)
+def test_times_as_numbers(tmp_path: Path, rig: Rig, text: Callable[[float], str], said: str) -> None:
+    record = read_recording(write(tmp_path / "a.csv", rows(text)), rig)
+    np.testing.assert_allclose(record.time_s, np.arange(ROWS) * STEP, atol=0.4)
+    assert any(said in note for note in record.notes) or not said
+
+
+def test_a_unit_of_times_that_is_said(tmp_path: Path, rig: Rig) -> None:
+    fast = rows(lambda s: f"{s * 200:g}")  # rows of 1 s in ms where the tick is 5 s
+    assert "milliseconds or seconds? say time_unit" in complaint(write(tmp_path / "a.csv", fast), rig)
+    for names, csv in ((["t (ms)"], Csv()), (["t"], Csv(time_unit="ms"))):
+        path = write(tmp_path / "a.csv", fast, [*names, *NAMES[1:]])
+        record = read_recording(path, replace(rig, log=replace(rig.log, csv=csv)))
+        assert record.time_s[-1] == pytest.approx(ROWS, abs=5)
+    whole = rows(lambda s: f"{s / 5:g}")
+    minute = replace(rig, tick_s=60.0)
+    assert "minutes or seconds? say time_unit" in complaint(write(tmp_path / "a.csv", whole), minute)
+
+
+def test_rows_out_of_order(tmp_path: Path, rig: Rig) -> None:
+    plain = rows()
+    assert_as_plain(write(tmp_path / "a.csv", plain[::-1]), rig, "newest row first, turned round")
+    assert_as_plain(
+        write(tmp_path / "a.csv", [*plain[40:], *plain[:40]]), rig, "rows sorted by time: it went back 1 times"
+    )
+    late = [*plain[:20], *plain[21:24], plain[20], *plain[24:]]
+    assert_as_plain(write(tmp_path / "a.csv", late), rig, "rows sorted by time")
+
+
+def test_a_clock_that_was_set_back_is_no_matter_of_order(tmp_path: Path, rig: Rig) -> None:
+    record = read_recording(write(tmp_path / "a.csv", rows(lambda s: f"{s - 62 * (s > 150):g}")), rig)
+    assert any("clock jumps back" in note for note in record.notes)
+    assert not any("sorted" in note for note in record.notes)
+
+
+@pytest.mark.parametrize("resolution", [10, 15, 60])
+@pytest.mark.parametrize("start", [0, 20])
+def test_several_rows_of_one_time(tmp_path: Path, rig: Rig, resolution: int, start: int) -> None:
+    cells = rows(lambda s: f"{(s + start) // resolution * resolution:g}")
+    assert_as_plain(write(tmp_path / "a.csv", cells), rig, "rows share a time")
+    assert_as_plain(write(tmp_path / "a.csv", cells[::-1]), rig, "rows share a time")
+
+
+def test_rows_that_are_written_twice_or_in_parts_are_one(tmp_path: Path, rig: Rig) -> None:
+    twice = [row for row in rows() for _ in range(2)]
+    assert_as_plain(write(tmp_path / "a.csv", twice), rig, "taken together")
+    parts = [part for r in rows() for part in ([r[0], r[1], "", r[3], ""], [r[0], "", r[2], "", r[4]])]
+    assert_as_plain(write(tmp_path / "a.csv", parts), rig, "taken together")
+
+
+@pytest.mark.parametrize("catches_up", [False, True])
+def test_a_clock_that_stands_still(tmp_path: Path, rig: Rig, catches_up: bool) -> None:
+    def text(s: float) -> str:
+        return f"{100 if 100 <= s < 150 else s - (0 if catches_up or s < 150 else 45):g}"
+
+    assert_as_plain(write(tmp_path / "a.csv", rows(text)), rig, *([] if catches_up else ["time stands still"]))
+    said = complaint(write(tmp_path / "a.csv", rows(lambda s: "7")), rig)
+    assert said.startswith("time stands still: all 60 rows have the same")
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
+@given(
+    sep=st.sampled_from([";", "\t", "|"]), comma=st.booleans(), head=st.integers(0, 5), units=st.booleans(),
+    form=st.sampled_from(["%d.%m.%Y %H:%M:%S", "%Y-%m-%d %H:%M:%S", "%d-%b-%Y %H:%M:%S"]), end=st.booleans(),
+    newest=st.booleans(), start=st.datetimes(datetime(2001, 1, 1), datetime(2099, 1, 1)),
+)  # fmt: skip
+def test_all_of_it_together(tmp_path: Path, rig: Rig, sep, comma, head, units, form, end, newest, start) -> None:
+    start = start.replace(hour=23, minute=57, microsecond=0)  # over midnight, away from summer time
+    cells = [
+        [row[0], *(c.replace(".", "," if comma else ".") for c in row[1:])] for row in rows(clock(form, str(start)))
+    ]
+    cells = cells[::-1] if newest else cells
+    cells = [[*row, *[""] * end] for row in [*([["", "°C", "°C", "kW", "°C"]] if units else []), *cells]]
+    assert_as_plain(write(tmp_path / "a.csv", cells, sep=sep, head="logger 7\n" * head), rig)
