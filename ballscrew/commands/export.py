@@ -5,8 +5,10 @@ from __future__ import annotations
 import heapq
 import math
 import time
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,9 @@ from drivers.logs.log_writer import LogWriter, check_format
 from drivers.received import Received
 from drivers.recordings import find_recordings
 from estimator.errors import InputError, SetupError
+
+# of an id from one log to another: parts of a recording overlap by a few frames where a clock was set
+_MOST_RETURNS = 3
 
 
 @dataclass
@@ -76,7 +81,7 @@ def _convert(terminal: Terminal, sources: Sequence[Source], out: Path) -> dict[s
     first_s, last_s = math.inf, 0.0
     size = sum(source.path.stat().st_size for source in sources if source.path.is_file())
     with terminal.progress(out.name, size) as update, LogWriter(out) as writer:
-        for number, frame in enumerate(heapq.merge(*sources, key=lambda frame: frame.time_s)):
+        for number, frame in enumerate(_merged(sources)):
             first_s, last_s = min(first_s, frame.time_s), max(last_s, frame.time_s)
             writer.write(frame)
             if number % 5000 == 0:
@@ -96,6 +101,24 @@ def _convert(terminal: Terminal, sources: Sequence[Source], out: Path) -> dict[s
             for one in sources
         ],
     }
+
+
+def _merged(sources: Sequence[Source]) -> Iterator[Received]:
+    """All frames in the order of their times; logs that go on with each other's ids side by side are two recordings."""
+    latest: dict[tuple[str, int, bool], int] = {}
+    returns: Counter[tuple[str, int, bool]] = Counter()
+    numbered = [zip(source, repeat(k)) for k, source in enumerate(sources)]
+    for frame, k in heapq.merge(*numbered, key=lambda one: one[0].time_s):
+        key = frame.channel, frame.id, frame.extended
+        before = latest.setdefault(key, k)
+        latest[key] = k
+        returns[key] += before != k
+        if returns[key] > _MOST_RETURNS * len(sources):
+            raise InputError(
+                f"{sources[before].path.name} and {sources[k].path.name} both have 0x{frame.id:X} on {frame.channel} "
+                "at the same times: they are two recordings; export each to a file of its own"
+            )
+        yield frame
 
 
 def _print(terminal: Terminal, sources: Sequence[Source], out: Path, told: Mapping[str, Any]) -> None:

@@ -46,7 +46,7 @@ class Sheet:
 
 def read_sheet(path: Path, rule: Csv, wanted: Collection[str], tally: Tally, budget: Budget) -> Sheet:
     """Read a CSV; what it has too many or too few cells of is counted."""
-    encoding = rule.encoding or _encoding(path)
+    encoding = rule.encoding or encoding_of(path)
     try:
         with path.open(encoding=encoding, errors="replace", newline="") as file:
             lines = whole_lines(file, tally, budget)
@@ -91,7 +91,7 @@ def _fill(sheet: Sheet, reader: Iterator[list[str]], at: int, most: int, tally: 
         raise InputError(f"{sheet.path}: {width} names but {odd[0]} cells in a row{both}")
 
 
-def _encoding(path: Path) -> str:
+def encoding_of(path: Path) -> str:
     """By its first bytes; what is no UTF-8 is from an old Windows."""
     with path.open("rb") as file:
         start = file.read(1 << 16)

@@ -26,7 +26,9 @@ _LINE = re.compile(
 )
 _REMOTE = re.compile(rb"\(\d+\.\d+\) \S+ [0-9A-Fa-f]{3,8}#R")
 _FD = re.compile(rb"\(\d+\.\d+\) \S+ [0-9A-Fa-f]{3,8}##")
+_SCREEN = re.compile(rb" {1,3}(?:\([^)]*\) +)?\S+ +(?:[RT]X \S+ \S+ +)?[0-9A-Fa-f]{3,8} +\[\d+\] ")
 _FOREIGN = "torn or foreign line"
+_ON_SCREEN = "line as candump shows it on the screen: record with `candump -L`"
 _ERROR_FLAG = 0x20000000
 _CHUNK = 1 << 23
 _LAYOUTS = 64
@@ -134,7 +136,8 @@ class _Reader:
     def _odd(self, line: bytes, number: int) -> None:
         if not line.strip():
             return
-        reason = "remote frame" if _REMOTE.match(line) else "CAN FD frame" if _FD.match(line) else _FOREIGN
+        kinds = {"remote frame": _REMOTE, "CAN FD frame": _FD, _ON_SCREEN: _SCREEN}
+        reason = next((kind for kind, pattern in kinds.items() if pattern.match(line)), _FOREIGN)
         self.tally.skip(reason)
         if reason == _FOREIGN:
             self.foreign = min(self.foreign or number, number)

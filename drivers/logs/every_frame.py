@@ -11,9 +11,10 @@ from pathlib import Path
 
 from drivers.budget import Budget
 from drivers.frames import LATEST_S, Tally
+from drivers.lab.frame_table import read_frame_table
 from drivers.logs.candump_line import frame_of
 from drivers.logs.lines import WholeLines
-from drivers.logs.logs import is_lab_csv
+from drivers.logs.logs import is_frame_table, is_lab_csv
 from drivers.logs.outside import EVERY, Outside
 from drivers.received import Received
 from estimator.errors import InputError
@@ -29,7 +30,7 @@ def every_frame(path: Path, tally: Tally, position: Position = lambda byte: None
     """
     if is_lab_csv(path):
         raise InputError(f"{path}: a lab CSV holds no frames")
-    reader = _candump if path.suffix.lower() == ".log" else _python_can
+    reader = _table if is_frame_table(path) else _candump if path.suffix.lower() == ".log" else _python_can
     for frame in reader(path, tally, position):
         if 0 <= frame.time_s < LATEST_S:
             yield frame
@@ -47,6 +48,15 @@ def _candump(path: Path, tally: Tally, position: Position) -> Iterator[Received]
             elif not line.isspace():
                 tally.skip("torn or foreign line")
         lines.account(tally)
+
+
+def _table(path: Path, tally: Tally, position: Position) -> Iterator[Received]:
+    frames, _ = read_frame_table(path, tally, UNLIMITED)
+    position(path.stat().st_size)
+    for k, bus in enumerate(frames.bus):
+        data = frames.data[k, : frames.dlc[k]].tobytes()
+        about = float(frames.time[k]), int(frames.id[k]), bool(frames.extended[k]), data
+        yield Received(*about, "data", frames.buses[bus], len(data))
 
 
 def _python_can(path: Path, tally: Tally, position: Position) -> Iterator[Received]:

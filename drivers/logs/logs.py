@@ -9,6 +9,7 @@ from pathlib import Path
 
 from drivers.budget import Budget
 from drivers.frames import Frames, Tally, plausible
+from drivers.lab.frame_table import PYTHON_CAN, frame_names
 from estimator.errors import InputError, nearest
 
 # What a file of each suffix must be, and what reads it.
@@ -18,10 +19,10 @@ _READERS = {
     ".blf": ("drivers.logs.outside:read_outside", "a Vector BLF log"),
     ".trc": ("drivers.logs.outside:read_outside", "a PEAK TRC log"),
     ".mf4": ("drivers.logs.outside:read_outside", "an ASAM MDF 4 file with CAN bus logging"),
-    ".csv": ("drivers.logs.outside:read_outside", "a lab CSV, or python-can's CSV of frames"),
+    ".csv": ("drivers.logs.outside:read_outside", "python-can's CSV of frames"),
 }
 SUFFIXES = frozenset(_READERS)
-_FRAMES_HEADER = b"timestamp,arbitration_id"
+_TABLE = "drivers.lab.frame_table:read_frame_table", "a CSV of frames by SavvyCAN or a CANedge"
 
 
 def regular(path: Path) -> Path:
@@ -41,16 +42,19 @@ def regular(path: Path) -> Path:
 
 
 def is_lab_csv(path: Path) -> bool:
-    """Whether the file is a lab CSV: its header is not that of python-can's CSV of frames."""
-    if regular(path).suffix.lower() != ".csv":
-        return False
-    with path.open("rb") as file:
-        return not file.read(256).lstrip(b"\xef\xbb\xbf").startswith(_FRAMES_HEADER)
+    """Whether the file is a lab CSV, and not one of frames."""
+    return regular(path).suffix.lower() == ".csv" and frame_names(path) is None
+
+
+def is_frame_table(path: Path) -> bool:
+    """Whether the file is a CSV of frames by another program than python-can."""
+    found = frame_names(path) if regular(path).suffix.lower() == ".csv" else None
+    return found is not None and found[2][:2] != PYTHON_CAN
 
 
 def read_log(path: Path, tally: Tally, budget: Budget, progress: Callable[[float], None] | None = None) -> Frames:
     """All usable frames of a log; none at all is an InputError that says what was found and expected."""
-    reader, expected = _READERS[regular(path).suffix.lower()]
+    reader, expected = _TABLE if is_frame_table(path) else _READERS[path.suffix.lower()]
     module, function = reader.split(":")
     frames, found = getattr(import_module(module), function)(path, tally, budget, progress)
     frames = plausible(frames, tally)

@@ -14,6 +14,7 @@ from estimator.rig_folder.bounds import BOUNDS, brief
 from estimator.rig_folder.contradictions import contradictions
 
 MOST = {"channels": 200, "inputs": 200, "supports": 20}  # tables of a kind
+ZERO_C_IN_K = 273.15
 RESERVED = {"screw", "start", "elongation"}  # what terms of effects call so
 
 
@@ -67,4 +68,14 @@ def _records(cls: type, table: Mapping[str, Any], key: str, path: Path) -> dict[
     for name in entries:
         if name in RESERVED or name != name.strip() or not name.isprintable() or not 0 < len(name) <= fields.SHORT:
             raise SetupError(f"{place}: {brief(name)} cannot be a name; take one to {fields.SHORT} letters")
-    return {name: fields.record(cls, entry, f"{place}.{name}") for name, entry in entries.items()}
+    return {name: _in_degC(fields.record(cls, entry, f"{place}.{name}")) for name, entry in entries.items()}
+
+
+def _in_degC(signal: Any) -> Any:
+    """A signal in K as one in degC; its range too, where the file says one."""
+    if getattr(signal, "unit", "") != "K":
+        return signal
+    default = Signal()
+    lo = signal.lo if signal.lo == default.lo else signal.lo - ZERO_C_IN_K
+    hi = signal.hi if signal.hi == default.hi else signal.hi - ZERO_C_IN_K
+    return dataclasses.replace(signal, unit="degC", offset=signal.offset - ZERO_C_IN_K, lo=lo, hi=hi)

@@ -248,3 +248,20 @@ def test_what_was_there_stays_if_a_conversion_fails(tmp_path: Path, suffix: str,
     assert err.strip() in (f"error: {out}: cannot be written: no space left on device", "stopped by Ctrl-C")
     assert out.read_text() == "older"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["in.log", out.name]
+
+
+def test_logs_whose_clocks_overlap_are_two_recordings(tmp_path: Path) -> None:
+    """Side by side they would be read as one machine, wrong by what the two differ."""
+    rows = log_fake.log(20)
+    one = log_fake.write(tmp_path / "one.log", rows)
+    two = log_fake.write(tmp_path / "two.log", [row._replace(time=row.time + 10.0003) for row in rows])
+    status, _, said = run("export", one, two, "-o", tmp_path / "both.log")
+    assert status == 1
+    assert " both have 0x" in said
+    assert "export each to a file of its own" in said
+    assert not (tmp_path / "both.log").exists()
+    after = log_fake.write(tmp_path / "after.log", [row._replace(time=row.time + 30) for row in rows])
+    assert run("export", one, after, "-o", tmp_path / "joined.log")[0] == 0
+    other_bus = tmp_path / "can1.log"
+    other_bus.write_text(two.read_text().replace("can0", "can1"))
+    assert run("export", one, other_bus, "-o", tmp_path / "buses.log")[0] == 0

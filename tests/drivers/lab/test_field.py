@@ -16,6 +16,7 @@ from drivers.recordings import read_recording
 from estimator.errors import InputError
 from estimator.record import Recording
 from estimator.rig import Csv, Rig
+from estimator.rig_folder.rig_folder import load_rig
 from tests.drivers.lab.test_lab import rod
 
 __all__ = ["rod"]
@@ -287,3 +288,13 @@ def test_all_of_it_together(tmp_path: Path, rig: Rig, sep, comma, head, units, f
     cells = cells[::-1] if newest else cells
     cells = [[*row, *[""] * end] for row in [*([["", "°C", "°C", "kW", "°C"]] if units else []), *cells]]
     assert_as_plain(write(tmp_path / "a.csv", cells, sep=sep, head="logger 7\n" * head), rig)
+
+
+def test_a_rig_file_may_have_temperatures_in_kelvin(tmp_path: Path, rod: Rig) -> None:
+    text = (tmp_path / "rig.toml").read_text()
+    (tmp_path / "rig.toml").write_text(text.replace("hi = 90", 'unit = "K", lo = 283.15, hi = 363.15'))
+    kelvin = replace(load_rig(tmp_path), tick_s=STEP)
+    assert (kelvin.channels["B"].lo, kelvin.channels["B"].hi) == pytest.approx((10.0, 90.0))
+    cells = [[*r[:2], f"{float(r[2]) + 273.15:.2f}", *r[3:]] for r in rows()]
+    record = read_recording(write(tmp_path / "a.csv", cells), kelvin)
+    np.testing.assert_allclose(record.channels[:, 1], [float(row[2]) for row in rows()])

@@ -155,11 +155,11 @@ def test_every_number_has_bounds_that_hold_its_default(record):
         (PAPER, "nut.direction", 0.5, "nut.direction is 0.5, must be 1 or -1: which way its centre moves"),
         (PAPER, "nut.centre_mm", 4e4, "nut: at no position from -100 to 800 mm is it on the screw: it covers "
          "39112.5 ... 40187.5 mm, the screw -50 ... 1030 mm; correct nut.centre_mm"),
-        (PAPER, "channels.T03.unit", "K", "channels.T03.unit: 'K' is no unit of a thermometer; use degC; scale and "
+        (PAPER, "channels.T03.unit", "F", "channels.T03.unit: 'F' is no unit of a thermometer; use degC; scale and "
          "offset convert"),
         (PAPER, "channels.displacement.unit", "mm", "channels.displacement.unit: 'mm' is no unit of a length; use um, "
          "or at_mm or node if it is a thermometer"),
-        (PAPER, "inputs.ambient.unit", "K", "inputs.ambient.unit: 'K' is no unit of it; use degC"),
+        (PAPER, "inputs.ambient.unit", "degF", "inputs.ambient.unit: 'degF' is no unit of it; use degC"),
         (PAPER, "inputs.position.unit", "furlong", "inputs.position.unit: 'furlong' is no unit of it; use mm"),
         (PAPER, "inputs.ambient.hi", -300.0, "ambient: lo = -60 is not below hi = -300"),
         (PAPER, "channels.T03.signal", "Telemeter1.T02", "channels.T03: Telemeter1.T02 is read by channels.T02"),

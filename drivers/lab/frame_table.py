@@ -1,0 +1,107 @@
+"""CAN frames as a CSV: of SavvyCAN (GVRET) and of a CANedge. A lab CSV holds none, whatever its columns are called.
+
+SavvyCAN, microseconds: Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8
+CANedge, seconds:       TimestampEpoch;BusChannel;ID;IDE;DLC;DataLength;Dir;EDL;BRS;DataBytes
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Mapping, Sequence
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from drivers.budget import Budget
+from drivers.frames import FRAME, PACKED, Frames, Tally
+from drivers.lab.names import bare
+from drivers.lab.sheet import SEPARATORS, encoding_of, whole_lines
+from estimator.errors import InputError
+
+_HEAD = 30  # lines among which the names are
+_IDS = {"id", "canid", "arbitrationid", "identifier", "msgid", "messageid", "frameid"}
+_DATA = re.compile(r"data(bytes?|hex)?\d*|[db]\d|byte\d")
+_ABOUT = {"dlc", "len", "length", "datalength", "ide", "extended", "ext", "bus", "buschannel", "chn", "dir", "type"}
+PYTHON_CAN = ["timestamp", "arbitrationid"]
+_SAVVY, _EDGE = {"timestamp", "id", "extended", "len"}, {"timestampepoch", "id", "databytes"}
+
+
+def frame_names(path: Path) -> tuple[int, str, list[str]] | None:
+    """Where the names of a CSV of frames stand: line, separator and names as they are meant; None for another CSV."""
+    with path.open(encoding=encoding_of(path), errors="replace", newline="") as file:
+        head = list(islice(file, _HEAD))
+    for at, line in enumerate(head):
+        for separator in list(SEPARATORS)[:3]:
+            names = [bare(cell) for cell in next(csv.reader([line[:4096]], delimiter=separator), [])]
+            if {*names} & _IDS and any(map(_DATA.fullmatch, names)) and {*names} & _ABOUT:
+                return at, separator, names
+    return None
+
+
+def read_frame_table(
+    path: Path, tally: Tally, budget: Budget, progress: Callable[[float], None] | None = None
+) -> tuple[Frames, str]:
+    """All data frames of a CSV of frames, and what was found, in words; of another program's it is an InputError."""
+    found = frame_names(path)
+    assert found
+    at, separator, names = found
+    if not any(kind.issubset(names) for kind in (_SAVVY, _EDGE)):
+        what = ", ".join(names[:6])
+        raise InputError(
+            f"{path}: frames in a CSV of another kind ({what} ...) than SavvyCAN's, CANedge's or python-can's: "
+            "export or convert them to .asc, .blf or candump's .log"
+        )
+    column = {name: k for k, name in enumerate(names)}
+    with path.open(encoding=encoding_of(path), errors="replace", newline="") as file:
+        lines = islice(whole_lines(file, tally, budget), at + 1, None)
+        rows = csv.reader(lines, delimiter=separator)
+        take = _edge if "timestampepoch" in column else _savvy
+        packed, buses = [], dict[str, int]()
+        for row in islice(rows, budget.frames):
+            if frame := _frame(row, column, take, tally):
+                time_s, can_id, extended, data, bus = frame
+                number = buses.setdefault(bus, len(buses))
+                line = rows.line_num + at + 1
+                packed.append(PACKED.pack(time_s, can_id, extended, len(data), data, line, min(number, 255)))
+    table = np.frombuffer(b"".join(packed), FRAME)
+    return Frames.of(table, "line", tuple(buses) or ("can0",)), f"{len(packed)} lines with frames"
+
+
+Frame = tuple[float, int, bool, bytes, str]
+Take = Callable[[Sequence[str], Mapping[str, int]], Frame]
+
+
+def _frame(row: list[str], column: Mapping[str, int], take: Take, tally: Tally) -> Frame | None:
+    if not any(map(str.strip, row)):
+        return None
+    try:
+        if "edl" in column and row[column["edl"]].strip() == "1":
+            tally.skip("CAN FD frame")
+            return None
+        frame = take(row, column)
+        if len(frame[3]) <= 8:
+            return frame
+        tally.skip("CAN FD frame")
+    except (ValueError, IndexError):
+        tally.skip("torn or foreign line")
+    return None
+
+
+def _savvy(row: Sequence[str], column: Mapping[str, int]) -> Frame:
+    first, size = column.get("d1", column.get("d0", len(row))), int(row[column["len"]])
+    data = bytes(int(cell, 16) for cell in row[first : first + size])
+    if len(data) < size:
+        raise ValueError
+    stamp = row[column["timestamp"]]
+    time_s = float(stamp) if "." in stamp else int(stamp) / 1e6
+    bus = f"can{int(row[column['bus']])}" if "bus" in column else "can0"
+    return time_s, int(row[column["id"]], 16), row[column["extended"]].strip().lower() in ("true", "1"), data, bus
+
+
+def _edge(row: Sequence[str], column: Mapping[str, int]) -> Frame:
+    can_id, data = int(row[column["id"]], 16), bytes.fromhex(row[column["databytes"]])
+    extended = row[column["ide"]].strip() == "1" if "ide" in column else can_id > 0x7FF
+    bus = f"can{int(row[column['buschannel']]) - 1}" if "buschannel" in column else "can0"
+    return float(row[column["timestampepoch"]]), can_id, extended, data, bus

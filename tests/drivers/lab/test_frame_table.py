@@ -1,0 +1,80 @@
+"""Frames of a bus as a CSV."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.frames import Tally
+from drivers.logs.every_frame import every_frame
+from drivers.recordings import read_recording
+from estimator.errors import InputError
+from estimator.rig_folder.rig_folder import load_rig
+from tests import log_fake
+
+RIG = load_rig(Path(__file__).parents[3] / "recordings")
+ROWS = log_fake.log(8)
+SAVVY = "Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8"
+EDGE = "TimestampEpoch;BusChannel;ID;IDE;DLC;DataLength;Dir;EDL;BRS;DataBytes"
+
+
+def savvy(row: log_fake.Row) -> str:
+    octets = ",".join(f"{byte:02X}" for byte in row.data)
+    return f"{row.time * 1e6:.0f},{row.id:08X},{str(row.extended).lower()},Rx,0,{len(row.data)},{octets},"
+
+
+def edge(row: log_fake.Row) -> str:
+    size = len(row.data)
+    return f"{row.time:.6f};1;{row.id:X};{int(row.extended)};{size};{size};0;0;0;{row.data.hex().upper()}"
+
+
+@pytest.mark.parametrize(("head", "line"), [(SAVVY, savvy), (EDGE, edge)])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_frames_are_read_and_passed_on(tmp_path: Path, head: str, line, encoding: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([head, *map(line, ROWS), ""]), encoding=encoding)
+    record, same = read_recording(path, RIG), read_recording(log_fake.write(tmp_path / "b.log", ROWS), RIG)
+    np.testing.assert_array_equal(record.channels, same.channels)
+    np.testing.assert_allclose(record.time_s, same.time_s, atol=1e-5)
+    assert record.frames == same.frames
+    frames = list(every_frame(path, Tally()))
+    assert [(f.id, f.extended, f.data) for f in frames] == [(r.id, r.extended, r.data) for r in ROWS]
+
+
+def test_lines_that_hold_no_frame_are_counted(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    fd = f"{ROWS[0].time + 1:.6f};1;210;0;15;64;0;1;0;{'00' * 64}"
+    path.write_text("\n".join([EDGE, *map(edge, ROWS), fd, "x;1;210;0;8;8;0;0;0;00", "5;1;210;0;8;8;0;0;0;0", ""]))
+    skipped = read_recording(path, RIG).skipped
+    assert (skipped["CAN FD frame"], skipped["torn or foreign line"]) == (1, 2)
+
+
+@pytest.mark.parametrize(
+    "names",
+    ["Time,Chn,Identifier,DLC,Data", "Timestamp;Type;ID;Data", "id,dlc,data0,data1,data2,time", "CAN ID,Len,Byte1"],
+)
+def test_frames_of_another_program_are_said_to_be_frames(tmp_path: Path, names: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"{names}\n1,2,3,4,5\n")
+    with pytest.raises(InputError, match="frames in a CSV of another kind"):
+        read_recording(path, RIG)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        " ({:.6f})  can0  {}   [{}]  {}",
+        "  can0  {1}   [{2}]  {3}",
+        " (2023-11-14 22:13:20.000000)  can0  RX - -  {1}   [{2}]  {3}   '........'",
+    ],
+)
+def test_what_candump_shows_on_the_screen_is_refused_with_the_way_to_record(tmp_path: Path, line: str) -> None:
+    path = tmp_path / "a.log"
+    lines = [line.format(r.time, f"{r.id:03X}", len(r.data), r.data.hex(" ").upper()) for r in ROWS]
+    path.write_text("\n".join([*lines, ""]))
+    with pytest.raises(
+        InputError, match=f"{len(ROWS)} x line as candump shows it on the screen: record with `candump -L`"
+    ):
+        read_recording(path, RIG)
