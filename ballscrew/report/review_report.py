@@ -77,7 +77,7 @@ def _print_warm(terminal: Terminal, reviews: Sequence[Review]) -> None:
 
 def _print_one(terminal: Terminal, review: Review) -> None:
     r = review.recording
-    length = f"{duration(r.time_s[-1])}, {len(r)} ticks, {r.frames} frames"
+    length = f"{duration(r.time_s[-1])}, {len(r)} ticks" + (f", {r.frames} frames" if r.frames else "")
     terminal.say(f"\n{r.name}: {length}; reference: {review.reference_name}")
     if _judged(review):
         terminal.table(_rows([review]))

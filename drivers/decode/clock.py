@@ -151,7 +151,7 @@ class RigClock:
     def _drop(self) -> None:
         where = self.where(self._waiting[0].frame)
         self.tally.skip("stray time stamp", len(self._waiting))
-        self.tally.note(f"stray time stamp at {self.now:.3f} s ({where}): frame dropped")
+        self.tally.note(f"stray time stamp at {self.now:.3f} s ({where}): left out")
         self._waiting = []
 
     def _decide(self) -> list[tuple[Any, float]]:

@@ -7,6 +7,7 @@ import numpy as np
 from drivers.frames import Array, Index, Mask, Tally
 from estimator.errors import InputError
 
+TOO_SOON = "closing message too soon (used)"
 _PATIENCE = 1.5  # ticks without a closing message, after which the timer closes one
 
 
@@ -50,7 +51,9 @@ class Ticks:
         return [(now, self.last)]
 
 
-def split(name: str, now: Array, closes: Mask, ticks: Ticks, most: int, tally: Tally) -> tuple[Index, Array]:
+def split(
+    name: str, now: Array, closes: Mask, ticks: Ticks, most: int, tally: Tally, too_soon: str = TOO_SOON
+) -> tuple[Index, Array]:
     """Cut a whole log into ticks: the tick of each frame inside them, rising, and when each tick closed, (K,) s.
 
     now     (n,) s on the rig's clock, rising     most  no more ticks than this
@@ -73,7 +76,7 @@ def split(name: str, now: Array, closes: Mask, ticks: Ticks, most: int, tally: T
             ends.append(index + 1)
             dates.append(float(now[index]))
         else:
-            tally.skip("closing message too soon (used)")
+            tally.skip(too_soon)
     else:
         timed(ticks.due(float(now[-1])))
         timed(ticks.rest(float(now[-1])))

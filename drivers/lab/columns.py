@@ -44,8 +44,11 @@ def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
     places = {name: place_of(sheet, column, taken) for name, column in names.items()}
     of = {name: place for name, place in places.items() if place is not None}
     if not any(name in of for name in rig.channels):
+        free = [name for name in sheet.names if name not in names.values()]
+        near = next(((found, names[name]) for name in rig.channels if (found := nearest_name(names[name], free))), None)
+        hint = f"; is '{near[0]}' {near[1]}?" if near else ""
         raise InputError(
-            f"{sheet.path}: no column of any channel; expected {_some(names.values())}, found {_found(sheet)}"
+            f"{sheet.path}: no column of any channel; expected {_some(names.values())}, found {_found(sheet)}{hint}"
         )
     time = _times(sheet, rig.log.time_column, {*of.values()})
     units = {k: unit for k, name in enumerate(sheet.names) if (unit := unit_in(name))}

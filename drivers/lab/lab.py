@@ -16,6 +16,7 @@ from drivers.decode.ticks import Ticks, split
 from drivers.frames import Array, Index, Tally
 from drivers.lab import counting, order, stamps
 from drivers.lab.columns import Columns, find_columns, to_the_unit
+from drivers.lab.doubts import admit, hot
 from drivers.lab.numerals import NOTHING, decimal_mark, numbers
 from drivers.lab.sheet import Sheet, read_sheet
 from estimator.errors import InputError
@@ -40,14 +41,13 @@ class Table:
         if self.mark == ",":
             self.said.append("',' as decimal mark")
         self.columns: dict[str, Array] = {}
+        self.never: dict[str, str] = {}
         for name in cells:
             values = self._measured(cells[name], name)
             self.columns[name] = to_the_unit(values, sheet, found, name, signals[name])
         self.time, local = self._timed(texts, sheet, found)
         self._only_timed(texts)
         self._put_in_order(local)
-        if self.said:
-            tally.notes.insert(0, ", ".join(self.said))
 
     def _measured(self, cells: list[str], name: str) -> Array:
         values = numbers(cells, self.mark)
@@ -55,7 +55,8 @@ class Table:
         self.tally.skip(f"no number {name}", np.count_nonzero(wrong))
         if wrong.any() and not np.isfinite(values).any():
             first = int(np.argmax(wrong))
-            self.tally.note(f"{name} is never a number: '{cells[first][:40]}' in line {self.line[first]}")
+            self.never[name] = f"{name} is '{cells[first][:40]}' in line {self.line[first]}, no number"
+            self.tally.note(self.never[name])
         return values
 
     def _timed(self, texts: list[str], sheet: Sheet, found: Columns) -> tuple[Array, bool]:
@@ -71,7 +72,7 @@ class Table:
             time, said = counting.seconds(count, self.rig.tick_s, rule.time_unit, of_file, place)
             self.said += [said] if said else []
             return time, False
-        read = stamps.stamps(texts, rule.time_format, lambda k: f"{self.path}: line {self.line[k]}")
+        read = stamps.stamps(texts, rule.time_format, self.rig.tick_s, lambda k: f"{self.path}: line {self.line[k]}")
         self.said += [read.said] if read.said else []
         return read.time, read.local
 
@@ -130,17 +131,25 @@ def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:
     steps = np.diff(table.time)
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else rig.tick_s
     coarse = step >= rig.tick_s / 2
+    if not 0.5 < step / rig.tick_s < 1.5:
+        how = "none is measured in the ticks between" if coarse else "the last of a tick counts"
+        table.said.append(f"a row each {step:g} s, a tick each {rig.tick_s:g} s: {how}")
+    if table.said:
+        tally.notes.insert(0, ", ".join(table.said))
     clock = RigClock(max(rig.tick_s, step), 1, tally, lambda row: f"line {int(table.line[row])}", budget)
     none = np.full(len(table.time), -1, np.int64)
     now = clock.run(table.time, np.zeros(len(none), bool), none)
     kept = np.flatnonzero(np.isfinite(now))
     now = now[kept]
     ticks = Ticks(rig.tick_s, coarse)
-    row, date = split(f"{path}: {len(now)} rows", now, np.full(len(now), coarse), ticks, budget.ticks, tally)
+    closes = np.full(len(now), coarse)
+    row, date = split(f"{path}: {len(now)} rows", now, closes, ticks, budget.ticks, tally, "row too soon (used)")
     readings = {}
     for name, rule in [*rig.channels.items(), *rig.inputs.items()]:
         if name in table.columns:
             readings[name] = _readings(name, rule, table.columns[name][kept][: len(row)], row, now, tally)
+    admit(path, rig, table.columns, table.never, readings)
+    hot(rig, readings, tally)
     held = max(2, int(np.ceil(1.5 * step / rig.tick_s)))
     rows = Condenser(rig, tally, held).rows(readings, date)
     for column in rows.inputs.values():

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from drivers.frames import Array, Index
+from drivers.lab.stamps import HOUR_S
 
-HOUR_S = 3600.0
 _ROOM = 0.5  # of a usual step: rows closer than this are two clocks rather than one out of order
 
 
@@ -101,6 +101,8 @@ def spread(time: Array) -> tuple[Array, str]:
     said = (
         [f"up to {count.max()} rows share a time, {rows * step:g} s from the next: spread evenly"] if rows > 1 else []
     )
+    if rows <= 1 and (several := (count > 1) & ~still).any():
+        said.append(f"{int(count[several].sum())} rows share times: spread until the next")
     if still.any():
         said.append(f"time stands still over {int(count[still].sum())} rows: each counts as {step:g} s")
     return np.repeat(begin, count) + within * np.repeat(each, count), "; ".join(said)

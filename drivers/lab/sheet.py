@@ -82,13 +82,10 @@ def _fill(sheet: Sheet, reader: Iterator[list[str]], at: int, most: int, tally: 
             odd.append(len(row))
     tally.skip("row with a wrong number of cells", len(odd))
     if not sheet.rows and odd:
-        both = " ('.' and ',' both between cells and in numbers?)" if max(odd) > width else ""
-        both = (
-            "; with commas in numbers, cells need another separator or quotes"
-            if both and sheet.separator == ","
-            else ""
+        more = ": with commas in numbers, cells need another separator or quotes" if sheet.separator == "," else ""
+        raise InputError(
+            f"{sheet.path}: {width} names but {odd[0]} cells in a row{more}; else a name is missing or too much"
         )
-        raise InputError(f"{sheet.path}: {width} names but {odd[0]} cells in a row{both}")
 
 
 def encoding_of(path: Path) -> str:

@@ -24,7 +24,7 @@ _ZONE = r"\s*(?P<zone>Z|UTC|GMT|[+-]\d{2}(?::?\d{2})?)"
 _STAMP = re.compile(rf"(?:{_DATE})?[ T,;_]*(?:{_CLOCK})?(?:{_ZONE})?")
 _WORDS = re.compile(r"(?=.*\d)(?=.*[A-Za-z]{3}).*|\d{8}[T ]\d{4,}.*")  # a month in letters, or ISO without marks
 _EPOCH = date(1970, 1, 1).toordinal()
-DAY_S = 86400.0
+DAY_S, HOUR_S = 86400.0, 3600.0
 _ORDERS = {"ymd": "year first", "dmy": "day first", "mdy": "month first"}
 _FORMATS = {"ymd": "%y{0}%m{0}%d", "dmy": "%d{0}%m{0}%y", "mdy": "%m{0}%d{0}%y"}
 
@@ -46,8 +46,8 @@ def kind_of(cell: str) -> str:
     return "stamp" if _WORDS.fullmatch(cell) and not np.isnan(_by_words(cell)) else ""
 
 
-def stamps(cells: Sequence[str], time_format: str | None, where: Callable[[int], str]) -> Stamps:
-    """Read the cells of a time column as text; `where` names the place of a cell in an error."""
+def stamps(cells: Sequence[str], time_format: str | None, tick_s: float, where: Callable[[int], str]) -> Stamps:
+    """Read the cells of a time column as text, a row about each `tick_s`; `where` names a cell's place in an error."""
     if time_format:
         return _in_format(cells, time_format)
     found = [_STAMP.fullmatch(cell) for cell in cells]
@@ -61,10 +61,31 @@ def stamps(cells: Sequence[str], time_format: str | None, where: Callable[[int],
     shown = next((m[0] for m in matches if m), "")
     zoned = any(match and match["zone"] for match in matches)
     if not order:
-        time[np.isfinite(time)] = np.unwrap(time[np.isfinite(time)], period=DAY_S)
+        short = not any(match and match["second"] for match in matches)
+        known = np.isfinite(time)
+        what = f"{where(0)}: '{cells[0]}'" if cells else ""
+        time[known], form = _over_midnight(time[known], tick_s if short else 0.0, what)
+        return Stamps(time, not zoned, f"times as {shown}{form}" if shown else "")
     plain = order == "ymd" or not shown
     return Stamps(
         time, not zoned, "" if plain else f"times as {shown}" + (f", {_ORDERS.get(order, order)}" if order else "")
+    )
+
+
+def _over_midnight(time: Array, tick_s: float, what: str) -> tuple[Array, str]:
+    """Times of day, (n,) s, going on over midnight, and their form in words.
+
+    tick_s  where they are of two numbers, such as 12:05: by it they are hours and minutes or minutes and seconds
+    """
+    steps = np.abs(np.diff(np.unwrap(time, period=DAY_S)))
+    usual = float(np.median(steps[steps > 0]) * np.mean(steps > 0)) if steps.any() else tick_s
+    ticks = usual / tick_s if tick_s else 1.0
+    if 0.8 < ticks / 60 < 1.25:
+        return np.unwrap(time / 60, period=HOUR_S), ", minutes and seconds"
+    if 0.8 < ticks < 1.25:
+        return np.unwrap(time, period=DAY_S), ""
+    raise InputError(
+        f'{what} is of hours or of minutes? Say time_format = "%H:%M" or "%M:%S" in csv of [log] in rig.toml'
     )
 
 
@@ -74,7 +95,8 @@ def _in_format(cells: Sequence[str], time_format: str) -> Stamps:
         with suppress(ValueError):
             time[k] = _seconds(datetime.strptime(cell, time_format))
     if "%d" not in time_format and "%j" not in time_format:
-        time[np.isfinite(time)] = np.unwrap(time[np.isfinite(time)], period=DAY_S)
+        period = DAY_S if "%H" in time_format or "%I" in time_format else HOUR_S
+        time[np.isfinite(time)] = np.unwrap(time[np.isfinite(time)], period=period)
     return Stamps(time, "%z" not in time_format, "")
 
 
@@ -118,7 +140,7 @@ def _days(matches: list[re.Match[str] | None], cells: Sequence[str], where: Call
     # a single cell that is no date must not decide: an order is possible that reads as many as any
     most = max(sum(day is not None for day in of.values()) for of in read.values())
     possible = {order: of for order, of in read.items() if most and sum(day is not None for day in of.values()) == most}
-    ways = {tuple(day and day - next(d for d in of.values() if d) for day in of.values()) for of in possible.values()}
+    ways = {tuple(_since_first([*of.values()])) for of in possible.values()}
     if len(ways) > 1:
         text, match = next(iter(first.items()))
         k = next(k for k, m in enumerate(matches) if m and m["date"] == text)
@@ -130,7 +152,13 @@ def _days(matches: list[re.Match[str] | None], cells: Sequence[str], where: Call
     order = next(iter(possible), "ymd")
     days = possible.get(order, {})
     order = order if len(possible) < 2 else "all of one day"
-    return np.array([np.nan if m is None else days.get(m["date"]) or np.nan for m in matches], dtype=float), order
+    read_as = {text: np.nan if day is None else day for text, day in days.items()}
+    return np.array([np.nan if m is None else read_as.get(m["date"], np.nan) for m in matches], dtype=float), order
+
+
+def _since_first(days: list[int | None]) -> list[int | None]:
+    first = next(day for day in days if day is not None)
+    return [None if day is None else day - first for day in days]
 
 
 def _day(match: re.Match[str], order: str) -> int | None:

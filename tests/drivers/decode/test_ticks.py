@@ -132,7 +132,7 @@ SCANS = 20 + 0.1 * np.arange(18)
         (jump, 5, 30, 0, [], "clock jumps ahead 30.050 s at 5.000 s (line 87): ticks go on"),
         (jump, 5, 30, 1, [], "clock jumps back 29.950 s at 5.000 s (line 87): ticks go on"),
         (jump, 5, 9000, 0, [], "clock jumps ahead 9000.050 s at 5.000 s (line 87): ticks go on"),
-        (stray, 5, 3, 0, [], "stray time stamp at 8.600 s (line 186): frame dropped"),
+        (stray, 5, 3, 0, [], "stray time stamp at 8.600 s (line 186): left out"),
         (twice, 5, 0, 2, [], None),
         (jitter, 1, 1, 1, [], None),
         (foreign, 5, 0, 4, [], None),

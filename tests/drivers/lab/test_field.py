@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import datetime, timedelta
@@ -81,7 +82,9 @@ def test_separators_decimal_marks_and_encodings(tmp_path: Path, rig: Rig, sep: s
 def test_a_comma_between_cells_and_in_numbers_without_quotes(tmp_path: Path, rig: Rig) -> None:
     cells = [[cell.replace(".", ",") for cell in row] for row in rows()]
     said = complaint(write(tmp_path / "a.csv", cells), rig)
-    assert said == "5 names but 9 cells in a row; with commas in numbers, cells need another separator or quotes"
+    assert said.startswith(
+        "5 names but 9 cells in a row: with commas in numbers, cells need another separator or quote"
+    )
 
 
 @pytest.mark.parametrize(
@@ -298,3 +301,32 @@ def test_a_rig_file_may_have_temperatures_in_kelvin(tmp_path: Path, rod: Rig) ->
     cells = [[*r[:2], f"{float(r[2]) + 273.15:.2f}", *r[3:]] for r in rows()]
     record = read_recording(write(tmp_path / "a.csv", cells), kelvin)
     np.testing.assert_allclose(record.channels[:, 1], [float(row[2]) for row in rows()])
+
+
+@pytest.mark.parametrize(("form", "said"), [("%M:%S", "minutes and seconds"), ("%H:%M", "rows share a time")])
+def test_times_of_two_numbers(tmp_path: Path, rig: Rig, form: str, said: str) -> None:
+    assert_as_plain(write(tmp_path / "a.csv", rows(clock(form, "2026-03-01 23:58:00"))), rig, said)
+
+
+def test_times_of_two_numbers_that_may_be_either_are_refused(tmp_path: Path, rig: Rig) -> None:
+    path = write(tmp_path / "a.csv", rows(clock("%M:%S", "2026-03-01 23:58:00")))
+    said = complaint(path, replace(rig, tick_s=1.0))
+    assert said.startswith('line 2: \'58:00\' is of hours or of minutes? Say time_format = "%H:%M" or "%M:%S"')
+    assert_as_plain(path, replace(rig, log=replace(rig.log, csv=Csv(time_format="%M:%S"))))
+
+
+def test_temperatures_in_another_unit_are_said(tmp_path: Path, rig: Rig) -> None:
+    def converted(change: Callable[[float], float]) -> Path:
+        cells = [
+            [r[0], *(f"{change(float(c)):.2f}" for c in r[1:3]), r[3], f"{change(float(r[4])):.2f}"] for r in rows()
+        ]
+        return write(tmp_path / "a.csv", cells)
+
+    said = complaint(converted(lambda c: c + 273.15), rig)
+    assert re.fullmatch(r"no thermometer was ever read: A has .* outside -60 ... 200 degC; in K\? Say unit = .*", said)
+    wide = replace(rig, channels={**rig.channels, "B": replace(rig.channels["B"], hi=200.0)})
+    hot = read_recording(converted(lambda c: 1.8 * c + 32), wide)
+    assert any("all temperatures begin at" in note and "in degF?" in note for note in hot.notes)
+    cells = [[row[0], f"{row[1]} °C", f"{row[2]} °C", *row[3:]] for row in rows()]
+    said = complaint(write(tmp_path / "a.csv", cells), rig)
+    assert said == f"no thermometer was ever read: A is '{rows()[0][1]} °C' in line 2, no number"
