@@ -169,6 +169,9 @@ def load(logs: Sequence[Path], rig: Rig, terminal: Terminal, join: bool = False)
                 failed.append(str(error))
     for message in failed:
         terminal.error(message)
+    for one in loaded:
+        for note in (note for note in one.recording.notes if "never came" in note):
+            terminal.warn(f"{one.path.name}: {note}")
     return loaded, failed
 
 

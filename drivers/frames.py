@@ -129,6 +129,12 @@ def key_of(can_id: int, extended: bool) -> int:
     return can_id << 1 | extended
 
 
+def falls_again_and_again(time: Array) -> bool:
+    """Whether times, (n,) s, each count from the one before: they fall by much more than all of them span."""
+    falls = -np.diff(time)
+    return bool(len(time) and falls[falls > 0].sum() > 5 * np.ptp(time))
+
+
 LATEST_S = 4.2e9  # a stamp after 2100 is none
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from drivers.budget import Budget
 from drivers.decode.addresses import addressed
-from drivers.decode.buses import chosen, of_the_rig, on_one_clock
+from drivers.decode.buses import chosen, in_order, of_the_rig, on_one_clock, together
 from drivers.decode.clock import RigClock
 from drivers.decode.decode import Decoder
 from drivers.decode.ticks import Ticks, split
@@ -20,6 +20,7 @@ from drivers.lab.lab import read_lab
 from drivers.logs.joined import Progress, join
 from drivers.logs.logs import SUFFIXES, is_lab_csv, read_log
 from drivers.logs.truth import is_truth
+from drivers.silences import silences
 from estimator.errors import InputError
 from estimator.record import Recording
 from estimator.rig import Rig
@@ -61,6 +62,7 @@ def read_recording(
     else:
         frames = read_log(path, tally, budget, progress)
         rows = _ticks(str(path), frames, frames.where, rig, tally, budget)
+    silences(rows, rig, tally)
     return replace(rows, name=path.name, skipped=tally.counts(), notes=tuple(tally.notes))
 
 
@@ -77,6 +79,7 @@ def read_joined(
     joined = join(paths, tally, budget, progress)
     first = joined.paths[0]
     rows = _ticks(f"{first}..", joined.frames, joined.where, rig, tally, budget)
+    silences(rows, rig, tally)
     return first, replace(rows, name=f"{first.name}..", skipped=tally.counts(), notes=tuple(tally.notes))
 
 
@@ -90,6 +93,9 @@ def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tal
         kept = pick(frames)
         frames, rigs = frames.take(kept), rigs[kept]
     frames = frames.on_clock(on_one_clock(frames, name, tally))
+    kept = in_order(frames, rig.tick_s, name, tally)
+    frames, rigs = frames.take(kept), rigs[kept]
+    together(frames, tally)
     decoder.never_came(frames)
     clock = RigClock(rig.tick_s, decoder.scan.modulus, tally, lambda frame: where(int(rigs[frame])), budget)
     closes, scan = decoder.closings(frames)

@@ -28,7 +28,13 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "sensitivity accuracy",
         "fit missing_effect missing_heat",
     ),
-    "drivers": ("budget received frames virtual_rig", "decode", "lab", "bus logs ticker", "recorder recordings"),
+    "drivers": (
+        "budget received frames virtual_rig",
+        "decode",
+        "lab",
+        "bus logs silences ticker",
+        "recorder recordings",
+    ),
     "viz": ("drawing", "recorded comparison tuning", "viewer", "live"),
 }
 MOST_FILES = {"commands": 15}  # in a folder; 12 elsewhere

@@ -17,7 +17,7 @@ from estimator.alarms.alarms import Alarm
 from estimator.faults.fault import MAY_DRIFT, Fault
 from estimator.rig import Rig
 
-NO_DEFECT = ("unknown id", "not in the rig file", "held since before the log", "sent by us")
+NO_DEFECT = ("unknown id", "not in the rig file", "held since before the log", "sent by us", "other state")
 
 
 @dataclass(frozen=True)

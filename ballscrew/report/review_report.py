@@ -115,7 +115,8 @@ def _print_unused(terminal: Terminal, reviews: Sequence[Review]) -> None:
     for review in reviews:
         counts.update(review.recording.skipped)
     if counts:
-        terminal.say("not used: " + ", ".join(f"{count} x {reason}" for reason, count in counts.most_common()))
+        faults_first = sorted(counts.most_common(), key=lambda one: one[0].startswith("other state"))
+        terminal.say("not used: " + ", ".join(f"{count} x {reason}" for reason, count in faults_first))
     for review in reviews:
         for note in review.recording.notes:
             terminal.say(f"{review.recording.name}: {note}")

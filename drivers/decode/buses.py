@@ -11,12 +11,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from drivers.frames import Array, Frames, Index, Mask, Tally
+from drivers.frames import Array, Frames, Index, Mask, Tally, falls_again_and_again
 from estimator.errors import InputError
 
 _TOLERATED_S = 0.05  # by which clocks may differ, and what one may drift by inside a block
 _BLOCK = 200  # pairs of frames that show how far two clocks are apart
 _FEWEST = 20
+_APART_S = 3.0  # buses that are recorded together begin within some cycles of their messages
 
 
 def chosen(frames: Frames, bus: str | int | None, name: str) -> Index:
@@ -91,3 +92,39 @@ def _lead(time: Array, is_other: Mask, what: str) -> Array | None:
     if np.ptp(middle) < _TOLERATED_S:
         middle[:] = np.median(middle)
     return np.interp(np.flatnonzero(is_other), at, middle)
+
+
+def in_order(frames: Frames, tick_s: float, name: str, tally: Tally) -> Index:
+    """Indices of the frames in the order of their stamps, where the log has its parts the wrong way round.
+
+    Parts are told from jumps of the clock by that one ends where another begins. Stamps that fall again and again are
+    no clock, which is an InputError.
+    """
+    steps, order = np.diff(frames.time), np.arange(len(frames))
+    falls = int((steps < 0).sum())
+    if falls > 2 * (steps > 0).sum():
+        tally.note("newest frame first: turned round")
+        return order[::-1]
+    if falls_again_and_again(frames.time):
+        raise InputError(
+            f"{name}: its times fall {falls} times in {len(frames)} frames, as if each counted from the one before: "
+            "no clock does; record them as counting from one zero"
+        )
+    starts = np.flatnonzero(np.diff(frames.time, prepend=np.inf) < -tick_s)
+    ends = np.append(starts[1:], len(frames))
+    by_start = np.argsort(frames.time[starts], kind="stable")
+    gaps = frames.time[starts[by_start]][1:] - frames.time[ends[by_start] - 1][:-1]
+    if len(starts) < 2 or not ((gaps > -tick_s / 2) & (gaps < 2 * tick_s)).all():
+        return order
+    tally.note(f"its {len(starts)} parts are the wrong way round: put in the order of their times")
+    return np.concatenate([order[starts[k] : ends[k]] for k in by_start])
+
+
+def together(frames: Frames, tally: Tally) -> None:
+    """A note where one bus begins and ends later than another by the same: its clock may be ahead."""
+    buses = [frames.time[frames.bus == bus] for bus in np.unique(frames.bus)]
+    for k, other in enumerate(buses[1:], start=1):
+        begins, ends = float(other[0] - buses[0][0]), float(other[-1] - buses[0][-1])
+        if abs(begins) > _APART_S and abs(begins - ends) < _APART_S / 2:
+            names = [frames.buses[bus] for bus in np.unique(frames.bus)]
+            tally.note(f"{names[k]} begins and ends {begins:+.1f} s from {names[0]}: are their clocks apart by that?")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -11,6 +12,9 @@ from drivers.decode.dbc import Bits, Condition, Dbc, Layout, Words
 from drivers.frames import Array, Mask, Tally, Whole
 from estimator.errors import SetupError
 from estimator.rig import Rig, Signal
+
+# texts that say which reading this is, and not that it is wrong
+_SELECTS = re.compile(r"rest|idle|stand|park|stop|driv|mov|runn|hold|warm", re.IGNORECASE)
 
 
 @dataclass
@@ -42,7 +46,8 @@ class Source:
                 use = self._drop(use, raw == number, f"{text} {self.name}", tally)
         if self.valid:
             for text, wrong in self.valid.broken(words, f"unknown {self.valid.bits.name}"):
-                use = self._drop(use, wrong, f"flagged {text} {self.name}", tally)
+                kind = "other state" if _SELECTS.search(text) else "flagged"
+                use = self._drop(use, wrong, f"{kind} {text} {self.name}", tally)
         use = self._drop(use, ~np.isfinite(value), f"no number {self.name}", tally)
         with np.errstate(invalid="ignore"):
             use = self._drop(use, (value < self.rule.lo) | (value > self.rule.hi), f"out of range {self.name}", tally)

@@ -95,7 +95,7 @@ def encoding_of(path: Path) -> str:
     for bom, name in _BOMS.items():
         if start.startswith(bom):
             return name
-    if start[1:200:2].count(0) > len(start[1:200:2]) // 2:
+    if start[1:200:2].count(0) > len(start[1:200:2]) // 2 > start[:200:2].count(0):
         return "utf-16-le"
     try:
         codecs.getincrementaldecoder("utf-8")().decode(start)

@@ -22,7 +22,7 @@ from drivers.frames import FRAME, Frames, Index, Tally, Whole
 Bytes = NDArray[np.uint8]
 
 _LINE = re.compile(
-    rb"\((\d{1,10})\.(\d{1,9})\) (\S+) ([0-9A-Fa-f]{8}|[0-9A-Fa-f]{3})#((?:[0-9A-Fa-f]{2}){0,8})( [RT])?\r?"
+    rb" *\((\d{1,10})\.(\d{1,9})\) +(\S+) +([0-9A-Fa-f]{8}|[0-9A-Fa-f]{3})#((?:[0-9A-Fa-f]{2}){0,8})( [RT])?\r?"
 )
 _REMOTE = re.compile(rb"\(\d+\.\d+\) \S+ [0-9A-Fa-f]{3,8}#R")
 _FD = re.compile(rb"\(\d+\.\d+\) \S+ [0-9A-Fa-f]{3,8}##")

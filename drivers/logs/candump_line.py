@@ -14,7 +14,7 @@ from drivers.received import Received
 
 _ERROR_FLAG = 0x20000000
 _LINE = re.compile(
-    r"\((\d{1,10}\.\d{1,9})\) (\S+) ([0-9A-Fa-f]{8}|[0-9A-Fa-f]{3})#"
+    r" *\((\d{1,10}\.\d{1,9})\) +(\S+) +([0-9A-Fa-f]{8}|[0-9A-Fa-f]{3})#"
     r"(?:R([0-8]?)|#([0-9A-Fa-f])((?:[0-9A-Fa-f]{2}){0,64})|((?:[0-9A-Fa-f]{2}){0,8}))(?: [RT])?\s*"
 )
 

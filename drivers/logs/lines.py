@@ -11,11 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.frames import Tally
+from drivers.frames import Tally, falls_again_and_again
 
 _LONGEST_LINE = 4096
-_ASC_TIME = re.compile(r"\s*(-?\d+\.\d+)(?=\s)")
+_ASC_TIME = re.compile(r"\s*(-?\d+\.\d+)(?=\s+(\S+))")
 _RELATIVE = re.compile(r"\s*base\s+\w+\s+timestamps\s+relative", re.IGNORECASE)
+_ASC_HEAD = re.compile(r"\s*(date\s|base\s|//)", re.IGNORECASE)
+_ASC_EVENTS = re.compile(r"\s*(no)?\s*internal\s+events\s+logged", re.IGNORECASE)
 _PEEK, _FEW = 2000, 20  # lines that show whether times are what the head of an .asc says; times that show nothing
 
 
@@ -57,25 +59,38 @@ class WholeLines:
 
 
 class AscLines(WholeLines):
-    """The lines of a Vector .asc, with times that count from one zero, none of them negative.
+    """The lines of a Vector .asc, with times that count from one zero, none of them negative, below a whole head.
 
-    Where the head says `timestamps relative`, each counts from the line before; if they only rise, it is wrong. Times
-    before the trigger are negative: all are moved on by `shift_s`.
+    Where the head says `timestamps relative`, each counts from the line before; it is wrong if they only rise, or where
+    it does not say so, if they go up and down. Times before the trigger are negative: all are moved on by `shift_s`.
     """
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         with closing(WholeLines(path)) as lines:
             head = list(islice(lines, _PEEK))
-        times = np.array([float(match[1]) for match in map(_ASC_TIME.match, head) if match])
+        found = [match for match in map(_ASC_TIME.match, head) if match]
+        times = np.array([float(match[1]) for match in found])
+        one_clock = np.array([time for time, match in zip(times, found) if match[2] == found[-1][2]])
         rising = len(times) > _FEW and bool((np.diff(times) >= 0).all() and times[-1] > times[0])
+        falling = len(one_clock) > _FEW and falls_again_and_again(one_clock)
         said = any(map(_RELATIVE.match, head))
-        self.relative, self.mislabelled = said and not rising, said and rising
+        self.relative = (said and not rising) or falling
+        self.wrong = (
+            "its times only rise" if said and rising else "times go up and down" if falling and not said else ""
+        )
         self.shift_s = max(-float(times.min(initial=0.0)), 0.0)
         self._now = 0.0
+        self._head, self._waiting = True, ""
 
     def __next__(self) -> str:
-        text = super().__next__()
+        text = self._waiting or super().__next__()
+        self._waiting = ""
+        if self._head and not _ASC_HEAD.match(text):
+            self._head = False
+            if not _ASC_EVENTS.match(text):  # python-can takes the first line after the head for this one
+                self._waiting = text
+                return "no internal events logged\n"
         match = _ASC_TIME.match(text) if self.relative or self.shift_s else None
         if match is None:
             return text
@@ -85,5 +100,6 @@ class AscLines(WholeLines):
     def account(self, tally: Tally) -> None:
         """Tell of times that are not what the head says, too."""
         super().account(tally)
-        if self.mislabelled:
-            tally.note("its head says `timestamps relative`, but its times only rise: taken as counting from one zero")
+        if self.wrong:
+            taken = "from the line before" if self.relative else "from one zero"
+            tally.note(f"its head says otherwise, but {self.wrong}: taken as counting {taken}")

@@ -10,6 +10,7 @@ from pathlib import Path
 from drivers.budget import Budget
 from drivers.frames import Frames, Tally, plausible
 from drivers.lab.frame_table import PYTHON_CAN, frame_names
+from drivers.lab.sheet import encoding_of
 from estimator.errors import InputError, nearest
 
 # What a file of each suffix must be, and what reads it.
@@ -22,6 +23,7 @@ _READERS = {
     ".csv": ("drivers.logs.outside:read_outside", "python-can's CSV of frames"),
 }
 SUFFIXES = frozenset(_READERS)
+_PLAIN = {".log", ".asc", ".trc"}
 _TABLE = "drivers.lab.frame_table:read_frame_table", "a CSV of frames by SavvyCAN or a CANedge"
 
 
@@ -36,6 +38,8 @@ def regular(path: Path) -> Path:
             file.read(1)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if path.suffix.lower() in _PLAIN and encoding_of(path) in ("utf-16", "utf-16-le"):
+        raise InputError(f"{path}: is UTF-16 text; convert it: iconv -f UTF-16 -t UTF-8 {path.name} > NEW{path.suffix}")
     if path.suffix.lower() == ".mf4" and find_spec("asammdf") is None:
         raise InputError(f"{path}: reading MF4 needs asammdf: pip install 'ballscrew[mf4]'")
     return path

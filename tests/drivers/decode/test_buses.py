@@ -105,3 +105,32 @@ def test_a_bus_that_has_nothing_of_the_rig_does_not_touch_its_clock(tmp_path: Pa
     record = read_recording(path, RIG)
     assert_same(record, read_recording(log_fake.write(tmp_path / "b.log", ROWS), RIG))
     assert record.skipped["on can9, where nothing of the rig is"] == len(lines)
+
+
+def test_parts_the_wrong_way_round_and_a_log_from_its_end(tmp_path: Path) -> None:
+    lines = log_fake.text(ROWS).splitlines(keepends=True)
+    plain = read_recording(log_fake.write(tmp_path / "b.log", ROWS), RIG)
+    half = len(lines) // 2
+    for order, said in (
+        ([*lines[half:], *lines[:half]], "its 2 parts are the wrong way round: put in the order of their times"),
+        (lines[::-1], "newest frame first: turned round"),
+    ):
+        (tmp_path / "a.log").write_text("".join(order))
+        record = read_recording(tmp_path / "a.log", RIG)
+        assert_same(record, plain)
+        assert said in record.notes
+
+
+def test_times_that_count_from_the_frame_before_are_refused(tmp_path: Path) -> None:
+    stamps = np.diff([row.time for row in ROWS], prepend=ROWS[0].time)
+    path = log_fake.write(tmp_path / "a.log", [row._replace(time=time) for row, time in zip(ROWS, stamps)])
+    with pytest.raises(InputError, match="as if each counted from the one before: no clock does"):
+        read_recording(path, RIG)
+
+
+def test_buses_that_begin_and_end_apart_by_the_same_are_doubted(tmp_path: Path) -> None:
+    rows = sorted((row._replace(time=row.time + 8 * (row.id in DRIVE)) for row in ROWS), key=lambda row: row.time)
+    lines = [f"({row.time:.6f}) {the_drive_on_can1(row)} {row.id:03X}#{row.data.hex()}\n" for row in rows]
+    (tmp_path / "a.log").write_text("".join(lines))
+    notes = read_recording(tmp_path / "a.log", RIG).notes
+    assert any("can1 begins and ends +7.0 s from can0: are their clocks apart" in note for note in notes)

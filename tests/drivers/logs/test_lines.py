@@ -7,12 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.frames import Tally
+from drivers.logs.every_frame import every_frame
 from drivers.recordings import read_recording
+from estimator.errors import InputError
 from estimator.rig_folder.rig_folder import load_rig
 from tests import log_fake
 
 RIG = load_rig(Path(__file__).parents[3] / "recordings")
-ROWS = log_fake.log(12)
+ROWS = log_fake.log(30, moves=(20, 25))
 DATE = "Tue Nov 14 10:13:20.000 pm 2023"
 
 
@@ -65,3 +68,34 @@ def test_a_head_that_says_relative_of_times_that_only_rise(tmp_path: Path, since
     path = asc(tmp_path / "a.asc", since, "relative")
     assert_as_written(path, tmp_path / "b.log")
     assert "its times only rise" in read_recording(path, RIG).notes[0]
+    path.write_text(path.read_text().replace("timestamps relative", "timestamps absolute"))
+    assert_as_written(path, tmp_path / "b.log")
+
+
+def test_times_that_go_up_and_down_below_a_head_that_says_absolute(tmp_path: Path, since: np.ndarray) -> None:
+    path = asc(tmp_path / "a.asc", np.diff(since, prepend=0.0), "absolute")
+    assert_as_written(path, tmp_path / "b.log")
+    assert "times go up and down: taken as counting from the line before" in read_recording(path, RIG).notes[0]
+
+
+@pytest.mark.parametrize("lines", [1, 2, 3, 4])
+def test_a_head_that_is_not_whole_costs_no_frame(tmp_path: Path, since: np.ndarray, lines: int) -> None:
+    path = asc(tmp_path / "a.asc", since, "absolute")
+    path.write_text("".join(path.read_text().splitlines(keepends=True)[lines:]))
+    assert_as_written(path, tmp_path / "b.log")
+    assert read_recording(path, RIG).frames == len(ROWS)
+
+
+@pytest.mark.parametrize("suffix", [".log", ".asc", ".trc"])
+def test_utf_16_is_refused_with_what_converts_it(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"a{suffix}"
+    path.write_text(log_fake.text(ROWS), encoding="utf-16")
+    with pytest.raises(InputError, match="is UTF-16 text; convert it: iconv -f UTF-16 -t UTF-8"):
+        read_recording(path, RIG)
+
+
+def test_blanks_before_and_between_what_a_candump_line_says(tmp_path: Path) -> None:
+    path = tmp_path / "a.log"
+    path.write_text("".join(f"  {line}\n" for line in log_fake.text(ROWS).replace(") ", ")   ").splitlines()))
+    assert_as_written(path, tmp_path / "b.log")
+    assert len(list(every_frame(path, Tally()))) == len(ROWS)
