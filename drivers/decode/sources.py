@@ -13,8 +13,12 @@ from drivers.frames import Array, Mask, Tally, Whole
 from estimator.errors import SetupError
 from estimator.rig import Rig, Signal
 
-# texts that say which reading this is, and not that it is wrong
-_SELECTS = re.compile(r"rest|idle|stand|park|stop|driv|mov|runn|hold|warm", re.IGNORECASE)
+# Texts of a state that say that a reading is wrong; others say which reading it is.
+_FAULT = re.compile(
+    r"avail|n/a|fault|err|valid|no.?(data|value|signal)|undef|reserved|unknown|range|over|under|low|high|short|open|wire"
+    r"|bad|fail|alarm|warn|satur|lost|time.?out",
+    re.IGNORECASE,
+)
 
 
 @dataclass
@@ -46,7 +50,7 @@ class Source:
                 use = self._drop(use, raw == number, f"{text} {self.name}", tally)
         if self.valid:
             for text, wrong in self.valid.broken(words, f"unknown {self.valid.bits.name}"):
-                kind = "other state" if _SELECTS.search(text) else "flagged"
+                kind = "flagged" if _FAULT.search(text) else "other state"
                 use = self._drop(use, wrong, f"{kind} {text} {self.name}", tally)
         use = self._drop(use, ~np.isfinite(value), f"no number {self.name}", tally)
         with np.errstate(invalid="ignore"):

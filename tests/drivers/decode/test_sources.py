@@ -15,6 +15,7 @@ from estimator.rig import Channel
     ("text", "reason"),
     [
         ("Rest", "other state Rest d"),
+        ("centre", "other state centre d"),
         ("AxisMoving", "other state AxisMoving d"),
         ("OverRange", "flagged OverRange d"),
         ("Invalid", "flagged Invalid d"),
