@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from drivers.budget import Budget
+from drivers.decode.addresses import Addresses
 from drivers.decode.clock import RigClock
 from drivers.decode.decode import Decoder
 from drivers.decode.ticks import Ticks
@@ -26,6 +27,7 @@ class Ticker:
     def __init__(self, rig: Rig, tally: Tally | None = None, budget: Budget | None = None) -> None:
         self.tally = tally or Tally()
         self.decoder = Decoder(rig, self.tally)
+        self.addresses = Addresses(self.decoder.used, self.decoder.dbc, self.tally)
         modulus, budget = self.decoder.scan.modulus, budget or Budget()
         self.clock = RigClock(rig.tick_s, modulus, self.tally, lambda frame: f"frame {frame[0] + 1}", budget)
         self.ticks = Ticks(rig.tick_s, rig.log.closes is not None)
@@ -37,6 +39,7 @@ class Ticker:
 
         After a silence of an hour these are thousands: each is made when it is asked for.
         """
+        can_id = self.addresses.id_of(can_id, extended)
         if (can_id, extended) in self.decoder.own:
             self.tally.skip("sent by us")
             return iter(())

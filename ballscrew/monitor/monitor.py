@@ -92,6 +92,7 @@ class Monitor:
         if frame.kind != "data":
             self.tally.skip(f"{frame.kind} frame")
             return
+        frame = frame._replace(id=self.ticker.addresses.id_of(frame.id, frame.extended))
         clock, key, before = self.ticker.clock, (frame.id, frame.extended), self.ticker.frames
         samples = self.ticker.feed(frame.time_s, *key, frame.data)
         if self.ticker.frames > before:  # else it is ours, or its stamp is absurd
@@ -162,6 +163,8 @@ class Monitor:
             self._began(self.filter.run)
         self.tests.step(step)
         self.watch.tick(sample, step, self.tests.diverged)
+        for name in self.missing.never(step.time_s):
+            self.tally.note(f"{name} has not come yet")
         absent = {alarm.key: alarm for alarm in self._absent(step.time_s)}
         changed = self._changed(absent | self.left_out.alarms | self.tests.active)
         return Moment(sample, step, self._sure(self.watch.trust(step.time_s)), *changed)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from drivers.decode.dbc import Layout
 
 CYCLES = 3.0
+_PATIENCE_S = 60.0  # for what has no cycle time
 
 
 class Missing:
@@ -14,8 +15,17 @@ class Missing:
 
     def __init__(self, messages: list[Layout], tick_s: float) -> None:
         self._cyclic = {(m.id, m.extended): m for m in messages if m.cycle_s}
+        self._awaited = {(m.id, m.extended): m for m in messages if not m.cycle_s}
         self._least_s = 2.5 * tick_s
         self._last: dict[tuple[int, bool], float] = {}
+
+    def never(self, now_s: float) -> list[str]:
+        """Messages without a cycle time that have not come since the start: told once."""
+        if now_s < _PATIENCE_S:
+            return []
+        names = [f"{message.name} (0x{message.id:X})" for message in self._awaited.values()]
+        self._awaited = {}
+        return names
 
     @property
     def count(self) -> int:
@@ -24,6 +34,7 @@ class Missing:
 
     def heard(self, can_id: int, extended: bool, now_s: float) -> None:
         """A frame has come."""
+        self._awaited.pop((can_id, extended), None)
         if (can_id, extended) in self._cyclic:
             self._last[can_id, extended] = now_s
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drivers.decode.dbc import Dbc, Layout
-from drivers.frames import Frames, Tally, Whole
+from drivers.frames import Frames, Tally, Whole, key_of
 from estimator.errors import InputError
 
 
@@ -39,8 +39,41 @@ def addressed(frames: Frames, used: Sequence[Layout], dbc: Dbc, name: str, tally
                     f"write the id of the rig's into {dbc.path.name}"
                 )
             ids[on & (frames.key == (senders[0] << 1 | 1))] = message.id
-            tally.note(
-                f"{message.name} is read from 0x{senders[0]:08X}: {dbc.path.name} has it as 0x{message.id:08X}, "
-                "another source address or priority"
-            )
+            tally.note(_said(message, senders[0], dbc))
     return frames.with_ids(ids)
+
+
+def _said(message: Layout, can_id: int, dbc: Dbc) -> str:
+    is_there = f"{dbc.path.name} has it as 0x{message.id:08X}, another source address or priority"
+    return f"{message.name} is read from 0x{can_id:08X}: {is_there}"
+
+
+class Addresses:
+    """The same live, frame by frame: the first sender of a group counts as long as the id of the DBC has not come."""
+
+    def __init__(self, used: Sequence[Layout], dbc: Dbc, tally: Tally) -> None:
+        self.tally = tally
+        self._dbc = dbc
+        self._awaited = {_group(message.id): message for message in used if message.extended}
+        self._taken: dict[int, int] = {}  # ids that were read as another, and as which
+
+    def id_of(self, can_id: int, extended: bool) -> int:
+        """The id that the DBC gives a frame's message."""
+        if not extended or not self._awaited:
+            return can_id
+        if can_id in self._taken:
+            return self._taken[can_id]
+        message = self._awaited.get(_group(can_id))
+        if message is None:
+            return can_id
+        if can_id == message.id:
+            self._awaited.pop(_group(can_id))
+            self._taken = {other: read for other, read in self._taken.items() if read != can_id}
+        elif message.id not in self._taken.values() and key_of(can_id, True) not in self._dbc.by_key:
+            self._taken[can_id] = message.id
+            self.tally.note(_said(message, can_id, self._dbc))
+        return self._taken.get(can_id, can_id)
+
+
+def _group(can_id: int) -> int:
+    return int(group_of(np.array([can_id]))[0])

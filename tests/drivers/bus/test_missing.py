@@ -23,3 +23,13 @@ def test_what_is_missing_and_since_when(tick_s: float, fast_s: float, slow_s: fl
     assert ("Fast (0x230)", 100.0) in list(missing.since(100.01 + fast_s))
     assert ("Slow (0x240)", 100.0) not in list(missing.since(100.0 + slow_s))
     assert ("Slow (0x240)", 100.0) in list(missing.since(100.01 + slow_s))
+
+
+def test_what_has_no_cycle_and_never_came_is_told_once() -> None:
+    missing = Missing([FAST, RARE], 1.0)
+    assert missing.never(59.0) == []
+    assert missing.never(61.0) == ["Rare (0x250)"]
+    assert missing.never(62.0) == []
+    missing = Missing([FAST, RARE], 1.0)
+    missing.heard(RARE.id, False, 10.0)
+    assert missing.never(61.0) == []

@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from drivers.decode.addresses import group_of
+from drivers.frames import Tally
+from drivers.logs.every_frame import every_frame
 from drivers.recordings import read_recording
+from drivers.ticker import Ticker
 from estimator.errors import InputError
 from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
@@ -60,3 +63,22 @@ def test_another_group_is_none_of_it_and_what_never_came_is_said_first(tmp_path:
 def test_the_receiver_is_no_part_of_a_group_that_has_one() -> None:
     ids = np.array([0x18EA21FE, 0x18EAFF03, 0x18EB21FE, 0x18FF3021])
     assert group_of(ids).tolist() == [0x00EA0000, 0x00EA0000, 0x00EB0000, 0x00FF3000]
+
+
+@pytest.mark.parametrize("ids", [(0x18FF3021,), (0x18FF30FE,)])
+def test_live_reads_the_same(tmp_path: Path, rig: Rig, ids: tuple[int, ...]) -> None:
+    path = written(tmp_path / "a.log", *ids)
+    ticker = Ticker(rig)
+    frames = list(every_frame(path, Tally()))
+    lived = [sample for f in frames for sample in ticker.feed(f.time_s, f.id, f.extended, f.data)]
+    same = read_recording(path, rig)
+    np.testing.assert_array_equal([sample.omega for sample in lived], same.omega[: len(lived)])
+    assert list(ticker.tally.notes) == [note for note in same.notes if "read from" in note]
+
+
+def test_live_the_id_of_the_dbc_counts_once_it_comes_and_a_second_sender_never(rig: Rig) -> None:
+    addresses = Ticker(rig).addresses
+    own, first, second = 0x18FF30FE, 0x18FF3021, 0x18FF3022
+    assert [addresses.id_of(one, True) for one in (first, second, first)] == [own, second, own]
+    assert [addresses.id_of(one, True) for one in (own, first, second)] == [own, first, second]
+    assert addresses.id_of(own, False) == own
