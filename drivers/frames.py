@@ -67,7 +67,7 @@ class Frames:
     number    (n,) of the line in a text log, else of the frame, from 1
     bus       (n,) uint8, which of `buses`
     unit      "line" or "frame": what `number` counts
-    buses     names of the buses that were recorded
+    buses     names of the buses that were recorded: "can0", or "can0 = channel 1" where the log numbers them
     """
 
     time: Array
@@ -112,8 +112,11 @@ class Frames:
     @classmethod
     def joined(cls, parts: Sequence[Frames]) -> Frames:
         """One log behind the other."""
-        buses = tuple(dict.fromkeys(name for part in parts for name in part.buses))
-        same = [np.array([buses.index(name) for name in part.buses], np.uint8)[part.bus] for part in parts]
+        named = [[name.partition(" = ")[0] for name in part.buses] for part in parts]
+        buses = tuple(dict.fromkeys(name for names in named for name in names))
+        same = [
+            np.array([buses.index(b) for b in names], np.uint8)[p.bus] for p, names in zip(parts, named, strict=True)
+        ]
         columns = (np.concatenate([getattr(part, name) for part in parts]) for name in _COLUMNS[:-1])
         return cls(*columns, np.concatenate(same), parts[0].unit, buses)
 

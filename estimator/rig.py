@@ -183,7 +183,7 @@ class Log:
     """How the rig's logs are read. All but `time_column` and `csv` is about CAN; signals are "Message.Signal".
 
     dbc          DBC file, in the rig folder or one that ships with the package
-    bus          the rig's bus in a log of several: its name, or its number n for "can<n>"
+    bus          the rig's bus in a log of several: its name, or its number there
     closes       message that closes a tick
     time_column  time column of a lab CSV
     csv          what the reader of a lab CSV has to be told

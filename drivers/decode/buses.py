@@ -24,10 +24,17 @@ def chosen(frames: Frames, bus: str | int | None, name: str) -> Index:
     """Indices of the frames of the bus that rig.toml names; all where it names none."""
     if bus is None:
         return np.arange(len(frames))
-    wanted = bus if isinstance(bus, str) else next((b for b in frames.buses if b.endswith(f"n{bus}")), f"can{bus}")
-    if wanted not in frames.buses:
+    found = [k for k, name in enumerate(frames.buses) if _is(name, bus)]
+    if not found:
         raise InputError(f"{name}: no frame of bus '{bus}', rig.toml's log.bus; it has {', '.join(frames.buses)}")
-    return np.flatnonzero(frames.bus == frames.buses.index(wanted))
+    return np.flatnonzero(np.isin(frames.bus, found))
+
+
+def _is(name: str, bus: str | int) -> bool:
+    """Whether a bus of a log is the one that rig.toml means: by its name, or by its number in the log."""
+    named, _, channel = name.partition(" = channel ")
+    number = channel or named.lstrip("abcdefghijklmnopqrstuvwxyz_-")
+    return bus in (name, named) if isinstance(bus, str) else number == str(bus)
 
 
 def of_the_rig(frames: Frames, wanted: Mapping[int, str], name: str, tally: Tally) -> Index:
@@ -39,7 +46,7 @@ def of_the_rig(frames: Frames, wanted: Mapping[int, str], name: str, tally: Tall
     if twice := [key for key, buses in on.items() if len(buses) > 1]:
         names = " and ".join(sorted({frames.buses[k] for key in twice for k in on[key]}))
         what = f"{wanted[twice[0]]} (0x{twice[0] >> 1:X})" + (f" and {len(twice) - 1} more" if len(twice) > 1 else "")
-        first = frames.buses[on[twice[0]][0]]
+        first = frames.buses[on[twice[0]][0]].partition(" = ")[0]
         fix = f'name the rig\'s, such as bus = "{first}", under [log] in rig.toml'
         raise InputError(f"{name}: {what} come on the buses {names}, two machines: {fix}")
     used = {int(k) for buses in on.values() for k in buses}

@@ -23,6 +23,8 @@ from estimator.errors import InputError
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
 
+_SAMPLE = 5000  # rows that tell the decimal mark
+
 
 class Table:
     """The rows of a lab CSV: `time` (n,) s, `line` (n,) line numbers, `columns` (n,) per channel or input."""
@@ -37,7 +39,7 @@ class Table:
         self.said = sheet.said
         cells = {name: sheet.column(place) for name, place in found.of.items()}
         texts = found.stamps(sheet)
-        self.mark = rig.log.csv.decimal or decimal_mark(_all(cells, texts), sheet.separator, path)
+        self.mark = rig.log.csv.decimal or decimal_mark(_sample(cells, texts), sheet.separator, path)
         if self.mark == ",":
             self.said.append("',' as decimal mark")
         self.columns: dict[str, Array] = {}
@@ -121,8 +123,10 @@ class Table:
         self.said += [said] if said else []
 
 
-def _all(cells: dict[str, list[str]], texts: list[str]) -> list[str]:
-    return [cell for column in [*cells.values(), texts] for cell in column]
+def _sample(cells: dict[str, list[str]], texts: list[str]) -> list[str]:
+    """Cells of some rows, all over the file."""
+    step = max(len(texts) // _SAMPLE, 1)
+    return [cell for column in [*cells.values(), texts] for cell in column[::step]]
 
 
 def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:

@@ -12,6 +12,7 @@ from estimator.errors import InputError
 
 NOTHING = frozenset({"", "nan", "null", "none", "n/a", "na", "#n/a", "-", "--", "---"})  # not measured
 _MARKED = re.compile(r"[+-]?\d[\d.,]*(?:[eE][+-]?\d+)?")
+_BLANK = re.compile(r"(?<=\d)[\s'’](?=\d{3})")  # between thousands, as in French and Swiss numbers
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+")
 
 
@@ -54,6 +55,6 @@ def _plain(cell: str, mark: str, other: str) -> str:
 
 def _number(cell: str) -> float:
     try:
-        return float(cell)
+        return float(_BLANK.sub("", cell).replace("−", "-"))
     except ValueError:
         return np.nan

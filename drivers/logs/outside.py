@@ -11,6 +11,7 @@ import json
 import math
 import os
 import queue
+import re
 import struct
 import subprocess
 import sys
@@ -122,6 +123,8 @@ def read_outside(
     unit = "line" if path.suffix.lower() in {".asc", ".csv", ".trc"} else "frame"
     table = np.concatenate(tables)
     names = [*outside.buses, *(f"bus {k + 1}" for k in range(len(outside.buses), table["bus"].max(initial=0) + 1))]
+    if path.suffix.lower() in {".asc", ".blf", ".trc"}:  # they number their channels from 1
+        names = [re.sub(r"^can(\d+)$", lambda k: f"{k[0]} = channel {int(k[1]) + 1}", name) for name in names]
     return Frames.of(table, unit, names), outside.found
 
 

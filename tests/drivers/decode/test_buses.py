@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import can
 import numpy as np
 import pytest
 from hypothesis import given
@@ -95,6 +96,20 @@ def test_two_machines_in_a_log(tmp_path: Path) -> None:
         assert_same(read_recording(path, replace(RIG, log=replace(RIG.log, bus=bus))), alone)
     with pytest.raises(InputError, match=r"no frame of bus 'can7', rig\.toml's log\.bus; it has can0, can1"):
         read_recording(path, replace(RIG, log=replace(RIG.log, bus="can7")))
+
+
+def test_the_number_of_a_bus_is_the_one_in_the_log(tmp_path: Path) -> None:
+    alone = read_recording(log_fake.write(tmp_path / "b.log", ROWS), RIG)
+    with can.Logger(tmp_path / "a.asc") as writer:
+        for row in sorted([*ROWS, *(r._replace(id=r.id, time=r.time + 0.0001) for r in log_fake.log(40, seed=1))]):
+            channel = int(row not in ROWS)
+            writer.on_message_received(
+                can.Message(row.time, row.id, is_extended_id=False, data=row.data, channel=channel)
+            )
+    with pytest.raises(InputError, match=r'buses can0 = channel 1 and can1 = channel 2, two machines: .*bus = "can0"'):
+        read_recording(tmp_path / "a.asc", RIG)
+    for bus in ("can0", 1):
+        assert_same(read_recording(tmp_path / "a.asc", replace(RIG, log=replace(RIG.log, bus=bus))), alone)
 
 
 def test_a_bus_that_has_nothing_of_the_rig_does_not_touch_its_clock(tmp_path: Path) -> None:

@@ -89,7 +89,14 @@ def test_a_comma_between_cells_and_in_numbers_without_quotes(tmp_path: Path, rig
 
 @pytest.mark.parametrize(
     ("cell", "decimal", "value"),
-    [("1.234,50", ",", 1234.5), ("1,234.50", ".", 1234.5), ("1234,5", ",", 1234.5), ("0,125", ",", 0.125)],
+    [
+        ("1.234,50", ",", 1234.5),
+        ("1,234.50", ".", 1234.5),
+        ("1234,5", ",", 1234.5),
+        ("0,125", ",", 0.125),
+        ("1 234,5", ",", 1234.5),
+        ("1'234.5", ".", 1234.5),
+    ],
 )
 def test_marks_between_thousands(tmp_path: Path, rig: Rig, cell: str, decimal: str, value: float) -> None:
     heater = replace(rig.inputs["heater"], scale=1.0, hi=1e6)
@@ -164,6 +171,7 @@ def test_names_that_are_nearly_right_doubled_or_not_there(tmp_path: Path, rig: R
         ("%m/%d/%Y %I:%M:%S %p", "all of one day"),
         ("%d-%b-%Y %H:%M:%S", ""),
         ("%b %d, %Y %I:%M:%S %p", ""),
+        ("%Y-%m-%d %H:%M:%S CET", ""),
         ("%H:%M:%S", ""),
         ("%I:%M:%S %p", ""),
     ],
