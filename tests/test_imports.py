@@ -29,7 +29,7 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "fit missing_effect missing_heat",
     ),
     "drivers": (
-        "budget received frames virtual_rig",
+        "budget received frames mended virtual_rig",
         "decode",
         "lab",
         "bus logs silences ticker",

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.frames import Array, Mask, Whole, key_of
+from drivers.mended import read_dbc
 from estimator.errors import SetupError, nearest
 
 Words = tuple[NDArray[np.uint64], NDArray[np.uint64]]  # data bytes little-endian, big-endian
@@ -134,13 +135,15 @@ class Condition:
 class Dbc:
     """All messages of one DBC file; what it lacks is a SetupError that names the rig file's key."""
 
-    def __init__(self, path: Path, messages: Mapping[str, Layout]) -> None:
-        self.path = path
+    def __init__(self, path: Path, messages: Mapping[str, Layout], left_out: Mapping[str, str]) -> None:
+        self.path, self.left_out = path, left_out
         self.messages = messages
         self.by_key = {message.key: message for message in messages.values()}
 
     def message(self, name: str, key: str) -> Layout:
         """A message by name; `key` is the rig file's that asks for it."""
+        if name in self.left_out:
+            raise SetupError(f"{key}: message '{name}' of {self.path.name} is broken: {self.left_out[name]}")
         if name not in self.messages:
             raise SetupError(f"{key}: {self.path.name} has no message '{name}'; {nearest(name, self.messages)}")
         message = self.messages[name]
@@ -153,7 +156,7 @@ class Dbc:
     def signal(self, dotted: str, key: str) -> tuple[Layout, Bits]:
         """A signal by "Message.Signal"."""
         name, _, signal = dotted.partition(".")
-        message = self.message(name, key) if name in self.messages else None
+        message = self.message(name, key) if name in {*self.messages, *self.left_out} else None
         if message and signal in message.signals:
             return message, message.signals[signal]
         known = [f"{m.name}.{s}" for m in self.messages.values() for s in m.signals]
@@ -189,13 +192,11 @@ def load_dbc(path: Path) -> Dbc:
 
 @lru_cache(maxsize=16)
 def _load(path: Path, changed: int) -> Dbc:
-    import cantools  # late: takes longer than reading a short log
-
     try:
-        database: Any = cantools.database.load_file(path, strict=False)
-    except (cantools.Error, OSError, ValueError) as error:
+        messages, left_out = read_dbc(path)
+    except (OSError, ValueError) as error:
         raise SetupError(f"{path}: cannot be read as a DBC: {' '.join(str(error).split())}") from None
-    return Dbc(path, {message.name: _layout(message) for message in database.messages})
+    return Dbc(path, {message.name: _layout(message) for message in messages}, left_out)
 
 
 def _layout(message: Any) -> Layout:
@@ -224,9 +225,15 @@ def _bits(signal: Any) -> Bits:
         real=bool(signal.is_float),
         scale=float(signal.scale),
         offset=float(signal.offset),
-        highest=None if signal.maximum is None else float((signal.maximum - signal.offset) / signal.scale),
+        highest=_highest(signal),
         texts={int(raw): str(text) for raw, text in (signal.choices or {}).items()},
     )
+
+
+def _highest(signal: Any) -> float | None:
+    if signal.maximum is None or not signal.scale:
+        return None
+    return float((signal.maximum - signal.offset) / signal.scale)
 
 
 def _multiplexed(signal: Any, plain: Mapping[str, Bits]) -> Bits:

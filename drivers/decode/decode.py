@@ -43,6 +43,8 @@ class Decoder:
         for message in self.dbc.messages.values():
             if message.broken:
                 tally.note(f"{self.dbc.path.name}: message '{message.name}' is not read: {message.broken}")
+        for name, why in self.dbc.left_out.items():
+            tally.note(f"{self.dbc.path.name}: '{name}' is not read: {why}")
         self.used = [m for m in self.dbc.messages.values() if m.name in used or m == self.scan.closing]
 
     @cached_property
