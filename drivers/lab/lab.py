@@ -102,6 +102,10 @@ class Table:
             self.time, changes = order.summer_time(self.time)
             for row, to in changes:
                 self.tally.note(f"the clock was put {to} an hour at line {self.line[row]}: no time passes there")
+        again = order.told_again(self.time, np.array(list(self.columns.values())))
+        if len(again):
+            self._take(np.setdiff1d(np.arange(len(self.time)), again))
+            self.said.append(f"{len(again)} rows are there twice")
         moved = order.out_of_order(self.time) if sort is None else bool(sort) * int((np.diff(self.time) < 0).sum())
         if moved:
             self._take(np.argsort(self.time, kind="stable"))

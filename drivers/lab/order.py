@@ -11,6 +11,7 @@ import numpy as np
 from drivers.frames import Array, Index
 from drivers.lab.stamps import HOUR_S
 
+_PART = 3  # rows that are alike to the last digit by no accident
 _ROOM = 0.5  # of a usual step: rows closer than this are two clocks rather than one out of order
 
 
@@ -24,6 +25,15 @@ def out_of_order(time: Array) -> int:
     """How many times are out of order and can be sorted; 0 where there are none, or the clock was set back."""
     back = int((np.diff(time) < 0).sum())
     return back if back and (_apart(time) or _blocks(time)) else 0
+
+
+def told_again(time: Array, columns: Array) -> Index:
+    """Rows that are there already, with all their cells (m, n), where times go back: parts of a log that overlap."""
+    if not (np.diff(time) < 0).any():
+        return np.empty(0, np.intp)
+    _, first = np.unique(np.vstack([time, np.nan_to_num(columns, nan=np.inf)]), axis=1, return_index=True)
+    again = np.setdiff1d(np.arange(len(time)), first)
+    return again if len(again) >= _PART else again[:0]
 
 
 def _apart(time: Array) -> bool:

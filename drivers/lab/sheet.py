@@ -95,8 +95,9 @@ def encoding_of(path: Path) -> str:
     for bom, name in _BOMS.items():
         if start.startswith(bom):
             return name
-    if start[1:200:2].count(0) > len(start[1:200:2]) // 2 > start[:200:2].count(0):
-        return "utf-16-le"
+    zeros = start[:200:2].count(0), start[1:200:2].count(0)
+    if max(zeros) > len(start[:200]) // 4 > min(zeros):
+        return "utf-16-le" if zeros[1] > zeros[0] else "utf-16-be"
     try:
         codecs.getincrementaldecoder("utf-8")().decode(start)
     except UnicodeDecodeError:

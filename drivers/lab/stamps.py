@@ -21,7 +21,9 @@ _CLOCK = (
     r"(?P<hour>\d{1,3}):(?P<minute>\d{1,2})(?::(?P<second>\d{1,2}(?:[.,:]\d{1,9})?))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
 )
 _ZONE = r"\s*(?P<zone>Z|UTC|GMT|[+-]\d{2}(?::?\d{2})?)"
-_STAMP = re.compile(rf"(?:{_DATE})?[ T,;_]*(?:{_CLOCK})?(?:{_ZONE}| [A-Z]{{3,5}})?")  # letters as CEST: local time
+_STAMP = re.compile(
+    rf"(?:{_DATE})?(?: - |[ T,;_]*)(?:{_CLOCK})?(?:{_ZONE}| [A-Z]{{3,5}})?"
+)  # letters as CEST: local time
 _WORDS = re.compile(r"(?=.*\d)(?=.*[A-Za-z]{3}).*|\d{8}[T ]\d{4,}.*")  # a month in letters, or ISO without marks
 _EPOCH = date(1970, 1, 1).toordinal()
 DAY_S, HOUR_S = 86400.0, 3600.0

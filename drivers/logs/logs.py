@@ -38,7 +38,7 @@ def regular(path: Path) -> Path:
             file.read(1)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    if path.suffix.lower() in _PLAIN and encoding_of(path) in ("utf-16", "utf-16-le"):
+    if path.suffix.lower() in _PLAIN and encoding_of(path).startswith("utf-16"):
         raise InputError(f"{path}: is UTF-16 text; convert it: iconv -f UTF-16 -t UTF-8 {path.name} > NEW{path.suffix}")
     if path.suffix.lower() == ".mf4" and find_spec("asammdf") is None:
         raise InputError(f"{path}: reading MF4 needs asammdf: pip install 'ballscrew[mf4]'")

@@ -70,7 +70,7 @@ def complaint(path: Path, rig: Rig) -> str:
 
 @pytest.mark.parametrize("sep", [",", ";", "\t", "|", " "])
 @pytest.mark.parametrize("comma", [False, True])
-@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
 def test_separators_decimal_marks_and_encodings(tmp_path: Path, rig: Rig, sep: str, comma: bool, encoding: str) -> None:
     cells = [[cell.replace(".", "," if comma else ".") for cell in row] + ["°C"] for row in rows()]
     if comma and sep == ",":
@@ -167,6 +167,7 @@ def test_names_that_are_nearly_right_doubled_or_not_there(tmp_path: Path, rig: R
         ("%d.%m.%Y %H:%M:%S", "day first"),
         ("%d.%m.%y %H:%M:%S", "day first"),
         ("%d.%m.%Y %H:%M:%S,000", "day first"),
+        ("%d.%m.%Y - %H:%M:%S", "day first"),
         ("%d/%m/%Y %H:%M:%S", "all of one day"),
         ("%m/%d/%Y %I:%M:%S %p", "all of one day"),
         ("%d-%b-%Y %H:%M:%S", ""),
@@ -252,6 +253,12 @@ def test_rows_out_of_order(tmp_path: Path, rig: Rig) -> None:
     )
     late = [*plain[:20], *plain[21:24], plain[20], *plain[24:]]
     assert_as_plain(write(tmp_path / "a.csv", late), rig, "rows sorted by time")
+
+
+def test_parts_that_overlap_are_told_once(tmp_path: Path, rig: Rig) -> None:
+    plain = rows()
+    assert_as_plain(write(tmp_path / "a.csv", [*plain[:40], *plain[30:]]), rig, "10 rows are there twice")
+    assert_as_plain(write(tmp_path / "a.csv", [*plain[30:], *plain[:40]]), rig, "10 rows are there twice")
 
 
 def test_a_clock_that_was_set_back_is_no_matter_of_order(tmp_path: Path, rig: Rig) -> None:
