@@ -170,7 +170,7 @@ def load(logs: Sequence[Path], rig: Rig, terminal: Terminal, join: bool = False)
     for message in failed:
         terminal.error(message)
     for one in loaded:
-        for note in (note for note in one.recording.notes if "never came" in note):
+        for note in (note for note in one.recording.notes if ": no " in note):
             terminal.warn(f"{one.path.name}: {note}")
     return loaded, failed
 

@@ -64,13 +64,15 @@ class Decoder:
         return {message.key: message.name for message in self.used}
 
     def never_came(self, frames: Frames) -> None:
-        """Say first which messages of the rig are not there, and what is not measured for that."""
+        """Say first which messages of the rig are not there, or never whole, and what is not measured for that."""
         there = set(np.unique(frames.key).tolist())
         for message in reversed(self.used):
-            if message.key not in there:
-                lost = ", ".join(source.name for source in self.sources.get(message.name, ()))
-                never = f"{message.name} (0x{message.id:X}) never came"
-                self.tally.notes.insert(0, f"{never}: no {lost}" if lost else never)
+            sizes = np.unique(frames.dlc[frames.key == message.key]) if message.key in there else np.empty(0)
+            if message.length in sizes:
+                continue
+            why = f"has {sizes[-1]} bytes, {message.length} in {self.dbc.path.name}" if len(sizes) else "never came"
+            lost = ", ".join(source.name for source in self.sources.get(message.name, ()))
+            self.tally.notes.insert(0, f"{message.name} (0x{message.id:X}) {why}{f': no {lost}' if lost else ''}")
 
     def closings(self, frames: Frames) -> tuple[Mask, Whole]:
         """Which frames close a scan, (n,), and their scan number, (n,), -1 where there is none."""

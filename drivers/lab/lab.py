@@ -139,11 +139,7 @@ def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:
     steps = np.diff(table.time)
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else rig.tick_s
     coarse = step >= rig.tick_s / 2
-    if not 0.5 < step / rig.tick_s < 1.5:
-        how = "none is measured in the ticks between" if coarse else "the last of a tick counts"
-        table.said.append(f"a row each {step:g} s, a tick each {rig.tick_s:g} s: {how}")
-    if table.said:
-        tally.notes.insert(0, ", ".join(table.said))
+    _tell(table, step, rig.tick_s)
     clock = RigClock(max(rig.tick_s, step), 1, tally, lambda row: f"line {int(table.line[row])}", budget)
     none = np.full(len(table.time), -1, np.int64)
     now = clock.run(table.time, np.zeros(len(none), bool), none)
@@ -163,6 +159,15 @@ def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:
     for column in rows.inputs.values():
         _hold(column, held if step > rig.tick_s else 0)
     return rows
+
+
+def _tell(table: Table, step: float, tick_s: float) -> None:
+    """The one note of what was recognised by itself."""
+    if not 0.5 < step / tick_s < 1.5:
+        how = "none is measured in the ticks between" if step > tick_s else "the last of a tick counts"
+        table.said.append(f"a row each {step:g} s, a tick each {tick_s:g} s: {how}")
+    if table.said:
+        table.tally.notes.insert(0, ", ".join(table.said))
 
 
 def _readings(name: str, rule: Signal, cells: Array, row: Index, now: Array, tally: Tally) -> Readings:

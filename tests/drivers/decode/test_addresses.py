@@ -82,3 +82,9 @@ def test_live_the_id_of_the_dbc_counts_once_it_comes_and_a_second_sender_never(r
     assert [addresses.id_of(one, True) for one in (first, second, first)] == [own, second, own]
     assert [addresses.id_of(one, True) for one in (own, first, second)] == [own, first, second]
     assert addresses.id_of(own, False) == own
+
+
+def test_a_message_that_is_never_as_long_as_the_dbc_says_is_said_first(tmp_path: Path, rig: Rig) -> None:
+    rows = [row._replace(data=row.data[:5]) if row.id == 0x240 else row for row in ROWS]
+    record = read_recording(log_fake.write(tmp_path / "a.log", rows), load_rig(ROOT / "recordings"))
+    assert record.notes[0].startswith("Environment1 (0x240) has 5 bytes, 8 in rig.dbc: no ambient, base")
