@@ -101,13 +101,14 @@ def named(channels: Iterable[str], rig: Rig) -> str:
 
 
 def _counts(use: Use, rig: Rig) -> Iterator[str]:
-    """T06: 5759 x stuck, 10 x jumped; all thermometers: 3 x power-on value. Channels that tell the same together."""
+    """T06: 5759 x stuck, 10 x jumped; all thermometers, T01 ... T15: 3 x power-on value. Alike ones together."""
     alike: dict[str, list[str]] = {}
     for one in use.channels:
         if reasons := _reasons(one, use, rig):
             alike.setdefault(", ".join(f"{count} x {reason}" for reason, count in reasons), []).append(one.channel)
     for told, channels in alike.items():
-        yield f"{named(channels, rig)}: {told}"
+        who = named(channels, rig)
+        yield f"{who}{'' if channels[0] in who else f', {channels[0]} ... {channels[-1]}'}: {told}"
 
 
 def _reasons(one: ChannelUse, use: Use, rig: Rig) -> list[tuple[str, int]]:

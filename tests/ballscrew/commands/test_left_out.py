@@ -131,7 +131,7 @@ def test_values_after_power_on_are_no_start(tmp_path):
     recording, said = reviewed(written(not_converted_yet, tmp_path))
     assert recording["begun"] == {"at_s": 3.0 * TICK_S, "again": False}
     assert all(recording["channels"][name]["why"] == {"power-on value": 3} for name in ALL)
-    assert "all thermometers: 3 x power-on value" in said
+    assert "all thermometers, TC1 ... TC8: 3 x power-on value" in said
     (tmp_path / "well").mkdir()
     well, _ = reviewed(written(without_the_first, tmp_path / "well"))
     assert recording["temperature_K"] == pytest.approx(well["temperature_K"], abs=1e-5)
