@@ -116,7 +116,7 @@ def _merged(sources: Sequence[Source]) -> Iterator[Received]:
         if returns[key] > _MOST_RETURNS * len(sources):
             raise InputError(
                 f"{sources[before].path.name} and {sources[k].path.name} both have 0x{frame.id:X} on {frame.channel} "
-                "at the same times: they are two recordings; export each to a file of its own"
+                "at the same times: two recordings whose clocks overlap; export each to a file of its own"
             )
         yield frame
 

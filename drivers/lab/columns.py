@@ -55,9 +55,9 @@ def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
     columns = Columns(of, time, units | _without_head(sheet, {*of.values()}, time))
     free = [name for k, name in enumerate(sheet.names) if k not in {*of.values(), *time} and name]
     if missing := [column for name, column in names.items() if name not in of]:
-        near = [near for column in missing if (near := nearest_name(column, free))]
-        hint = f" (there is '{near[0]}')" if near else ""
-        tally.note(f"no column {', '.join(missing)}{hint}: not measured")
+        hints = {column: nearest_name(column, free) for column in missing}
+        told = (f"{column} (there is '{near}')" if near else column for column, near in hints.items())
+        tally.note(f"no column {', '.join(told)}: not measured")
     for name in sorted({*free}):
         tally.skip(f"column not in the rig file {name[:40]}")
     return columns
