@@ -17,6 +17,7 @@ from estimator.errors import InputError
 _TOLERATED_S = 0.05  # by which clocks may differ, and what one may drift by inside a block
 _BLOCK = 200  # pairs of frames that show how far two clocks are apart
 _FEWEST = 20
+_BATCHES = 1.5  # of its length: for so long a bus may be silent around a batch
 _APART_S = 3.0  # buses that are recorded together begin within some cycles of their messages
 
 
@@ -78,8 +79,7 @@ def on_one_clock(frames: Frames, name: str, tally: Tally) -> Array:
         low, high = sorted((abs(float(lead.min())), abs(float(lead.max()))))
         by = f"{low:.2f} s" if high - low < _TOLERATED_S else f"{low:.2f} to {high:.2f} s"
         tally.note(f"the clocks of {names} are {by} apart: both on that of {frames.buses[first]}")
-    latest = np.maximum.accumulate(time)
-    return np.where((latest > time) & (latest - time < _TOLERATED_S) & bool(others), latest, time)
+    return time
 
 
 def _lead(time: Array, is_other: Mask, what: str) -> Array | None:
@@ -94,6 +94,10 @@ def _lead(time: Array, is_other: Mask, what: str) -> Array | None:
     upper = np.array([np.min(step[b][to_other[b]], initial=np.inf) for b in blocks])
     lower = np.array([np.max(-step[b][~to_other[b]], initial=-np.inf) for b in blocks])
     if (good := lower - upper < _TOLERATED_S).mean() < 0.8:
+        rise = all((np.diff(time[is_other == other]) >= 0).all() for other in (False, True))
+        slack = _BATCHES * float(np.median(lower - upper)) + _TOLERATED_S
+        if rise and np.median(upper) - slack < 0 < np.median(lower) + slack:
+            return None  # one clock, whose frames came in batches
         raise InputError(f"{what} are apart by no steady time: record both with one clock, or the rig on one bus")
     middle, at = (lower + upper)[good] / 2, np.array([pairs[b].mean() for b in blocks])[good]
     if np.ptp(middle) < _TOLERATED_S:
@@ -104,9 +108,13 @@ def _lead(time: Array, is_other: Mask, what: str) -> Array | None:
 def in_order(frames: Frames, tick_s: float, name: str, tally: Tally) -> Index:
     """Indices of the frames in the order of their stamps, where the log has its parts the wrong way round.
 
-    Parts are told from jumps of the clock by that one ends where another begins. Stamps that fall again and again are
+    So are the frames of several buses that came in batches: on each bus the stamps only rise. Parts are told from jumps
+    of the clock by that one ends where another begins. Stamps that fall again and again are
     no clock, which is an InputError.
     """
+    buses = np.unique(frames.bus)
+    if len(buses) > 1 and all((np.diff(frames.time[frames.bus == bus]) >= 0).all() for bus in buses):
+        return np.argsort(frames.time, kind="stable")
     steps, order = np.diff(frames.time), np.arange(len(frames))
     falls = int((steps < 0).sum())
     if falls > 2 * (steps > 0).sum():

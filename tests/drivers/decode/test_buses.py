@@ -52,6 +52,16 @@ def test_two_clocks_are_made_one(tmp_path: Path, lead_s: float) -> None:
     assert any("the clocks of" in note for note in record.notes)
 
 
+@pytest.mark.parametrize("batch_s", [0.06, 0.3, 2.0])
+def test_batches_of_two_buses_on_one_clock(tmp_path: Path, batch_s: float) -> None:
+    rows = sorted(ROWS, key=lambda row: (row.time // batch_s, row.id in DRIVE))
+    lines = [f"({row.time:.6f}) {the_drive_on_can1(row)} {row.id:03X}#{row.data.hex()}\n" for row in rows]
+    (tmp_path / "a.log").write_text("".join(lines))
+    record = read_recording(tmp_path / "a.log", RIG)
+    assert_same(record, read_recording(log_fake.write(tmp_path / "b.log", ROWS), RIG))
+    assert record.notes == ("the rig's messages come on can0 and can1",)
+
+
 def test_one_clock_is_left_alone_even_where_it_jumps(tmp_path: Path) -> None:
     def clock(row: Row) -> float:
         return row.time + 1000.0 * (row.time > log_fake.START + 20)
