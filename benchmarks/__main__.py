@@ -1,7 +1,7 @@
 """Run studies and keep what they measured in benchmarks/RESULTS.md; the sections of other studies stay.
 
 python -m benchmarks [NAME ...]          without a name: all but those that take long
-python -m benchmarks machines WORD ...   a part of that study, printed and not kept
+python -m benchmarks machines WORD ...   a part of that study, printed and not kept; faults likewise
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from benchmarks.measure import alone, commit, machine
 RESULTS = Path(__file__).parent / "RESULTS.md"
 STUDIES = ("accuracy", "mesh", "speed", "engine")
 LONG = ("faults", "restarts", "recovery", "search", "hidden", "live", "machines")
+PARTS = (["machines"], ["faults"])  # which do a part of themselves for the words after them
 ALONE = ("engine", *LONG)  # in a process that computes in one thread
 
 
 def main(names: list[str]) -> None:
     """Print and keep the tables."""
-    if names[:1] == ["machines"] and names[1:]:
+    if names[:1] in PARTS and not set(names[1:]) & {*STUDIES, *LONG} and names[1:]:
         print(alone(*names).strip())
         return
     if unknown := set(names) - {*STUDIES, *LONG}:

@@ -62,7 +62,7 @@ class Filter:
         if self.run is not None:
             self.run = self.run.by(model)
             self._doubt: Doubt = self._doubt.by(self.run)
-            self._judge.by_another_model()
+            self._judge.by_another_model(self._doubt.known)
             self._transitions.clear()
         self.model = model
 
@@ -70,8 +70,9 @@ class Filter:
         run = self.run = begin(self.model, self.rig, rows, self.mute, KEPT)
         if run is None:
             return Track.waiting(self.rig.names, rows).step(0, ("waiting for a thermometer",) * len(self.rig.names))
-        self.x, self.P, self._judge = run.x, run.P, run.judge()
-        self._open_loop, self._doubt, self._reporter = run.open_loop(), Doubt(run), Reporter(run)
+        doubt = Doubt(run)
+        self.x, self.P, self._judge = run.x, run.P, run.judge(doubt.known)
+        self._open_loop, self._doubt, self._reporter = run.open_loop(), doubt, Reporter(run)
         self._transitions.clear()
         self.__dict__.pop("_filterpy", None)
         return self._reporter.first(rows).step(0, run.first.why(run.fault, run.muted))
@@ -93,7 +94,7 @@ class Filter:
         fault = judged.fault[0]
         fuse = compared.usable & ~muted & (fault == Fault.NONE)
         nis, gain = self._update(sample.channels - d, fuse, H, R)
-        doubt = self._doubt.behind(moves, gain[None])
+        doubt = self._doubt.behind(moves, gain[None], judged.off_share)
         self.P = self._filterpy.P = run.state.judged(self.P, judged)
         estimates = Estimates.of_tick(
             x=self.x,
@@ -107,6 +108,7 @@ class Filter:
             fault=fault,
             since_s=judged.since_s[0],
             may_drift_K=judged.may_drift_K[0],
+            off_share=judged.off_share[0],
             jump=np.zeros(len(fuse)) if judged.jump is None else judged.jump,
             input_fault=run.forcing.input_fault,
             doubt=doubt.states[0],
@@ -155,4 +157,6 @@ class Filter:
 def seen(sample: Sample, compared: Innovation, alone: Array, muted: Array, moves: Moves) -> Seen:
     """What the judge is shown of one tick."""
     reading, value, sd = sample.channels, compared.value, compared.sd
-    return Seen(np.array([sample.time_s]), reading[None], value[None], sd[None], alone[None], muted[None], moves.doubt)
+    return Seen(
+        np.array([sample.time_s]), reading[None], value[None], sd[None], alone[None], muted[None], moves.readings
+    )

@@ -57,10 +57,14 @@ class Value:
 
 @dataclass(frozen=True)
 class Doubts:
-    """How well parameters are known together: `paths` (p,) and their covariance (p, p)."""
+    """How well parameters are known together: `paths` (p,) and their covariance (p, p).
+
+    whole  (p,) what each of them is, or how wide its table is, whichever is more
+    """
 
     paths: tuple[str, ...]
     covariance: Array
+    whole: Array
 
 
 @dataclass(frozen=True)
@@ -172,7 +176,8 @@ class Model:
         Not of the expansion coefficient, whose error is a state of the filter.
         """
         paths = tuple(path for path, value in self.values.items() if value.sd and path != EXPANSION)
-        return Doubts(paths, self.covariance(paths))
+        whole = [max(abs(self[path]), self.param(path).sd or 0.0) for path in paths]
+        return Doubts(paths, self.covariance(paths), np.array(whole, dtype=float))
 
     def covariance(self, paths: Sequence[str]) -> Array:
         """Of the errors of parameters that have an sd, (p, p)."""

@@ -35,6 +35,7 @@ class Step:
     measured, predicted, innovation, innovation_sd, fused, why   (m,) for each channel
     fault, since_s    (m,) what is wrong with each channel, a Fault, and since when
     may_drift_K       (m,) by how much a thermometer that is fused may have drifted, since since_s; 0: not suspected
+    off_share         by which share of their values the model's parameters must be off, 0: they are what a fit says
     jump              (m,) by how much its zero has become another one with this tick; 0 where it has not
     input_fault       (p,) why each input of the rig is held, a Fault, NONE: it is not
     begins            whether the run began with this tick; again, where what it had begun with were no temperatures
@@ -62,6 +63,7 @@ class Step:
     fault: Array
     since_s: Array
     may_drift_K: Array
+    off_share: float
     jump: Array
     input_fault: Array
     begins: bool
@@ -102,6 +104,7 @@ class Track:
     fault: Array
     since_s: Array
     may_drift_K: Array
+    off_share: Array
     jump: Array
     input_fault: Array
     begins: Array
@@ -121,7 +124,7 @@ class Track:
         said |= {"fault": np.zeros((K, m), dtype=np.int8), "begins": np.zeros(K, dtype=bool)}
         said |= {name: np.zeros((K, m)) for name in ("jump", "may_drift_K")}
         said |= {"input_fault": np.zeros((K, len(rows.inputs)), dtype=np.int8)}
-        said |= {"mode": np.full(K, Mode.INIT), "nis_channels": np.zeros(K, dtype=int)}
+        said |= {"mode": np.full(K, Mode.INIT), "nis_channels": np.zeros(K, dtype=int), "off_share": np.zeros(K)}
         return cls(np.empty(0), (), names, **said)
 
     @classmethod

@@ -25,6 +25,7 @@ from estimator.effects.length import Displacement
 from estimator.effects.nut import NutBody, NutFriction
 from estimator.effects.readings import Thermometers
 from estimator.effects.screw import Conduction
+from estimator.faults import machine
 from estimator.filter import Filter
 from estimator.inputs.inputs import Inputs
 from estimator.inputs.start import Start
@@ -79,6 +80,12 @@ def terms_of(name: str, rig: Rig, u: Inputs, **values: float) -> list[Term]:
 def paper() -> tuple[Rig, Model]:
     """The paper's rig with the model that ships with it."""
     return load_rig(PAPER), load_model(PAPER / "model.toml")
+
+
+@pytest.fixture
+def no_other_machine(monkeypatch) -> None:
+    """The machine is the model's for sure: nothing is off by more than its parameters' sd."""
+    monkeypatch.setattr(machine, "ANOTHER", 1e-12)
 
 
 @pytest.fixture(scope="session")

@@ -73,6 +73,7 @@ def _variance(trial: Trial, posed: Posed) -> Array:
     """Of each reading around the model alone, (T, m)."""
     blind = replace(posed.system, muted=np.ones_like(trial.muted))
     sd = np.vstack([chunk.sd for chunk in batch.passes(blind)])
-    ahead, T = trial.ahead(posed, trial.doubt(posed)), len(sd)
-    doubt = [ahead.rows(slice(k, min(k + TICKS, T))).doubt for k in range(0, T, TICKS)]
-    return np.asarray(sd**2 + (np.concatenate(doubt) ** 2).sum(axis=-1))
+    doubt, T = trial.doubt(posed), len(sd)
+    ahead = trial.ahead(posed, doubt)
+    moved = [ahead.rows(slice(k, min(k + TICKS, T))).readings @ doubt.known.root for k in range(0, T, TICKS)]
+    return np.asarray(sd**2 + (np.concatenate(moved) ** 2).sum(axis=-1))

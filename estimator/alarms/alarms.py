@@ -15,13 +15,14 @@ from estimator.rig import Rig
 from estimator.step import Step
 
 SILENT_TICKS = 10
+ANOTHER, STILL_ANOTHER = 0.15, 0.1  # share by which parameters are off on a machine that is not the model's
 
 
 @dataclass(frozen=True)
 class Alarm:
     """What is wrong, with which channel ("": all of them), and since when, s since the first frame.
 
-    kind    "bias", "nis", "rejected", "silent", "may drift", or the word of a Fault, of a channel or an input
+    kind    "bias", "nis", "rejected", "silent", "may drift", "machine", or the word of a channel's or an input's Fault
     over_s  of a test, how long the readings were looked at; 0: as they come
     """
 
@@ -60,6 +61,7 @@ class Alarms:
         """Take one tick; returns the alarms that begin with it, and those that end."""
         heat = self._heat & (np.array(step.why, dtype=object) != "muted")
         found, judged = [*self._silences(step, heat), *self._faults(step, heat), *self._inputs(step)], {0.0}
+        found += self._machine(step)
         for test in self._tests:
             if test.add(step):
                 judged.add(test.over_s)
@@ -95,6 +97,13 @@ class Alarms:
         for i in np.flatnonzero(heat & (step.may_drift_K != 0) & (step.fault == Fault.NONE)):
             text = f"{place_of(self.rig, i)} {MAY_DRIFT} away from its neighbours; it is used"
             yield Alarm(MAY_DRIFT, self.rig.names[i], float(step.since_s[i]), text)
+
+    def _machine(self, step: Step) -> Iterator[Alarm]:
+        """A machine that is not the model's."""
+        on = self.active.get(("machine", "", 0.0))
+        if step.off_share > (STILL_ANOTHER if on else ANOTHER):
+            off = f"its parameters are off by some {step.off_share:.0%}; the estimate's sd allows for it"
+            yield Alarm("machine", "", on.since_s if on else step.time_s, f"the model is not this machine's: {off}")
 
     def _inputs(self, step: Step) -> Iterator[Alarm]:
         """Inputs that are held; what is stuck may be as it was, and stays as it is."""

@@ -38,7 +38,7 @@ class Readings:
         """A chunk's ticks as the judge is shown them."""
         at = chunk.ticks
         value = system.y[at] - chunk.predicted
-        return Seen(self.time_s[at], self.reading[at], value, chunk.sd, self.alone[at], self.muted[at], moves.doubt)
+        return Seen(self.time_s[at], self.reading[at], value, chunk.sd, self.alone[at], self.muted[at], moves.readings)
 
 
 @dataclass(frozen=True)

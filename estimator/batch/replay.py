@@ -115,7 +115,7 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
     for k in range(0, last - chunk.ticks.start, ROWS):
         at = slice(chunk.ticks.start + k, min(chunk.ticks.start + k + ROWS, last))
         some = slice(k, k + at.stop - at.start)
-        doubtful = _doubtful(posed, chunk.rows(some), part.moves.rows(some), doubt)
+        doubtful = _doubtful(posed, chunk.rows(some), part.moves.rows(some), doubt, judgement.off_share[some])
         P = chunk.P[some].copy()
         if at.stop == chunk.ticks.stop:
             P[-1] = posed.state.judged(P[-1], judgement)
@@ -131,6 +131,7 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
             fault=judgement.fault[some],
             since_s=judgement.since_s[some],
             may_drift_K=judgement.may_drift_K[some],
+            off_share=judgement.off_share[some],
             jump=jump[some],
             input_fault=trial.drive.inputs.fault[1:][at],
             doubt=doubtful.states,
@@ -139,9 +140,9 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
         yield at, estimates.suspecting(posed.state)
 
 
-def _doubtful(posed: Posed, chunk: Chunk, moves: Moves, doubt: Doubt) -> Doubtful:
+def _doubtful(posed: Posed, chunk: Chunk, moves: Moves, doubt: Doubt, off_share: Array) -> Doubtful:
     """What some ticks are off by, next in order of time; the gain follows from what was found: K = P H' R^-1."""
     at, system = chunk.ticks, posed.system
     PH = chunk.P @ system.H.T + chunk.P[:, :, system.column, None] * (system.grown[at, None, None] * system.spans)
     inverse = np.divide(1.0, system.R[at], out=np.zeros_like(system.R[at]), where=chunk.fused)
-    return doubt.behind(moves, PH * inverse[:, None, :])
+    return doubt.behind(moves, PH * inverse[:, None, :], off_share)

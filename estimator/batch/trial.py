@@ -15,7 +15,7 @@ from estimator.batch.nominal import Nominal, nominal
 from estimator.batch.system import System
 from estimator.errors import InputError
 from estimator.faults.fault import Fault
-from estimator.faults.heat import may_be_heat
+from estimator.faults.neighbours import may_be_heat
 from estimator.faults.use import Told, Use, use_of
 from estimator.model import Model
 from estimator.network.forcing import Forcing
@@ -223,7 +223,7 @@ class Trial:
         """
         alone = posed.run.lagged + posed.offset[1:]
         readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, self.ahead(posed, doubt))
-        return judged(posed.system, readings, self.run.judge(), posed.state)
+        return judged(posed.system, readings, self.run.judge(doubt.known), posed.state)
 
     def loglike(self, model: Model) -> float:
         """Log-likelihood of the readings after the first sample, given that one."""

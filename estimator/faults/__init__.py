@@ -1,5 +1,5 @@
 """Which channels are broken, by what they read against the model and each other.
 
-In the order to read them: fault, jumps, standstill, outlier, neighbours, suspects, recovery, judge, travel, heat, use,
-sentences.
+In the order to read them: fault, jumps, standstill, machine, outlier, neighbours, suspects, recovery, judge, travel,
+use, sentences.
 """

@@ -60,7 +60,7 @@ class Seen:
     value    (K, m) innovation;   sd  (K, m) of it, inf: no model
     alone    (K, m) reading by the model alone
     muted    (K, m) bool
-    doubt    (K, m, p) what the model alone may be off by, per standard normal error of its parameters
+    doubt    (K, m, p) how the model alone moves with each of its parameters that are in doubt
     """
 
     time_s: Array
@@ -82,6 +82,7 @@ class Judgement:
 
     fault    (K, m) a Fault each, since when (K, m) s
     may_drift_K  (K, m) by how much channels that are fused may have drifted, 0: not suspected; since when in since_s
+    off_share  (K,) by which share of their values the model's parameters must be off, 0: as a fit has left them
     jump     (m,) by how much channels jumped whose zero is now another one; None: none did
     drift    (m,) by how much channels had drifted that were fused up to now; None: none had
     anew     whether the run has to begin again with the last tick: what it began with were no temperatures
@@ -90,6 +91,7 @@ class Judgement:
     fault: Array
     since_s: Array
     may_drift_K: Array
+    off_share: Array
     jump: Array | None = None
     drift: Array | None = None
     anew: bool = False

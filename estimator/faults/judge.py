@@ -15,6 +15,7 @@ import numpy as np
 
 from estimator.faults.fault import Fault, Judgement, Seen, Tick
 from estimator.faults.jumps import Deviations, Jumps
+from estimator.faults.machine import Known
 from estimator.faults.neighbours import Neighbours
 from estimator.faults.recovery import Progress, Recovery
 from estimator.faults.standstill import Standstill
@@ -35,12 +36,15 @@ class Judge:
     fault, since_s  (m,) as of the last tick: a Fault each, and since when, NaN: it is well
     """
 
-    def __init__(self, rig: Rig, noise: Array, begun_s: float, begun_with: Array) -> None:
-        """noise (m,) sd of each reading, inf: no model; the run began at begun_s with some of the channels (m,)."""
+    def __init__(self, rig: Rig, noise: Array, begun_s: float, begun_with: Array, known: Known) -> None:
+        """noise (m,) sd of each reading, inf: no model; the run began at begun_s with some of the channels (m,).
+
+        known  how well the model's parameters are
+        """
         m, self._heat, self._begun_s, self._begun_with = len(noise), rig.is_thermometer, begun_s, begun_with
         places = [np.nan if channel.at_mm is None else channel.at_mm for channel in rig.channels.values()]
         self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s), Standstill(m)
-        self._neighbours = Neighbours(np.array(places, dtype=float), noise, rig.tick_s)
+        self._neighbours = Neighbours(np.array(places, dtype=float), noise, self._heat, rig.tick_s, known)
         self._suspects, self._recovery = Suspects(m, begun_with), Recovery(m)
         self.fault, self.since_s = np.zeros(m, dtype=np.int8), np.full(m, np.nan)
         self._silent_ticks = np.where(self._heat, SILENT_TICKS, max(SILENT_TICKS, SILENT_LENGTH_S / rig.tick_s))
@@ -66,9 +70,10 @@ class Judge:
         repeats = self._standstill.compare(np.where(self._heat & np.isfinite(seen.value), seen.reading, np.nan))
         progress = self._recovery.compare(seen.time_s, jumps, repeats.count, self.fault)
         ticks = self._quiet(seen, jumps, repeats.count, progress)
-        asked = self.well & self._heat & np.isfinite(seen.value)
+        used = self.well & np.isfinite(seen.value) & ~jumps.beyond
         before = self.fault.copy(), self._said_since_s, self._neighbours.may_drift_K.copy()
-        ticks, drifting = self._neighbours.add(seen.first(ticks), asked)
+        added = self._neighbours.add(seen.first(ticks), used)
+        ticks, drifting = added.ticks, added.drifting
         fault, since_s, may_drift_K = (np.tile(each, (ticks, 1)) for each in before)
         last = ticks - 1
         if last:
@@ -92,11 +97,11 @@ class Judge:
         fault[last], since_s[last], may_drift_K[last] = self.fault, self._said_since_s, self._neighbours.may_drift_K
         if jump is not None:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
-        return Judgement(fault, since_s, may_drift_K, jump, drift, anew)
+        return Judgement(fault, since_s, may_drift_K, added.off_share, jump, drift, anew)
 
-    def by_another_model(self) -> None:
-        """Go on with what another model says of the readings."""
-        self._neighbours.forget_all()
+    def by_another_model(self, known: Known) -> None:
+        """Go on with what another model says of the readings, of which other parameters are known."""
+        self._neighbours.forget_all(known)
 
     def _quiet(self, seen: Seen, jumps: Deviations, repeats: Array, progress: Progress) -> int:
         """How many ticks there are up to the first in which something happens; one while a channel is being judged."""
@@ -170,7 +175,7 @@ class Judge:
         self.fault[gone], self.since_s[gone] = Fault.NONE, np.nan
         if jump is not None:
             gone |= jump != 0.0
-            for i in np.flatnonzero((jump != 0.0) & self._heat).tolist():
+            for i in np.flatnonzero(jump).tolist():
                 self._neighbours.forget(i)
         if gone.any():
             self._jumps.forget(gone)

@@ -15,12 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.faults.fault import Seen
+from estimator.faults.machine import Known, Machine
 from estimator.faults.outlier import AS_IT_IS, USUAL, WINDOWS, Departure, Means, Windows
 from estimator.record import Array
+from estimator.rig import Rig
 
 BLOCK_S = 10.0
 MEAN = 3  # blocks in a mean
 IN_A_ROW = 3  # blocks at whose end the same one has to fail
+AS_FAR = 0.3  # of the other: as far as that
 
 
 @dataclass
@@ -33,6 +36,16 @@ class Block:
     doubt: Array | float = 0.0
 
 
+@dataclass(frozen=True)
+class Added:
+    """How many ticks were taken, which channel drifts with the last of them, and by which share of their values the
+    model's parameters are off at each, (ticks,)."""
+
+    ticks: int
+    drifting: int | None
+    off_share: Array
+
+
 class Neighbours:
     """What thermometers along the screw have read in the last hour, and which of them has been failing.
 
@@ -40,10 +53,11 @@ class Neighbours:
     may_drift_K, since_s  (m,) how far those have that are suspected, 0: the others, and since when, NaN
     """
 
-    def __init__(self, x_mm: Array, noise: Array, tick_s: float) -> None:
-        """x_mm (m,) places along the screw, NaN: a channel without neighbours; noise (m,) sd of each reading."""
+    def __init__(self, x_mm: Array, noise: Array, heat: Array, tick_s: float, known: Known) -> None:
+        """Of channels (m,): places along the screw, NaN: no neighbours; sd of a reading; which are thermometers."""
         m, self._length = len(x_mm), max(1, round(BLOCK_S / tick_s))
-        self._windows = Windows(x_mm, noise**2 / (MEAN * self._length))
+        self._windows = Windows(x_mm, noise**2 / (MEAN * self._length), known)
+        self._machine, self._heat, self._tick_s = Machine(known, heat, tick_s), heat, tick_s
         self._last: deque[tuple[Array, Array]] = deque(maxlen=MEAN)
         self._past: deque[Means] = deque(maxlen=WINDOWS[-1] + 1)
         self._alone, self._rough_K = np.full(m, np.nan), np.zeros(m)  # of the last block; so far
@@ -52,26 +66,29 @@ class Neighbours:
         self._before: dict[int, Means] = {}  # those began to depart that are suspected
         self._block = Block()
 
-    def add(self, seen: Seen, asked: Array) -> tuple[int, int | None]:
-        """Take ticks up to the first at which a channel is found to drift, or may drift, or no longer: how many were
-        taken, and which one drifts.
+    def add(self, seen: Seen, used: Array) -> Added:
+        """Take ticks up to the first at which a channel is found to drift, or may drift, or no longer.
 
-        asked  (K, m) which channels are to be compared
+        used  (K, m) which readings are believed
         """
         k, K, block = 0, len(seen.time_s), self._block
+        asked, share = used & self._heat, np.empty(K)
         while k < K:
             some = slice(k, min(k + self._length - block.ticks, K))
             block.difference += np.where(asked[some], seen.reading[some] - seen.alone[some], np.nan).sum(axis=0)
             block.alone += seen.alone[some].sum(axis=0)
             block.doubt += seen.doubt[some].sum(axis=0)
+            self._machine.hear(seen, some, used[some])
+            share[some] = self._machine.share
             block.ticks, k = block.ticks + some.stop - some.start, some.stop
             if block.ticks == self._length:
                 before = self.may_drift_K.copy()
                 found = self._close(block, float(seen.time_s[k - 1]))
+                share[k - 1] = self._machine.share
                 if found is not None or not np.array_equal(before, self.may_drift_K):
-                    return k, found
+                    return Added(k, found, share[:k])
                 block = self._block
-        return K, None
+        return Added(K, None, share)
 
     def forget(self, i: int) -> None:
         """Channel i has another zero from now on."""
@@ -79,10 +96,12 @@ class Neighbours:
         for difference in [each.difference for each in means] + [block[0] for block in self._last]:
             difference[i] = np.nan
         self._block.difference = np.where(np.arange(len(self._alone)) == i, np.nan, self._block.difference)
+        self._machine.forget(i)
         self._trust(i)
 
-    def forget_all(self) -> None:
-        """What has been seen says nothing any more: the model is another one."""
+    def forget_all(self, known: Known) -> None:
+        """What has been seen says nothing any more: the model is another one, of which other parameters are known."""
+        self._windows.known, self._machine = known, Machine(known, self._heat, self._tick_s)
         self._past.clear()
         self._last.clear()
         self._block = Block()
@@ -91,6 +110,8 @@ class Neighbours:
 
     def _close(self, block: Block, now_s: float) -> int | None:
         """The end of a block: which channel has failed often enough."""
+        self._machine.block(block.ticks)
+        self._windows.share = self._machine.share
         alone = np.asarray(block.alone / block.ticks)
         self._rough_K = self._rough_K + self._windows.rough(alone - self._alone)
         self._last.append((np.asarray(block.difference / block.ticks), np.asarray(block.doubt / block.ticks)))
@@ -127,3 +148,25 @@ class Neighbours:
         """Channel i is no longer suspected."""
         self._before.pop(i, None)
         self.may_drift_K[i], self.since_s[i] = 0.0, np.nan
+
+
+def may_be_heat(side: Array, rig: Rig) -> Array:
+    """Which of the thermometers that drift may be right, where a whole recording is at hand: (m,) bool.
+
+    side  (m,) how far each has, over time, 0: it does not
+
+    Heat moves the next thermometer too; beyond the last one there is none that could tell. Two that move as far as each
+    other to opposite sides are swapped.
+    """
+    found = np.zeros(len(side), dtype=bool)
+    places = [(rig.channels[name].at_mm, rig.index(name)) for name in rig.thermometers]
+    order = np.array([i for at_mm, i in sorted((at, i) for at, i in places if at is not None)], dtype=int)
+    if len(order) < 2:
+        return found
+    own = side[order]
+    beside = np.array([np.append(0.0, own[:-1]), np.append(own[1:], 0.0)])
+    sizes = np.abs([beside, np.broadcast_to(own, beside.shape)])
+    swapped = ((beside * own < 0) & (sizes.min(axis=0) > AS_FAR * sizes.max(axis=0))).any(axis=0)
+    is_last = np.isin(np.arange(len(own)), (0, len(own) - 1))
+    found[order] = (own != 0) & ~swapped & ((beside != 0).any(axis=0) | is_last)
+    return found

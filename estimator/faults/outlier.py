@@ -1,7 +1,7 @@
 """Which of several thermometers has changed as neither the model nor the others explain.
 
     c      ~ N(0, C),  C = s^2 (D D' + A) + B      change of reading less model alone, (n,) K
-    D      how c moves with what the model's parameters may be off by (state/doubt.py)
+    D      how c moves with what the model's parameters may be off by (state/doubt.py), and must be (machine.py)
     A      heat that no parameter stands for: alike along the screw, and a little of each one's own
     B      what all have in common, and scatter
     s      how many times worse the model is than it says, 1 .. 128: by the likelihood of the other thermometers
@@ -26,6 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.faults.machine import Known
 from estimator.record import Array
 
 WINDOWS = (6, 14, 32, 62, 182, 362)  # blocks of 10 s
@@ -106,8 +107,8 @@ class Change:
 
 @dataclass(frozen=True)
 class Means:
-    """Over some blocks up to that one, (m, ...): reading less model alone, how that moves with doubts; how rough the
-    model has been up to then."""
+    """Over some blocks up to that one, (m, ...): reading less model alone, how that moves with parameters; how rough
+    the model has been up to then."""
 
     block: int
     difference: Array
@@ -128,10 +129,14 @@ class Departure:
 
 
 class Windows:
-    """Compares thermometers over each of the WINDOWS; remembers for minutes how wrong the model has been."""
+    """Compares thermometers over each of the WINDOWS; remembers for minutes how wrong the model has been.
 
-    def __init__(self, x_mm: Array, variance: Array) -> None:
+    known, share  how well its parameters are known, and by which share of their values they are off nevertheless
+    """
+
+    def __init__(self, x_mm: Array, variance: Array, known: Known) -> None:
         """x_mm (m,) places along the screw, NaN: a channel without neighbours; variance (m,) of a mean, K^2."""
+        self.known, self.share = known, 0.0
         self._x, self._scatter = x_mm, COMMON_K**2 + np.diag(2.0 * variance)
         self._alike = np.exp(-0.5 * ((x_mm[:, None] - x_mm) / ALIKE_MM) ** 2)
         self._beside, self._scale = np.zeros((len(WINDOWS), len(x_mm))), np.ones(len(WINDOWS))
@@ -147,7 +152,7 @@ class Windows:
     def change(self, before: Means, now: Means) -> tuple[Change, Array]:
         """The change between two times, and of which thermometers it is known: of enough of them, or of none."""
         unknown = SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(self._x))
-        moved = now.doubt - before.doubt
+        moved = self.known.doubtful((now.doubt - before.doubt)[None], np.array([self.share]))[0]
         model = moved @ moved.T + (now.block - before.block) / TWO_MINUTES * unknown
         change = Change(now.difference - before.difference, model, self._scatter, now.rough - before.rough)
         at = np.flatnonzero(np.isfinite(change.value) & np.isfinite(self._x))

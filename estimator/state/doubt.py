@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
+from estimator.faults.machine import Known
 from estimator.network.forcing import Drive, Ticks
 from estimator.record import Array
 from estimator.state.moves import Course, Doubtful, Kernels, Moves, carried, followed
@@ -35,6 +36,7 @@ class Doubt:
     """Carries the sensitivities of one run to its model's doubtful parameters, in order of time.
 
     kernels  what does it tick by tick: `carried` and `followed`, or those compiled
+    known    how well the parameters are known, and then the thermometers' own errors
     """
 
     def __init__(self, run: Run, kernels: Kernels = (carried, followed)) -> None:
@@ -47,7 +49,9 @@ class Doubt:
         self._apart = MovedApart(run.forcing, [self._moved[i] for i in self._by_rows])
         readings = run.forcing.readings
         self._own = OwnErrors(readings, readings.rows @ self._start, run.forcing.rig.tick_s)
-        self._paths, self._root = doubts.paths, block_diag(root(doubts.covariance), np.diag(self._own.sd))
+        self._paths, no_other = doubts.paths, np.zeros_like(self._own.sd)
+        together = block_diag(root(doubts.covariance), np.diag(self._own.sd))
+        self.known = Known(together, np.append(doubts.whole, no_other))
         first = np.zeros(len(run.offset))
         m, n, size = len(first), run.state.n, run.state.size
         found = [moved.readings(run, run.offset, first) or ReadingsTangent.none(m, n, size) for moved in self._moved]
@@ -58,7 +62,7 @@ class Doubt:
         self._zeros = np.array([run.state.channel_zeros(column) for column in x0.T]).reshape(-1, m).T
         self._Z = self._Z0 = np.ascontiguousarray(x0[run.state.temperatures])
         self._spot = np.einsum("mn,np->mp", run.forcing.readings.rows, self._Z) + self._start @ self._rows
-        self._lagged, self._S = self._spot, np.zeros((size, len(self._root)))
+        self._lagged, self._S = self._spot, np.zeros((size, len(together)))
         self._slopes: dict[int, RegimeSlopes] = {}
 
     def by(self, run: Run) -> Doubt:
@@ -67,7 +71,7 @@ class Doubt:
         at = [self._paths.index(path) for path in other._paths]
         for key in ("_Z", "_Z0", "_spot", "_lagged"):
             setattr(other, key, getattr(self, key)[:, at])
-        other._S = self._S[:, [*at, *range(len(self._paths), len(self._root))]]
+        other._S = self._S[:, [*at, *range(len(self._paths), len(self.known.whole))]]
         other._own = self._own
         return other
 
@@ -82,10 +86,13 @@ class Doubt:
         growth = np.einsum("n,knp->kp", self._run.state.growth, Z - self._Z0)
         growth += (course.z[1:] - self._start) @ self._growth
         self._Z, D = Z[-1].copy(), np.concatenate([D, self._own.moved(course)], axis=2)
-        return Moves(ticks.regime, course.grown_um, Z, D, growth, D @ self._root)
+        return Moves(ticks.regime, course.grown_um, Z, D, growth)
 
-    def behind(self, moves: Moves, gain: Array) -> Doubtful:
-        """What the next K ticks are off by, which the filter has updated with `gain` (K, size, m), 0: nothing fused."""
+    def behind(self, moves: Moves, gain: Array, off_share: Array) -> Doubtful:
+        """What the next K ticks are off by, which the filter has updated with `gain` (K, size, m), 0: nothing fused.
+
+        off_share  (K,) by which share of their values the parameters must be off beside what is known of them
+        """
         state, grown, q = self._run.state, moves.grown_um, len(self._moved)
         H = np.array([state.rows(float(um)) for um in grown])
         S = self._followed(*self._transitions(moves.regime), H, gain, moves.readings, self._S)
@@ -93,7 +100,7 @@ class Doubt:
         growth = np.einsum("ks,ksp->kp", state.elongation(grown), S)
         growth[:, :q] += moves.elongation
         S[:, state.temperatures, :q] += moves.states
-        return Doubtful(S @ self._root, growth @ self._root)
+        return Doubtful(self.known.doubtful(S, off_share), self.known.doubtful(growth, off_share))
 
     @property
     def _lags(self) -> tuple[Array, Array]:

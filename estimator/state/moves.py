@@ -35,7 +35,6 @@ class Moves:
     regime, grown_um  (K,) of the run itself
     states            (K, n, q) Z of q parameters of the model;   elongation (K, q) um
     readings          (K, m, p) D of these, and then of the thermometers' own errors
-    doubt             (K, m, p) the readings, per standard normal error of the parameters together
     """
 
     regime: Array
@@ -43,7 +42,6 @@ class Moves:
     states: Array
     readings: Array
     elongation: Array
-    doubt: Array
 
     def rows(self, some: slice) -> Moves:
         """Some of the ticks."""

@@ -10,6 +10,7 @@ import numpy as np
 from estimator.errors import SetupError
 from estimator.faults.fault import Fault
 from estimator.faults.judge import Judge
+from estimator.faults.machine import Known
 from estimator.inputs.gate import believable
 from estimator.inputs.start import Start, read_start
 from estimator.model import Model
@@ -53,9 +54,9 @@ class Run:
     x: Array
     P: Array
 
-    def judge(self) -> Judge:
-        """The judge of the readings after the first."""
-        return Judge(self.forcing.rig, self.forcing.readings.sd, self.sample.time_s, self.fuse)
+    def judge(self, known: Known) -> Judge:
+        """The judge of the readings after the first, by a model whose parameters are known so well."""
+        return Judge(self.forcing.rig, self.forcing.readings.sd, self.sample.time_s, self.fuse, known)
 
     def grown_um(self, z: Array) -> float:
         """Growth of the span since the start, um, when the temperatures are z (n,)."""

@@ -70,6 +70,7 @@ def test_after_the_fact_too_it_is_inside_two_sigma_as_often_as_it_should(small, 
     assert np.std(errors) == pytest.approx(1, abs=0.15)
 
 
+@pytest.mark.usefixtures("no_other_machine")
 def test_with_parameters_and_gains_that_are_off_it_is_inside_two_sigma_as_often_as_it_should(
     small, exact, driven, live
 ):

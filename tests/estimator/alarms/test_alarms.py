@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import poisson
@@ -25,7 +27,7 @@ def step_of(rig: Rig, k: int, innovation: np.ndarray, nis: float, measured: np.n
         measured=innovation if measured is None else measured, predicted=np.zeros(m), innovation=innovation,
         innovation_sd=np.full(m, SD), fused=fused,
         fault=np.zeros(m, dtype=int), input_fault=np.zeros(len(rig.inputs), dtype=int),
-        since_s=np.full(m, np.nan), may_drift_K=np.zeros(m), jump=np.zeros(m), begins=False,
+        since_s=np.full(m, np.nan), may_drift_K=np.zeros(m), off_share=0.0, jump=np.zeros(m), begins=False,
         why=tuple("" if f else "not measured" for f in fused),
         open_loop=np.zeros(m), nis=nis, nis_channels=int(fused.sum()),
     )  # fmt: skip
@@ -87,6 +89,17 @@ def test_innovations_twice_too_large_are_found(small):
     assert k == 59
     assert alarm.text == "the innovations are 1.9 times as large as they should be"
     assert alarm.since_s == 0.0
+
+
+def test_a_machine_that_is_not_the_models_is_told_until_it_is_again(small):
+    """By the share that parameters are off, and not again and again where that is near the limit."""
+    alarms, told, share = Alarms(small), [], {10: 0.12, 20: 0.2, 30: 0.12, 40: 0.16, 50: 0.08}
+    for k in range(60):
+        step = replace(step_of(small, k, np.zeros(len(small.names)), 0.0), off_share=share.get(k // 10 * 10, 0.0))
+        begun, over = alarms.step(step)
+        told += [(k, "+", a.kind, a.text) for a in begun] + [(k, "-", a.kind) for a in over]
+    text = "the model is not this machine's: its parameters are off by some 20%; the estimate's sd allows for it"
+    assert told == [(20, "+", "machine", text), (50, "-", "machine")]
 
 
 def test_a_broken_thermometer_is_named_since_when_until_it_is_well(small):

@@ -1,0 +1,165 @@
+"""Whether the machine is the model's: by which share of their values the model's parameters must be off.
+
+A bank of filters (Magill 1965) carries what a run has told of the errors d of the parameters, one for each share s by
+which they may be off beside what a fit has left open:
+
+    d ~ N(0, C + s^2 W^2)    C covariance of the fit; W what each parameter is, or how wide its table, the larger one
+    y = D d + e              y reading less model alone, since the first one; D how it moves with d
+    e <- r e + w             what no parameter explains: of minutes, r = exp(-t / 300 s), as large as a second ahead has
+                             been unsure in the last quarter of an hour, and at least as what models lack in detail
+
+Each share has the weight that it began with times its likelihood, and the root of their mean square is that of the run.
+The thermometer that the likeliest of them explains worst is not heard: one may be broken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.faults.fault import Seen
+from estimator.record import Array
+
+SHARES = np.array([0.0, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2])
+ANOTHER = 0.25  # what weighs another machine than the model's before anything is seen
+DETAILS_PER_S = 1 / 250  # of log-likelihood: so much all others gain on no share by what models lack in detail
+LASTS_S, UNSURE_S = 300.0, 1000.0  # misfits; what the filter is unsure of after a drive
+RENEWED_S, LEFT = 36000.0, 1e-3  # then parameters may have become others; least weight that a share begins again with
+DETAILS = {True: 0.03, False: 0.2}  # K of a thermometer, um of a length
+OUTLYING = 3.0  # sd, from which on the worst thermometer is not heard
+YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each block; how often an older one is
+LEAST = 0.005  # a smaller share makes no difference
+
+
+@dataclass(frozen=True)
+class Known:
+    """How well p parameters are known: root root' the covariance (p, p) of their errors; whole (p,) what each of them
+    is, or how wide its table is, whichever is more; 0: it is no other on another machine."""
+
+    root: Array
+    whole: Array
+
+    def doubtful(self, moved: Array, share: Array) -> Array:
+        """What moves with parameters by `moved` (K, ..., p) is off by, where they are off by shares (K,) of themselves.
+
+        Per standard normal error: of the fit, and where any share is not 0, of each parameter beside it
+        """
+        doubt = moved @ self.root
+        if not share.any():
+            return np.asarray(doubt)
+        at, by = np.flatnonzero(self.whole), share.reshape(-1, *[1] * (moved.ndim - 1))
+        return np.concatenate([doubt, moved[..., at] * self.whole[at] * by], axis=-1)
+
+
+@dataclass
+class Look:
+    """The last reading of each channel that was used since the look before, (m, ...); NaN: none was."""
+
+    y: Array
+    moved: Array
+    variance: Array
+
+    @classmethod
+    def at(cls, ticks: list[tuple[Array, ...]]) -> Look:
+        """From ticks, each (k, m, ...): misfit, NaN where it was not used, how that moves, sd of the innovation."""
+        y, moved, sd = (np.concatenate(each) for each in zip(*ticks, strict=True))
+        last = len(y) - 1 - np.argmax(np.isfinite(y[::-1]), axis=0), np.arange(y.shape[1])
+        return cls(y[last], moved[last], sd[last] ** 2)
+
+    def less(self, other: Look, by: Array | float = 1.0) -> tuple[Array, Array]:
+        """Misfit (m,) and how it moves (m, p), less a part of those of another look."""
+        by = np.broadcast_to(by, self.y.shape)
+        return self.y - by * other.y, self.moved - by[:, None] * other.moved
+
+
+class Machine:
+    """What one run has told of its model's parameters, look after look; `share` is by which they are off."""
+
+    def __init__(self, known: Known, heat: Array, tick_s: float) -> None:
+        """heat (m,) bool, which channels are thermometers."""
+        self._heat, self._tick_s, self._ticks = heat, tick_s, list[tuple[Array, ...]]()
+        self._told = known.whole.any()
+        self._prior = known.root @ known.root.T + SHARES[:, None, None] ** 2 * np.diag(known.whole**2)
+        self._P, self._d = self._prior, np.zeros(self._prior.shape[:2])
+        weight = np.where(SHARES > 0.0, ANOTHER / (len(SHARES) - 1), 1.0 - ANOTHER)
+        self._first_log, self._log = np.log(weight), np.zeros(len(SHARES))
+        self._details = np.where(heat, DETAILS[True], DETAILS[False]) ** 2
+        m, p = len(heat), len(known.whole)
+        self._zero = Look(np.full(m, np.nan), np.zeros((m, p)), np.zeros(m))
+        self._last, self._age_s, self._unsure = Look(np.zeros(m), np.zeros((m, p)), np.zeros(m)), 0.0 * heat, 0.0 * heat
+        self._weight, self._learnt_s, self._waited_s = weight, 0.0, 0.0
+
+    @property
+    def share(self) -> float:
+        """By which share of their values the parameters are off, 0: they are as the fit says."""
+        share = float(np.sqrt(self._weight @ SHARES**2)) if self._told else 0.0
+        return share if share >= LEAST else 0.0
+
+    def hear(self, seen: Seen, some: slice, used: Array) -> None:
+        """Take some ticks, of which readings `used` (k, m) are believed."""
+        if self._told:
+            y = np.where(used, seen.reading[some] - seen.alone[some], np.nan)
+            self._ticks.append((y, seen.doubt[some], seen.sd[some]))
+
+    def forget(self, i: int) -> None:
+        """Channel i has another zero from now on."""
+        self._zero.y[i], self._ticks = np.nan, []
+
+    def block(self, ticks: int) -> None:
+        """The end of a block of so many ticks: learn from what was taken, if it is time to."""
+        self._waited_s += ticks * self._tick_s
+        if self._ticks and (self._learnt_s < YOUNG_S or self._waited_s >= LOOK_S):
+            now, self._ticks, passed_s = Look.at(self._ticks), [], self._waited_s
+            self._waited_s = 0.0
+            self._look(now, passed_s)
+
+    def _look(self, now: Look, passed_s: float) -> None:
+        """Learn from a look, so long after the last one."""
+        self._age_s += passed_s
+        self._learnt_s += passed_s
+        if self._learnt_s > RENEWED_S:
+            self._renew()
+        first = np.isnan(self._zero.y) & np.isfinite(now.y)
+        self._begin(now, first)
+        self._unsure = np.maximum(
+            np.where(np.isfinite(now.variance), now.variance, 0.0), np.exp(-passed_s / UNSURE_S) * self._unsure
+        )
+        self._log -= np.where(SHARES > 0.0, DETAILS_PER_S * passed_s, 0.0)
+        y, moved = now.less(self._zero)
+        heard = np.flatnonzero(self._believed(y, moved) & ~first)
+        if len(heard):
+            self._learn(Look(y, moved, self._unsure + self._details), heard)
+        log = self._first_log + self._log
+        weight = np.exp(log - log.max())
+        self._weight = weight / weight.sum()
+
+    def _begin(self, now: Look, which: Array) -> None:
+        """The misfit of channels counts from now on."""
+        for new, zero, last in zip(vars(now).values(), vars(self._zero).values(), vars(self._last).values()):
+            zero[which], last[which] = new[which], 0.0
+        self._age_s[which] = 0.0
+
+    def _renew(self) -> None:
+        """Learn the parameters anew, with the weights that shares have by now."""
+        self._P, self._d, self._learnt_s = self._prior, np.zeros_like(self._d), 0.0
+        self._first_log, self._log = np.log(np.maximum(self._weight, LEFT)), np.zeros_like(self._log)
+        self._age_s[:] = np.inf  # what was heard last says nothing of them
+
+    def _believed(self, y: Array, moved: Array) -> Array:
+        """Channels (m,) that were read, but for the thermometer that is furthest off, if it is far."""
+        best = int(np.argmax(self._weight))
+        variance = self._unsure + self._details + ((moved @ self._P[best]) * moved).sum(axis=1)
+        off = np.where(self._heat, np.nan_to_num((y - moved @ self._d[best]) ** 2 / variance), 0.0)
+        return np.asarray(np.isfinite(y) & ((off < OUTLYING**2) | (off < off.max())))
+
+    def _learn(self, now: Look, heard: Array) -> None:
+        """Update every filter of the bank by what has changed since each of the channels (k,) was heard last."""
+        r = np.exp(-self._age_s / LASTS_S)
+        y, D = (each[heard] for each in now.less(self._last, r))
+        PD = self._P @ D.T
+        root = np.linalg.cholesky(D @ PD + np.diag((now.variance * (1.0 - r**2))[heard]))
+        K, e = np.linalg.solve(root, PD.mT), np.linalg.solve(root, (y - self._d @ D.T)[..., None])
+        self._d, self._P = self._d + (K.mT @ e)[..., 0], self._P - K.mT @ K
+        self._log -= np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1) + 0.5 * (e[..., 0] ** 2).sum(axis=1)
+        self._last.y[heard], self._last.moved[heard], self._age_s[heard] = now.y[heard], now.moved[heard], 0.0
