@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import drifts, handed_over, paper_rig
+from benchmarks import drifts, handed_over, paper_rig, sound
 from benchmarks.drifts import LOST_SD, LOST_UM, longest
 from benchmarks.injected import FAILURES, INPUT_FAILURES, NAMED, failing, failing_input, shifted
 from benchmarks.measure import Row, commit, say, section, table
@@ -46,9 +46,6 @@ LATE = (
     "Spikes are named when the second ends, which in four of thirty cells comes after 60 s. "
     "Two that are equally warm when they are swapped read right until they part."
 )
-WRONG = 0.2  # by which share every physical parameter is off
-OTHERS = range(101, 105)  # machines that the shipped model is not of
-SOUND = ("healthy", "wrong model", "another machine")  # rows without a failure
 NOT_PHYSICAL = ("sd", "noise", "zero_sd", "zero_walk", "lag_noise")
 
 
@@ -114,7 +111,7 @@ def cases() -> Iterator[Case]:
         for seed in range(SEED, SEED + 3):
             yield Case("healthy", run, 0.0, "", (), seed)
             yield Case("wrong model", run, 0.0, "", (), seed)
-        for number in OTHERS:
+        for number in sound.OTHERS:
             yield Case("another machine", run, 0.0, "", (), number)
     for n in range(20):
         dice = np.random.default_rng(n)
@@ -143,7 +140,7 @@ def wrong(model: Model, seed: int) -> Model:
     dice, values = np.random.default_rng(seed), {}
     for path in model.values:
         if path.partition(".")[2] not in NOT_PHYSICAL and isinstance(model[path], float) and model[path] > 0.0:
-            param, factor = model.param(path), (1.0 + WRONG) ** dice.choice([-1.0, 1.0])
+            param, factor = model.param(path), (1.0 + sound.WRONG) ** dice.choice([-1.0, 1.0])
             values[path] = float(np.clip(model[path] * factor, param.lo, param.hi))
     return model.with_values(values)
 
@@ -234,10 +231,10 @@ def measured(some: Sequence[Case]) -> dict[Case, Outcome]:
 
 def markdown(*names: str) -> str:
     """Run all cases, or some rows of those without a failure; the table."""
-    if unknown := set(names) - set(SOUND):
-        raise SystemExit(f"faults: what is {', '.join(unknown)}? Rows are {', '.join(SOUND)}")
+    if unknown := set(names) - set(sound.ROWS):
+        raise SystemExit(f"faults: what is {', '.join(unknown)}? Rows are {', '.join(sound.ROWS)}")
     found = measured([case for case in cases() if not names or case.row in names])
-    return _sound(found) if names else _all(found)
+    return sound.tables({name: _of(found, name) for name in sound.ROWS}) if names else _all(found)
 
 
 def _all(found: dict[Case, Outcome]) -> str:
@@ -249,31 +246,16 @@ def _all(found: dict[Case, Outcome]) -> str:
         rows.append(Row(f"{name}: share of cases with <= 0.5 um", *_share([o.um <= 0.5 for o in some]), 1.0, True))
         rows.append(Row(f"{name}: largest, um", f"{max(o.um for o in some):.2f}"))
     says = [f"Runs of {', '.join(run for run, _ in WHEN.values())} with a failure at {SEED} and later seeds. {LATE}"]
-    tables = [table("Thermometers that fail", rows, says), _sound(found), *_by_kind(found)]
+    tables = [
+        table("Thermometers that fail", rows, says),
+        sound.tables({name: _of(found, name) for name in sound.ROWS}),
+        *_by_kind(found),
+    ]
     return "\n".join([*tables, drifts.table(WHEN, SEED)])
 
 
-def _sound(found: dict[Case, Outcome]) -> str:
-    """Runs in which nothing fails, of the machine that the model is of and of others."""
-    of = {name: [outcome for case, outcome in found.items() if case.row == name] for name in SOUND}
-    rows = [row for name, some in of.items() if some for row in _runs(name, some)]
-    says = f"Wrong model: every physical parameter is {WRONG:.0%} too large or too small. Another machine: numbers "
-    return table("Healthy thermometers", rows, [f"{says}{OTHERS[0]} to {OTHERS[-1]}, by the model of machine 0."])
-
-
-def _runs(name: str, some: Sequence[Outcome]) -> Iterator[Row]:
-    """The rows of runs in which nothing fails."""
-    accused = sum(o.accused for o in some)
-    yield Row(f"{name}, {len(some)} runs: channels accused", str(accused), accused, 0)
-    suspected, hours = sum(o.suspected for o in some), float(np.mean([o.suspected_share for o in some]))
-    said = f"{suspected} of {len(some) * len(paper_rig.rig().thermometers)}, {hours:.2%} of their hours"
-    yield Row(f"{name}: channels that were said to drift perhaps", said, hours, 0.01)
-    inside, sd_um = [o.in_2sd for o in some], [o.sd_um for o in some]
-    text = f"{np.mean(inside):.1%}; {min(inside):.1%} in the run with the least"
-    yield Row(f"{name}: truth in 2 sd, share of ticks", text, float(np.mean(inside)), 0.90, True)
-    lost = max(o.lost_s for o in some)
-    yield Row(f"{name}: off by more than 5 sd and 0.5 um, longest, s", f"{lost:.0f}", lost, 2.0)
-    yield Row(f"{name}: mean sd of a run, um, median and largest", f"{np.median(sd_um):.3f}, {max(sd_um):.3f}")
+def _of(found: dict[Case, Outcome], row: str) -> list[Outcome]:
+    return [outcome for case, outcome in found.items() if case.row == row]
 
 
 def _share(good: Sequence[bool]) -> tuple[str, float]:

@@ -85,6 +85,7 @@ class Status:
             ],
             "resumed_s": self.resumed_s, "provisional": self.moment.provisional,
             "why_invalid": list(self.moment.trust.why), "suspects": _suspects(self.alarms),
+            "off_share": step.off_share,
         }  # fmt: skip
 
 

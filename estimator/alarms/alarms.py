@@ -16,6 +16,7 @@ from estimator.step import Step
 
 SILENT_TICKS = 10
 ANOTHER, STILL_ANOTHER = 0.15, 0.1  # share by which parameters are off on a machine that is not the model's
+ANOTHER_S = 60.0  # for so long
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ class Alarms:
         self._inputs_since: dict[tuple[str, Fault], float] = {}
         self._heat = rig.is_thermometer
         self._silent = np.full(len(rig.names), -1)  # ticks since the last reading, -1: never read
+        self._another_s = np.nan  # since when the machine is not the model's
 
     @property
     def diverged(self) -> bool:
@@ -100,10 +102,11 @@ class Alarms:
 
     def _machine(self, step: Step) -> Iterator[Alarm]:
         """A machine that is not the model's."""
-        on = self.active.get(("machine", "", 0.0))
-        if step.off_share > (STILL_ANOTHER if on else ANOTHER):
-            off = f"its parameters are off by some {step.off_share:.0%}; the estimate's sd allows for it"
-            yield Alarm("machine", "", on.since_s if on else step.time_s, f"the model is not this machine's: {off}")
+        off = step.off_share > (STILL_ANOTHER if ("machine", "", 0.0) in self.active else ANOTHER)
+        self._another_s = np.fmin(self._another_s, step.time_s) if off else np.nan
+        if step.time_s - self._another_s >= ANOTHER_S:
+            by = f"its parameters are off by some {step.off_share:.0%}; the estimate's sd allows for it"
+            yield Alarm("machine", "", float(self._another_s), f"the model is not this machine's: {by}")
 
     def _inputs(self, step: Step) -> Iterator[Alarm]:
         """Inputs that are held; what is stuck may be as it was, and stays as it is."""

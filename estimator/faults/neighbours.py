@@ -101,7 +101,9 @@ class Neighbours:
 
     def forget_all(self, known: Known) -> None:
         """What has been seen says nothing any more: the model is another one, of which other parameters are known."""
-        self._windows.known, self._machine = known, Machine(known, self._heat, self._tick_s)
+        if not np.array_equal(known.whole, self._windows.known.whole):
+            self._machine = Machine(known, self._heat, self._tick_s)
+        self._windows.known = known
         self._past.clear()
         self._last.clear()
         self._block = Block()

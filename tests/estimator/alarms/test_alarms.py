@@ -92,14 +92,15 @@ def test_innovations_twice_too_large_are_found(small):
 
 
 def test_a_machine_that_is_not_the_models_is_told_until_it_is_again(small):
-    """By the share that parameters are off, and not again and again where that is near the limit."""
-    alarms, told, share = Alarms(small), [], {10: 0.12, 20: 0.2, 30: 0.12, 40: 0.16, 50: 0.08}
-    for k in range(60):
-        step = replace(step_of(small, k, np.zeros(len(small.names)), 0.0), off_share=share.get(k // 10 * 10, 0.0))
+    """By the share that parameters are off for a minute, and not again and again where that is near the limit."""
+    alarms, told, share = Alarms(small), [], {100: 0.12, 200: 0.2, 300: 0.12, 400: 0.16, 500: 0.08}
+    for k in range(600):
+        off_share = 0.3 if 30 <= k < 80 else share.get(k // 100 * 100, 0.0)
+        step = replace(step_of(small, k, np.zeros(len(small.names)), 0.0), time_s=float(k), off_share=off_share)
         begun, over = alarms.step(step)
-        told += [(k, "+", a.kind, a.text) for a in begun] + [(k, "-", a.kind) for a in over]
+        told += [(k, "+", a.kind, a.since_s, a.text) for a in begun] + [(k, "-", a.kind) for a in over]
     text = "the model is not this machine's: its parameters are off by some 20%; the estimate's sd allows for it"
-    assert told == [(20, "+", "machine", text), (50, "-", "machine")]
+    assert told == [(260, "+", "machine", 200.0, text), (500, "-", "machine")]
 
 
 def test_a_broken_thermometer_is_named_since_when_until_it_is_well(small):
