@@ -17,6 +17,8 @@ FEW_S = 5.0  # with too few thermometers
 DRIVE_S = (3.0, 1.5)  # without news of the drive, at rest and moving: it stops within a tick, then is heard each second
 DISPLACEMENT_S = 600.0
 SHARE = 0.25  # of the thermometers, that are too few
+STEADY_S = 3.0  # without a reason to the contrary, until an estimate that was not to be relied on is so again
+NO_ESTIMATE = "no estimate yet"
 
 
 class Watch:
@@ -29,6 +31,7 @@ class Watch:
         self._heat = rig.is_thermometer
         self._enough = self._displacement = self._drive = -np.inf
         self._moving = self._started = self._diverged = False
+        self._why, self._doubted_s = tuple[str, ...](), -np.inf
         self._travel = Travel(rig)
 
     def drive(self, now_s: float) -> None:
@@ -50,7 +53,7 @@ class Watch:
         few = now_s - self._enough > FEW_S
         why = []
         if not self._started:
-            why.append("no estimate yet")
+            why.append(NO_ESTIMATE)
         elif few:
             why.append(f"fewer than {self.least} thermometers for {FEW_S:g} s")
         if self.needs_drive and now_s - self._drive > DRIVE_S[self._moving]:
@@ -59,7 +62,16 @@ class Watch:
             why.append(self._travel.why)
         if self._diverged:
             why.append("rig and model part")
-        return Trust(tuple(why), now_s - self._displacement > DISPLACEMENT_S, few, self._diverged)
+        lasting = self._lasting(tuple(why), now_s)
+        return Trust(lasting, now_s - self._displacement > DISPLACEMENT_S, few, self._diverged)
+
+    def _lasting(self, why: tuple[str, ...], now_s: float) -> tuple[str, ...]:
+        """Reasons at a time, and those just gone for some seconds: an estimate at a limit would flicker."""
+        if why:
+            self._why, self._doubted_s = why, now_s
+        elif now_s - self._doubted_s >= STEADY_S or NO_ESTIMATE in self._why:
+            self._why = ()
+        return self._why
 
 
 @dataclass(frozen=True)
@@ -69,7 +81,7 @@ class Trust:
     began_warm  the elongation counts from a warm screw
     """
 
-    why: tuple[str, ...] = ("no estimate yet",)
+    why: tuple[str, ...] = (NO_ESTIMATE,)
     displacement_stale: bool = True
     telemeter_stale: bool = True
     diverged: bool = False
