@@ -141,8 +141,13 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
 
 
 def _doubtful(posed: Posed, chunk: Chunk, moves: Moves, doubt: Doubt, off_share: Array) -> Doubtful:
-    """What some ticks are off by, next in order of time; the gain follows from what was found: K = P H' R^-1."""
+    """What some ticks are off by, next in order of time."""
+    return doubt.behind(moves, gains(posed, chunk), off_share)
+
+
+def gains(posed: Posed, chunk: Chunk) -> Array:
+    """What the filter has updated with, (K, size, m); it follows from what was found: K = P H' R^-1."""
     at, system = chunk.ticks, posed.system
     PH = chunk.P @ system.H.T + chunk.P[:, :, system.column, None] * (system.grown[at, None, None] * system.spans)
     inverse = np.divide(1.0, system.R[at], out=np.zeros_like(system.R[at]), where=chunk.fused)
-    return doubt.behind(moves, PH * inverse[:, None, :], off_share)
+    return np.asarray(PH * inverse[:, None, :])

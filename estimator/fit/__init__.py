@@ -1,2 +1,2 @@
-"""Parameters and noise levels from recordings: fit, tune, open_loop_fit, misfits, bodies, prior, untold, likelihood,
-noise."""
+"""Parameters and noise levels from recordings: fit, tune, open_loop_fit, misfits, bodies, prior, untold, calibration,
+likelihood, noise."""

@@ -1,6 +1,7 @@
 """Fit a model's free parameters to recordings.
 
-Least squares on the open-loop run, priors included (`follow`), then noise levels that are free by likelihood, all else
+Least squares on the open-loop run, priors included (`follow`), then what only the displacement shows by the filter
+(`calibrated`), then noise levels that are free by likelihood, all else
 held (`likely`). A likelihood judges each second's prediction: what no effect explains, small but lasting, pulls its
 parameters away from those that predict best; so it finds noise alone.
 
@@ -20,6 +21,7 @@ from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import Trials, trials_of
 from estimator.errors import InputError, SetupError
 from estimator.faults.use import Use
+from estimator.fit.calibration import calibrated
 from estimator.fit.likelihood import Likelihood, Likely, likely
 from estimator.fit.noise import noise_levels
 from estimator.fit.open_loop_fit import Followed, follow
@@ -97,9 +99,10 @@ def fit(model: Model, runs: Runs, learned: bool = False) -> Fit:
 def _outcome(model: Model, found: Likely, followed: Followed, trials: Trials, runs: Runs) -> Fit:
     paths = (*followed.paths, *followed.levels)
     own = Likelihood(found.model, trials, followed.levels).covariance() if followed.levels else np.zeros((0, 0))
-    covariance = block_diag(followed.covariance, own)
-    fitted = {path: _fitted(model, found.model, path, covariance[i, i]) for i, path in enumerate(paths)}
-    better = model.with_values({path: f.value for path, f in fitted.items()}).known(paths, covariance)
+    better = found.model.known(paths, block_diag(followed.covariance, own))
+    better = calibrated(better, trials, followed.paths)
+    covariance = better.covariance(paths)
+    fitted = {path: _fitted(model, better, path, covariance[i, i]) for i, path in enumerate(paths)}
     for path, like in followed.left.items():
         fitted[path] = Fitted(path, model[path], model[path], model.param(path).unit, like=like)
     about = {"rig": runs.rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in runs.recordings}}

@@ -93,6 +93,11 @@ class Doubt:
 
         off_share  (K,) by which share of their values the parameters must be off beside what is known of them
         """
+        states, growth = self.slopes(moves, gain)
+        return Doubtful(self.known.doubtful(states, off_share), self.known.doubtful(growth, off_share))
+
+    def slopes(self, moves: Moves, gain: Array) -> tuple[Array, Array]:
+        """The same by each parameter: of states (K, size, p), of the elongation (K, p)."""
         state, grown, q = self._run.state, moves.grown_um, len(self._moved)
         H = np.array([state.rows(float(um)) for um in grown])
         S = self._followed(*self._transitions(moves.regime), H, gain, moves.readings, self._S)
@@ -100,7 +105,17 @@ class Doubt:
         growth = np.einsum("ks,ksp->kp", state.elongation(grown), S)
         growth[:, :q] += moves.elongation
         S[:, state.temperatures, :q] += moves.states
-        return Doubtful(self.known.doubtful(S, off_share), self.known.doubtful(growth, off_share))
+        return S, growth
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """The model's doubtful parameters, in order."""
+        return self._paths
+
+    @property
+    def own_sd(self) -> Array:
+        """Of what thermometers' own gains and lags are off by, which come after the parameters."""
+        return self._own.sd
 
     @property
     def _lags(self) -> tuple[Array, Array]:
