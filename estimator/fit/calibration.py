@@ -93,15 +93,13 @@ def _is_read(trial: Trial) -> bool:
 def _left(trial: Trial, model: Model, paths: Sequence[str]) -> Left:
     """What the displacement leaves of the growth that the thermometers have told."""
     posed, at = trial.pose(model), trial.rig.index(CHANNEL)
-    muted = posed.system.data.use[:, at]
     doubt = trial.doubt(posed)
     grown, g, hidden = _followed(trial, _without(posed, at), doubt, at)
     own = len(doubt.paths)
     columns = [g[:, doubt.paths.index(p)] if p != EXPANSION else grown / (1.0 + model[p]) for p in paths]
     shown = np.array([p == EXPANSION or hidden[doubt.paths.index(p)] for p in paths] + [False] * len(doubt.own_sd))
     g = np.column_stack([*columns, g[:, own:]])
-    held = posed.system.y[:, at] - grown
-    held[~muted] = np.nan
+    held = np.where(posed.system.data.use[:, at], posed.system.y[:, at] - grown, np.nan)
     direct = trial.rest.inputs.get("displacement_direct", np.full(len(grown), np.nan)) - posed.offset[1:, at] - grown
     parts = list(_stretches(trial, held, direct))
     r = [left[ticks] - left[ticks].mean() for ticks, left in parts]
