@@ -28,6 +28,7 @@ def simulate(
     seed: int = 1,
     plant: Mapping[str, float] | None = None,
     without: Collection[str] = (),
+    onset_s: float = 0.0,
     max_drive_s: float = 7200.0,
     stop_s: float = 3600.0,
     cycles: int = 2,
@@ -37,12 +38,15 @@ def simulate(
     """Run experiment `name` ("FS-20", "CS-7.5", ...) on the rig with effects planted and taken away.
 
     `machine` 0 is the paper's, N another of the same build. The same seed is the same rig: its sensors' offsets and the
-    places of planted faults. Weather and noise differ from run to run.
+    places of planted faults. Weather and noise differ from run to run. What is planted heats and cools from `onset_s`
+    on; weather, expansion and sensors have their effects from the first sample on.
     """
     built = population.machine(machine)
     strength = strengths(plant, without)
     sources = heaters(seed, strength, built.sources)
-    rig = ThermalRig(built, strength, weather(seed, name, strength), sources)
+    at_first = strengths({}, without) if onset_s > 0.0 else strength
+    rig = ThermalRig(built, at_first, weather(seed, name, strength), heaters(seed, at_first, built.sources))
+    rig.change(onset_s, strength, sources)
     expansion = built.screw.expansion * (1.0 + EXPANSION_ERROR * strength["expansion_error"])
     travel, draw = Travel(stroke(name)), dice(seed, name, "hold")
     experiment = Experiment(rig, probes(seed, strength, built.sensors), travel, expansion, draw)

@@ -37,27 +37,36 @@ class ThermalRig:
         layer = np.full(screw.CELLS, weather.start)
         self.now = Temperatures(layer.copy(), layer.copy(), np.array([*[weather.start] * 3, 1.0, *[weather.start] * 2]))
         self.torque = np.zeros(2)
-        self.since_stop_s = -1.0
+        self.since_stop_s, self.since_start_s = -1.0, 0.0
+        self.later: tuple[float, Strengths, Heaters] | None = None
+
+    def change(self, at_s: float, strength: Strengths, heaters: Heaters) -> None:
+        """From a time on effects have other strengths."""
+        self.later = at_s, strength, heaters
 
     def tick(self, t: float, motion: TableMotion) -> None:
         """From t to t + 1 s, with the table's motion at the middle of each step."""
+        if self.later is not None and t >= self.later[0]:
+            _, strength, self.heaters = self.later
+            self.parts, self.later = parts(self.machine, strength, self.weather.start), None
         unseen = self.weather.unseen(t)
         around = Around(
             along=self.weather.air_along(t),
             air=self.weather.ambient(t) + unseen,
             base=self.weather.base(t) + unseen,
-            sources=self.heaters.heat(motion.omega, motion.moving, self.since_stop_s),
+            sources=self.heaters.heat(motion.omega, motion.moving, self.since_stop_s, self.since_start_s),
         )
         self._watch(motion)
         centres = nut.in_cells(nut_centre_mm(motion.position_mm) + self.machine.nut.offset)
         self.torque = advance(self.parts, self.now, motion.omega, centres, around)
 
     def _watch(self, motion: TableMotion) -> None:
-        """Count the seconds since the table last moved."""
+        """Count the seconds since the table last moved, and since it set off."""
         if motion.moving.any():
-            self.since_stop_s = 0.0
-        elif self.since_stop_s >= 0.0:
-            self.since_stop_s += 1.0
+            self.since_stop_s, self.since_start_s = 0.0, self.since_start_s + 1.0
+        else:
+            self.since_stop_s += float(self.since_stop_s >= 0.0)
+            self.since_start_s = 0.0
 
     @property
     def mean(self) -> np.ndarray:
