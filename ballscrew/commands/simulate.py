@@ -59,6 +59,13 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
 @click.option("--plant", multiple=True, metavar="EFFECT[=STRENGTH]", help="Switch an effect on; strength 1 is nominal.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Switch an effect off.")
 @click.option(
+    "--onset",
+    type=Seconds(),
+    default="0",
+    metavar="TIME",
+    help="What is planted heats, cools and disturbs channels from then on.",
+)
+@click.option(
     "--max-drive", type=Seconds(), default="2h", show_default=True, help="Stop each drive after this at latest."
 )
 @click.option(
@@ -75,8 +82,8 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
 @terminal_options
 def command(
     terminal: Terminal, name: str, out: Path | None, bus: BusAddress | None, machine: int, seed: int,
-    plant: tuple[str, ...], without: tuple[str, ...], max_drive: float, cycles: int, seconds: float | None,
-    speed_up: float,
+    plant: tuple[str, ...], without: tuple[str, ...], onset: float, max_drive: float, cycles: int,
+    seconds: float | None, speed_up: float,
 ) -> None:  # fmt: skip
     """Simulate experiment NAME: a pattern FS, CS or ES and a speed in m/min, like FS-20 or CS-2.5.
 
@@ -90,7 +97,7 @@ def command(
         raise click.UsageError("say where to: -o FILE for a recording, or --interface for a bus")
     run = _simulate(
         terminal, name, machine=machine, seed=seed, plant=dict(_strength(word) for word in plant), without=without,
-        max_drive_s=max_drive, cycles=cycles, seconds=seconds,
+        onset_s=onset, max_drive_s=max_drive, cycles=cycles, seconds=seconds,
     )  # fmt: skip
     if out is not None:
         terminal.json(_write(terminal, run, out))
@@ -126,6 +133,7 @@ def _write(terminal: Terminal, run: Run, path: Path) -> dict[str, Any]:
         "seconds": length,
         "max_elongation_um": growth,
         "planted": run.planted,
+        "onset_s": run.onset_s,
         "machine": run.machine.number,
     }
 

@@ -34,13 +34,15 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True)
 class Run:
-    """A run of the rig; `planted` are the strengths that differ from the base rig, `places` where they sit."""
+    """A run of the rig; `planted` are the strengths that differ from the base rig from `onset_s` on, `places` where
+    they sit."""
 
     name: str
     seed: int
     machine: Machine
     planted: dict[str, float]
     places: dict[str, float]
+    onset_s: float
     truth: Truth
     measured: Measured
     holds: Holds

@@ -1,6 +1,9 @@
 """From an experiment's name to a finished run."""
 
 from collections.abc import Collection, Mapping
+from typing import NamedTuple
+
+import numpy as np
 
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.experiments import stroke
@@ -21,6 +24,14 @@ from drivers.virtual_rig.sensors.truth import Truth
 EXPANSION_ERROR = 0.04
 
 
+class Began(NamedTuple):
+    """Strengths of the effects before and after something begins, s since the first sample."""
+
+    onset_s: float
+    at_first: Strengths
+    strength: Strengths
+
+
 def simulate(
     name: str,
     *,
@@ -38,8 +49,9 @@ def simulate(
     """Run experiment `name` ("FS-20", "CS-7.5", ...) on the rig with effects planted and taken away.
 
     `machine` 0 is the paper's, N another of the same build. The same seed is the same rig: its sensors' offsets and the
-    places of planted faults. Weather and noise differ from run to run. What is planted heats and cools from `onset_s`
-    on; weather, expansion and sensors have their effects from the first sample on.
+    places of planted faults. Weather and noise differ from run to run. What is planted heats, cools and disturbs
+    channels from `onset_s` on, s since the first sample; weather, expansion and displacement have their effects from
+    the first sample on.
     """
     built = population.machine(machine)
     strength = strengths(plant, without)
@@ -51,23 +63,26 @@ def simulate(
     travel, draw = Travel(stroke(name)), dice(seed, name, "hold")
     experiment = Experiment(rig, probes(seed, strength, built.sensors), travel, expansion, draw)
     experiment.run(Plan(max_drive_s, stop_s, cycles, seconds), progress)
-    return _finished(name, seed, built, strength, sources, experiment)
+    began = Began(onset_s, at_first, strength)
+    return _finished(name, seed, built, began, sources, experiment)
 
 
-def _finished(
-    name: str, seed: int, built: Machine, strength: Strengths, sources: Heaters, experiment: Experiment
-) -> Run:
+def _finished(name: str, seed: int, built: Machine, began: Began, sources: Heaters, experiment: Experiment) -> Run:
     truth = Truth.of(experiment.rows)
     centres, reading = experiment.readings
-    sensors = telemeter.telemeter(seed, strength, built.sensors)
+    sensors = telemeter.telemeter(seed, began.strength, built.sensors)
+    measured = _measured(name, seed, sensors, truth, experiment)
+    earlier = _measured(name, seed, telemeter.telemeter(seed, began.at_first, built.sensors), truth, experiment)
+    shown = np.where(truth.time_s[:, None] < began.onset_s, earlier.channels, measured.channels)
     return Run(
         name=name,
         seed=seed,
         machine=built,
-        planted={effect: s for effect, s in strength.items() if s != float(effect in BASE)},
+        planted={effect: s for effect, s in began.strength.items() if s != float(effect in BASE)},
         places=sources.places | sensors.places,
+        onset_s=began.onset_s,
         truth=truth,
-        measured=_measured(name, seed, sensors, truth, experiment),
+        measured=measured._replace(channels=shown),
         holds=Holds(centres, centres + freeze_delay_s(experiment.travel.stroke), reading),
         travel=experiment.travel,
     )

@@ -63,3 +63,12 @@ def test_what_is_planted_from_a_time_on_shows_from_there_on(plant):
     assert apart[-1] > 0.1
     assert later.truth.time_s[151] == 151.0
     assert np.abs(later.truth.channels - always.truth.channels).max() > 0.1
+
+
+def test_a_channel_may_go_wrong_within_a_run():
+    run = partial(simulate, "FS-5", cycles=1, seconds=300.0)
+    healthy, later = run(), run(plant={"channel_offset": 1.0}, onset_s=150.0)
+    apart = np.abs(later.measured.channels - healthy.measured.channels).max(axis=1)
+    assert apart[:150].max() == 0.0
+    assert apart[150:].min() > 0.25
+    assert later.onset_s == 150.0
