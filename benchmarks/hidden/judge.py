@@ -1,0 +1,126 @@
+"""What counts as right.
+
+An effect that a model has under another name, as one of its own parameters (plants.OWN: the nut's speed exponent is
+`nut_friction.n`), is found too where that parameter carries it: its value is nearer to the truth than half of what was
+planted. With a model that was fitted to a healthy machine the parameter must be named all the same; by the other roads,
+where all parameters are another machine's or were fitted to the fault, it is right that nothing more is missing.
+What a machine has by a law of its own (plants.BY_LAW) is there although nobody planted it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from benchmarks.hidden.cases import ODD, Case
+from benchmarks.hidden.outcome import Outcome
+from benchmarks.hidden.plants import BY_LAW, OWN, STRANGERS, kind_of
+from drivers.virtual_rig.machine.heaters import local_place
+from drivers.virtual_rig.population.draw import machine
+
+NEAR_MM, NEAR_S = 60.0, 600.0
+MOST_TIED = 3
+CARRIED = 0.5  # of what was planted, by which a parameter that carries it may be off
+WORTH_UM = 1.0  # an effect that costs more must not be taken for one of the other kind
+
+
+def right(case: Case, out: Outcome) -> bool:
+    """Whether a case came out as it should."""
+    return not out.error and RULES[case.row](case, out)
+
+
+def carried(case: Case, out: Outcome, name: str) -> bool:
+    """Whether the model's own parameters carry an effect of this name in one of the models that the verdict leaves."""
+    one = machine(case.machine)
+    return name in OWN and all(_close(case, out, name, path, *of(one)) for path, of in OWN[name].items())
+
+
+def _close(case: Case, out: Outcome, name: str, path: str, without: float, each: float) -> bool:
+    planted = each * case.hidden.plant.get(name, 0.0)
+    return any(abs(value - without - planted) < CARRIED * abs(planted) for value in out.values.get(path, ()))
+
+
+def is_named(case: Case, out: Outcome, name: str) -> bool:
+    """Whether an effect that is hidden is said, or the parameter of the model that carries it."""
+    holders = {path.partition(".")[0] for path in OWN.get(name, ())}
+    return name in out.said or (bool(holders & {*out.own}) and carried(case, out, name))
+
+
+def is_found(case: Case, out: Outcome, name: str) -> bool:
+    """Whether an effect that is hidden is named, or need not be since a parameter carries it."""
+    return is_named(case, out, name) or (case.road != "healthy" and carried(case, out, name))
+
+
+def false_effects(case: Case, out: Outcome) -> list[str]:
+    """Named effects that are neither hidden, nor the model's own, nor there by a law of the machine."""
+    there = {*case.hidden.names, *out.own, *(BY_LAW[law] for law in machine(case.machine).laws if law in BY_LAW)}
+    return [name for name in out.said if name not in there]
+
+
+def confused(case: Case, out: Outcome) -> bool:
+    """Whether heat was taken for a wrong reading, or the reverse."""
+    return bool(out.said) and kind_of(out.first) != kind_of(case.hidden.names[0])
+
+
+def costly(out: Outcome) -> bool:
+    """Whether without what is hidden the elongation is off by more than can be let pass."""
+    return len(out.before) > 1 and out.before[1] > WORTH_UM
+
+
+def _one(case: Case, out: Outcome) -> bool:
+    (name,) = case.hidden.names
+    if out.verdict == "nothing_missing":
+        return is_found(case, out, name)
+    too_many = len(out.said) > MOST_TIED or (out.verdict == "effects" and false_effects(case, out))
+    return is_named(case, out, name) and not too_many
+
+
+def _none(case: Case, out: Outcome) -> bool:
+    """Nothing, or a parameter of the model; in a tie one of those is enough."""
+    return out.verdict == "nothing_missing" or len(false_effects(case, out)) < len(out.said)
+
+
+def _several(least: int) -> Callable[[Case, Outcome], bool]:
+    return lambda case, out: sum(is_found(case, out, name) for name in case.hidden.names) >= least
+
+
+def _stranger(case: Case, out: Outcome) -> bool:
+    (name,) = case.hidden.names
+    near = out.place_mm is not None and abs(out.place_mm - local_place(case.seed, name)) <= NEAR_MM
+    return out.verdict == "nothing_in_catalogue" and near and out.follows in STRANGERS[name]
+
+
+def _event(case: Case, out: Outcome) -> bool:
+    run, onset_s = out.happened or ("", 0.0)
+    return any(name == run and abs(when - onset_s) <= NEAR_S for name, when in out.began)
+
+
+def _label(case: Case, out: Outcome) -> bool:
+    hidden, run = case.hidden, f"{case.runs[0][ODD]}.blf"
+    signal = "ambient" if hidden.ambient_K else "speed" if hidden.position == 1.0 else "speed and position"
+    return out.verdict == "input_error" and [*out.wrong] == [run, signal]
+
+
+def _shifted(case: Case, out: Outcome) -> bool:
+    return out.verdict == "input_error" and out.wrong[1] == "position"
+
+
+def _sensor(case: Case, out: Outcome) -> bool:
+    """The thermometer is named, and no heat is."""
+    named = [*out.broken] in [[*each] for each in out.faulty] or out.channel == out.broken[1]
+    heats = out.place_mm is not None or any(kind_of(name) == "heat" for name in false_effects(case, out))
+    return named and not heats
+
+
+RULES: Mapping[str, Callable[[Case, Outcome], bool]] = {
+    "one": _one,
+    "half": _one,
+    "double": _one,
+    "none": _none,
+    "two": _several(2),
+    "three": _several(2),
+    "stranger": _stranger,
+    "event": _event,
+    "label": _label,
+    "sensor": _sensor,
+    "shifted": _shifted,
+}

@@ -1,0 +1,114 @@
+"""What came out of a case, as facts that a line of JSON holds; whether that is right is judged elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from benchmarks.hidden.plants import OWN
+from estimator.accuracy.noise_floor import Error
+from estimator.faults.use import Use
+from estimator.missing_effect.improve import Improvement
+from estimator.missing_effect.stand_ins import unknown_of
+from estimator.missing_effect.suggestion import Suggestion
+from estimator.model import Model
+from estimator.rig import Rig
+
+NAMING = ("effect", "tie", "effects")  # verdicts that name effects
+
+
+@dataclass
+class Outcome:
+    """Of one case. Errors are (K, um), open loop, on the runs held out.
+
+    said      effects that are named, best first; by `improve` all that it added, and their ties
+    own       of these, the ones that the model has: parameters of it that are other ones now
+    values    by path, of parameters that may be a planted effect under another name, in each model that the verdict
+              leaves: those with what is said, or the model without any effect more
+    place_mm, follows, channel  of what is in no catalogue
+    wrong     (run, signal) of an input that is said to be wrong
+    faulty    (run, channel) of thermometers that are said to be broken or suspected
+    began     (run, s since its first sample) of what is said to begin within a run
+    broken    the (run, channel) that is;   happened: the (run, s) of what does begin
+    before, after, knowing  without what is said, with it, and of a model that knows what is planted and was fitted
+    search_s  of the processor, for `suggest` or `improve`;   seconds: for the whole case
+    error     instead of all this: what was raised
+    """
+
+    verdict: str = ""
+    said: Sequence[str] = ()
+    own: Sequence[str] = ()
+    values: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    place_mm: float | None = None
+    follows: str = ""
+    channel: str = ""
+    wrong: Sequence[str] = ()
+    faulty: Sequence[Sequence[str]] = ()
+    began: Sequence[tuple[str, float]] = ()
+    broken: Sequence[str] = ()
+    happened: tuple[str, float] | None = None
+    before: Sequence[float] = ()
+    after: Sequence[float] = ()
+    knowing: Sequence[float] = ()
+    search_s: float = 0.0
+    seconds: float = 0.0
+    error: str = ""
+
+    @property
+    def first(self) -> str:
+        """The best of what is named; "" if nothing is."""
+        return self.said[0] if self.said else ""
+
+
+def of_suggestion(found: Suggestion, model: Model, rig: Rig) -> Outcome:
+    """What `suggest` said about a model."""
+    said = said_by(found)
+    named = [h.model for h in found.found if set(h.names) & set(said)] or [found.before.model]
+    out = Outcome(found.verdict, said, _own(said, model), _values(named), faulty=list(_faulty(found.uses)))
+    if found.wrong_input is not None:
+        out.wrong = (found.wrong_input.run, found.wrong_input.signal)
+    if found.unexplained is not None:
+        unknown = unknown_of(found.unexplained.candidate, rig)
+        out.place_mm, out.follows, out.channel = unknown.at_mm, unknown.follower.name, unknown.channel or ""
+    return out
+
+
+def of_improvement(done: Improvement, model: Model) -> Outcome:
+    """What `improve` made of a model."""
+    said = list(dict.fromkeys(name for step in done.steps for name in (step.added, *step.tie) if name))
+    verdict = done.last.verdict if done.last else "stopped"
+    out = Outcome(verdict, said, _own(said, model), _values([done.model]), faulty=list(_faulty(done.uses)))
+    held = [figures(step.held_out) for step in done.steps if step.held_out is not None]
+    out.before, out.after = (held[0], held[-1]) if held else ((), ())
+    return out
+
+
+def said_by(found: Suggestion) -> list[str]:
+    """The effects that a verdict names, best first."""
+    if found.verdict not in NAMING:
+        return []
+    if found.verdict == "effect":
+        return [found.found[0].names[0]]
+    return list(found.tie if found.verdict == "tie" else found.pair)
+
+
+def figures(error: Error) -> tuple[float, float]:
+    """K, um"""
+    return error.temperature_K, error.elongation_um
+
+
+def _own(said: Sequence[str], model: Model) -> list[str]:
+    return [name for name in said if name in model.effects]
+
+
+def _values(models: Sequence[Model]) -> dict[str, list[float]]:
+    paths = {path for of in OWN.values() for path in of}
+    return {path: [float(m[path]) for m in models if path in m.values] for path in sorted(paths)}
+
+
+def _faulty(uses: Sequence[Use]) -> Iterator[tuple[str, str]]:
+    for use in uses:
+        jumped: set[str] = {channel for jump in use.jumps for channel in jump.sizes}
+        for one in use.channels:
+            if one.suspect or one.suspicions or one.channel in jumped:
+                yield use.name, one.channel

@@ -1,0 +1,72 @@
+"""The recordings of a case: its machine's runs, with what is planted in them and what is wrong with them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchmarks.handed_over import record
+from benchmarks.hidden.cases import ODD, Case
+from benchmarks.injected import failing
+from drivers.virtual_rig import Run, simulate
+from estimator.record import Recording
+from estimator.rig import Rig
+
+IN_DRIVE = (0.3, 0.6)  # of a drive's length, where something begins
+WARM = range(1, 12)  # thermometers that may fail: those between the bearings
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """Recordings to search in and held out.
+
+    places    of what is planted there, mm, or the number of a channel
+    odd       name of the run in which something is wrong or happens;   onset_s: when, since its first sample
+    channel   that fails
+    """
+
+    seen: list[Recording]
+    held_out: list[Recording]
+    places: dict[str, float]
+    odd: str = ""
+    onset_s: float = 0.0
+    channel: str = ""
+
+
+def recorded(case: Case, rig: Rig) -> Recorded:
+    """Let the machine of a case run."""
+    (used, apart), hidden = case.runs, case.hidden
+    if hidden.event:
+        return _eventful(case, rig)
+    runs = [simulate(name, machine=case.machine, seed=case.seed, plant=hidden.plant) for name in (*used, *apart)]
+    all_ = [record(run, rig, shift_mm=hidden.shift_mm) for run in runs]
+    wrong, channel = _wrong(case, rig, runs[ODD])
+    seen = [wrong if i == ODD else each for i, each in enumerate(all_[: len(used)])]
+    return Recorded(seen, all_[len(used) :], runs[0].places, wrong.name, channel=channel)
+
+
+def _wrong(case: Case, rig: Rig, run: Run) -> tuple[Recording, str]:
+    """The odd run as it is handed over, and the thermometer that fails in it."""
+    hidden, dice = case.hidden, np.random.default_rng(case.seed)
+    made = record(run, rig, hidden.speed, hidden.position, hidden.shift_mm)
+    made = replace(made, inputs={**made.inputs, "ambient": made.inputs["ambient"] + hidden.ambient_K})
+    if not hidden.fault:
+        return made, ""
+    drive, channel = run.travel.drives[0], int(dice.choice(WARM))
+    at_s = drive.start_s + dice.uniform(*IN_DRIVE) * (drive.stop_s - drive.start_s)
+    return failing(made, hidden.fault, [channel], at_s, case.seed), rig.names[channel]
+
+
+def _eventful(case: Case, rig: Rig) -> Recorded:
+    """Healthy runs, but for the slowest, in whose first drive something begins and stays."""
+    used, _ = case.runs
+    healthy = {name: simulate(name, machine=case.machine, seed=case.seed) for name in used}
+    odd = min(used, key=lambda name: float(name.partition("-")[2]))
+    drive = healthy[odd].travel.drives[0]
+    share = np.random.default_rng(case.seed).uniform(*IN_DRIVE)
+    onset_s = round(drive.start_s + share * (drive.stop_s - drive.start_s))
+    plant = case.hidden.plant
+    runs = healthy | {odd: simulate(odd, machine=case.machine, seed=case.seed, plant=plant, onset_s=onset_s)}
+    seen = [record(run, rig) for run in runs.values()]
+    return Recorded(seen, [], runs[odd].places, f"{odd}.blf", onset_s)
