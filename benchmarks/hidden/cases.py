@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from benchmarks.hidden.plants import EVENTS, PLANTED, STRANGERS, TAKEN_OUT
 from benchmarks.injected import FAILURES
+from drivers.virtual_rig.dice import dice
 
 ROADS = ("healthy", "same", "shipped")
 RUNS = (  # to search in, and held out
@@ -115,6 +116,10 @@ class Case:
         table = list(ROWS).index(self.row) * len(ROADS) + ROADS.index(self.road)
         return (FIRST_DEV_SEED if self.dev else FIRST_SEED) + 1000 * table + self.number
 
+    def drawn(self, what: str, choices: int) -> int:
+        """One of some choices, by the seed."""
+        return int(dice(self.seed, what).integers(choices))
+
     @property
     def hidden(self) -> Hidden:
         """What is hidden."""
@@ -123,7 +128,7 @@ class Case:
     @property
     def runs(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Experiments to search in, and held out."""
-        used, apart = RUNS[self.number % len(RUNS)]
+        used, apart = RUNS[self.drawn("runs", len(RUNS))]
         if self.row == SIX:
             return (*used, *apart), ()
         return used, apart if self.row in HELD_OUT else ()

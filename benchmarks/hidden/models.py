@@ -20,6 +20,7 @@ from estimator.rig_folder.model_toml import load_model, save_model
 from estimator.work import Runs
 
 ROOT = Path(__file__).parents[2]
+SHIPPED = ("base", "model")
 SEARCHES = ("missing_effect", "missing_heat")  # which no fit rests on
 
 
@@ -29,7 +30,7 @@ def model_of(case: Case, rig: Rig, seen: Sequence[Recording]) -> Model:
         return _without(healthy_model(case.machine, rig), case)
     if case.road == "same":
         return fit(_without(paper_rig.model(), case), Runs(rig, seen)).model
-    return _without(paper_rig.model("model" if case.number % 2 else "base"), case)
+    return _without(paper_rig.model(SHIPPED[case.drawn("model", len(SHIPPED))]), case)
 
 
 def _without(model: Model, case: Case) -> Model:

@@ -29,7 +29,7 @@ PLANTED = (
 TAKEN_OUT = ("rotating_convection", "nut_body", "anchor_housing", "free_housing")  # every rig has them
 STRANGERS = {  # in no catalogue, of shapes in place or time that no stand-in has; what is nearest to each of them
     "rubbing_wiper": ("speed", "speed2"),
-    "wide_jet": ("drive",),
+    "wide_jet": ("speed",),
     "slow_blast": ("early_stop", "rest"),
     "start_surge": ("early_drive",),
     "slow_soak": ("rest",),

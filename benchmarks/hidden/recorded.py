@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from benchmarks.handed_over import record
 from benchmarks.hidden.cases import ODD, Case
 from benchmarks.injected import failing
 from drivers.virtual_rig import Run, simulate
+from drivers.virtual_rig.dice import dice
 from estimator.record import Recording
 from estimator.rig import Rig
 
@@ -48,14 +47,19 @@ def recorded(case: Case, rig: Rig) -> Recorded:
 
 def _wrong(case: Case, rig: Rig, run: Run) -> tuple[Recording, str]:
     """The odd run as it is handed over, and the thermometer that fails in it."""
-    hidden, dice = case.hidden, np.random.default_rng(case.seed)
+    hidden = case.hidden
     made = record(run, rig, hidden.speed, hidden.position, hidden.shift_mm)
     made = replace(made, inputs={**made.inputs, "ambient": made.inputs["ambient"] + hidden.ambient_K})
     if not hidden.fault:
         return made, ""
-    drive, channel = run.travel.drives[0], int(dice.choice(WARM))
-    at_s = drive.start_s + dice.uniform(*IN_DRIVE) * (drive.stop_s - drive.start_s)
-    return failing(made, hidden.fault, [channel], at_s, case.seed), rig.names[channel]
+    channel = int(dice(case.seed, "channel").choice(WARM))
+    return failing(made, hidden.fault, [channel], _in_drive(case, run), case.seed), rig.names[channel]
+
+
+def _in_drive(case: Case, run: Run) -> float:
+    """Some time in the first drive of a run, s since its first sample."""
+    drive, share = run.travel.drives[0], dice(case.seed, "onset").uniform(*IN_DRIVE)
+    return float(round(drive.start_s + share * (drive.stop_s - drive.start_s)))
 
 
 def _eventful(case: Case, rig: Rig) -> Recorded:
@@ -63,10 +67,7 @@ def _eventful(case: Case, rig: Rig) -> Recorded:
     used, _ = case.runs
     healthy = {name: simulate(name, machine=case.machine, seed=case.seed) for name in used}
     odd = min(used, key=lambda name: float(name.partition("-")[2]))
-    drive = healthy[odd].travel.drives[0]
-    share = np.random.default_rng(case.seed).uniform(*IN_DRIVE)
-    onset_s = round(drive.start_s + share * (drive.stop_s - drive.start_s))
-    plant = case.hidden.plant
+    plant, onset_s = case.hidden.plant, _in_drive(case, healthy[odd])
     runs = healthy | {odd: simulate(odd, machine=case.machine, seed=case.seed, plant=plant, onset_s=onset_s)}
     seen = [record(run, rig) for run in runs.values()]
     return Recorded(seen, [], runs[odd].places, f"{odd}.blf", onset_s)

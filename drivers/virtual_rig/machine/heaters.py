@@ -61,7 +61,7 @@ LOCAL = {
     "parked_chips": Source(1.5, lambda pace: pace.rested),
     "stop_blast": Source(-8.0, lambda pace: pace.fading(pace.fading_s)),
     "rubbing_wiper": Source(6.0, lambda pace: pace.power(1.5)),
-    "wide_jet": Source(-6.0, lambda pace: pace.share, wedge=True),
+    "wide_jet": Source(-6.0, lambda pace: pace.power(1.0), wedge=True),
     "slow_blast": Source(-6.0, lambda pace: pace.fading(900.0)),
     "start_surge": Source(20.0, lambda pace: pace.share * math.exp(-pace.since_start_s / 120.0)),
     "slow_soak": Source(3.0, lambda pace: pace.rested - pace.fading(1200.0)),

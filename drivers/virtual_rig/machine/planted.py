@@ -46,7 +46,7 @@ PLANTED = {
     "parked_chips": "1.5 W into 30 mm of screw at a place chosen by the seed, at rest after the first motion",
     "stop_blast": "8 W out of 30 mm of screw at a place chosen by the seed after each stop, fading with 300 s",
     "rubbing_wiper": "6 W into 30 mm of screw at a place chosen by the seed at 20 m/min, ~ omega^1.5",
-    "wide_jet": "6 W out of 160 mm of screw around a place chosen by the seed, most at the motor end, while driving",
+    "wide_jet": "6 W out of 160 mm of screw, most at its motor end, at a place chosen by the seed at 20 m/min, ~ omega",
     "slow_blast": "6 W out of 30 mm of screw at a place chosen by the seed after each stop, fading with 900 s",
     "start_surge": "20 W into 30 mm of screw at a place chosen by the seed at each start, fading with 120 s",
     "slow_soak": "3 W into 30 mm of screw at a place chosen by the seed at rest, coming with 1200 s",

@@ -38,9 +38,10 @@ def test_heat_enters_around_its_place(name):
     assert (cells @ CELL_MM) / cells.sum() == pytest.approx(source.places[name], abs=2.0)
 
 
-def test_a_wiper_follows_the_speed_to_the_power_of_one_and_a_half():
+def test_a_wiper_and_a_jet_follow_powers_of_the_speed():
     assert driven("rubbing_wiper", 0.25) == pytest.approx(6.0 / 8.0)
-    assert rested("rubbing_wiper", 100.0) == 0.0
+    assert driven("wide_jet", 0.25) == pytest.approx(-6.0 / 4.0)
+    assert rested("rubbing_wiper", 100.0) == rested("wide_jet", 100.0) == 0.0
 
 
 def test_a_surge_fades_from_the_start_of_a_drive_on():
