@@ -4,7 +4,9 @@ An effect that a model has under another name, as one of its own parameters (pla
 `nut_friction.n`), is found too where that parameter carries it: its value is nearer to the truth than half of what was
 planted. With a model that was fitted to a healthy machine the parameter must be named all the same; by the other roads,
 where all parameters are another machine's or were fitted to the fault, it is right that nothing more is missing.
-What a machine has by a law of its own (plants.BY_LAW) is there although nobody planted it.
+What a machine has by a law of its own (plants.BY_LAW) is there although nobody planted it; so is an effect for a
+parameter that the model holds fixed, or has not, and that is another one on this machine by half of what would be
+planted at least.
 """
 
 from __future__ import annotations
@@ -51,14 +53,25 @@ def is_found(case: Case, out: Outcome, name: str) -> bool:
 
 
 def false_effects(case: Case, out: Outcome) -> list[str]:
-    """Named effects that are neither hidden, nor the model's own, nor there by a law of the machine."""
-    there = {*case.hidden.names, *out.own, *(BY_LAW[law] for law in machine(case.machine).laws if law in BY_LAW)}
+    """Named effects that are neither hidden, nor the model's own, nor there because of the machine."""
+    there = {*case.hidden.names, *out.own, *_by_machine(case, out)}
     return [name for name in out.said if name not in there]
+
+
+def _by_machine(case: Case, out: Outcome) -> set[str]:
+    one = machine(case.machine)
+    apart = {name: [(out.held.get(path), *of(one)) for path, of in paths.items()] for name, paths in OWN.items()}
+    other = {
+        name
+        for name, values in apart.items()
+        if any(held is not None and abs(true - held) >= CARRIED * abs(each) for held, true, each in values)
+    }
+    return other | {BY_LAW[law] for law in one.laws if law in BY_LAW}
 
 
 def confused(case: Case, out: Outcome) -> bool:
     """Whether heat was taken for a wrong reading, or the reverse."""
-    return bool(out.said) and kind_of(out.first) != kind_of(case.hidden.names[0])
+    return out.first in false_effects(case, out) and kind_of(out.first) != kind_of(case.hidden.names[0])
 
 
 def costly(out: Outcome) -> bool:
@@ -75,7 +88,7 @@ def _one(case: Case, out: Outcome) -> bool:
 
 
 def _none(case: Case, out: Outcome) -> bool:
-    """Nothing, or a parameter of the model; in a tie one of those is enough."""
+    """Nothing, or what is true of the machine; in a tie one of those is enough."""
     return out.verdict == "nothing_missing" or len(false_effects(case, out)) < len(out.said)
 
 

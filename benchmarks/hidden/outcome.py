@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from benchmarks.hidden.plants import OWN
@@ -14,6 +14,7 @@ from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.rig import Rig
 
+PATHS = sorted({path for paths in OWN.values() for path in paths})
 NAMING = ("effect", "tie", "effects")  # verdicts that name effects
 
 
@@ -25,6 +26,7 @@ class Outcome:
     own       of these, the ones that the model has: parameters of it that are other ones now
     values    by path, of parameters that may be a planted effect under another name, in each model that the verdict
               leaves: those with what is said, or the model without any effect more
+    held      values of such parameters that the model has fixed, or has not (0)
     place_mm, follows, channel  of what is in no catalogue
     wrong     (run, signal) of an input that is said to be wrong
     faulty    (run, channel) of thermometers that are said to be broken or suspected
@@ -39,6 +41,7 @@ class Outcome:
     said: Sequence[str] = ()
     own: Sequence[str] = ()
     values: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    held: Mapping[str, float] = field(default_factory=dict)
     place_mm: float | None = None
     follows: str = ""
     channel: str = ""
@@ -64,7 +67,7 @@ def of_suggestion(found: Suggestion, model: Model, rig: Rig) -> Outcome:
     """What `suggest` said about a model."""
     said = said_by(found)
     named = [h.model for h in found.found if set(h.names) & set(said)] or [found.before.model]
-    out = Outcome(found.verdict, said, _own(said, model), _values(named), faulty=list(_faulty(found.uses)))
+    out = Outcome(found.verdict, said, _own(said, model), _values(named), _held(model), faulty=_faulty(found.uses))
     if found.wrong_input is not None:
         out.wrong = (found.wrong_input.run, found.wrong_input.signal)
     if found.unexplained is not None:
@@ -77,7 +80,7 @@ def of_improvement(done: Improvement, model: Model) -> Outcome:
     """What `improve` made of a model."""
     said = list(dict.fromkeys(name for step in done.steps for name in (step.added, *step.tie) if name))
     verdict = done.last.verdict if done.last else "stopped"
-    out = Outcome(verdict, said, _own(said, model), _values([done.model]), faulty=list(_faulty(done.uses)))
+    out = Outcome(verdict, said, _own(said, model), _values([done.model]), _held(model), faulty=_faulty(done.uses))
     held = [figures(step.held_out) for step in done.steps if step.held_out is not None]
     out.before, out.after = (held[0], held[-1]) if held else ((), ())
     return out
@@ -102,13 +105,17 @@ def _own(said: Sequence[str], model: Model) -> list[str]:
 
 
 def _values(models: Sequence[Model]) -> dict[str, list[float]]:
-    paths = {path for of in OWN.values() for path in of}
-    return {path: [float(m[path]) for m in models if path in m.values] for path in sorted(paths)}
+    return {path: [float(m[path]) for m in models if path in m.values] for path in PATHS}
 
 
-def _faulty(uses: Sequence[Use]) -> Iterator[tuple[str, str]]:
+def _held(model: Model) -> dict[str, float]:
+    fixed = set(PATHS) - set(model.free())
+    return {path: float(model[path]) if path in model.values else 0.0 for path in sorted(fixed)}
+
+
+def _faulty(uses: Sequence[Use]) -> list[tuple[str, str]]:
+    found = []
     for use in uses:
-        jumped: set[str] = {channel for jump in use.jumps for channel in jump.sizes}
-        for one in use.channels:
-            if one.suspect or one.suspicions or one.channel in jumped:
-                yield use.name, one.channel
+        jumped = {channel for jump in use.jumps for channel in jump.sizes}
+        found += [(use.name, c.channel) for c in use.channels if c.suspect or c.suspicions or c.channel in jumped]
+    return found

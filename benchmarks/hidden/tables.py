@@ -26,7 +26,7 @@ CAME = {
 TITLES = {
     "half": ("one effect, half as strong", ""),
     "double": ("one effect, twice as strong", ""),
-    "none": ('nothing planted: "nothing missing", or a parameter of the model', ">= 95 %"),
+    "none": ('nothing planted: "nothing missing", or what is another on this machine', ">= 95 %"),
     "two": ("two effects: both found by improve", ">= 85 %"),
     "three": ("three effects: two at least found by improve", ">= 80 %"),
     "stranger": ("in no catalogue: said so, within 60 mm, right input", ">= 90 %"),

@@ -77,6 +77,16 @@ def test_what_a_machine_has_by_a_law_of_its_own_is_there(law, effect):
     assert false_effects(other[0], Outcome(EFFECT, [effect])) == [effect]
 
 
+def test_a_fixed_parameter_that_is_another_one_on_the_machine_is_an_effect():
+    case = Case("none", "shipped", 0)
+    ((path, of),) = OWN["nut_speed_exponent"].items()
+    true, each = of(machine(case.machine))
+    out = Outcome(EFFECT, ["nut_speed_exponent"])
+    assert not right(case, out)
+    assert right(case, replace(out, held={path: true - 0.6 * each}))
+    assert not right(case, replace(out, held={path: true - 0.4 * each}))
+
+
 def test_of_two_effects_both_must_be_found():
     case = Case("two", "healthy", 0)
     assert right(case, Outcome(NOTHING, list(PAIRS[0])))
