@@ -13,7 +13,7 @@ from ballscrew.terminal import Terminal
 from estimator.accuracy.noise_floor import Error
 from estimator.missing_effect.hypothesis import Hypothesis
 from estimator.missing_effect.stand_ins import unknown_of
-from estimator.missing_effect.suggestion import Suggestion
+from estimator.missing_effect.suggestion import Suggestion, behind
 from estimator.rig import Rig
 
 SHOWN = 6  # effects in the ranking
@@ -45,8 +45,7 @@ def ranked(verdict: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
     suggestion = verdict.suggestion
     listed = [("the model as given", suggestion.as_given), ("all parameters fitted again", suggestion.again)]
     for h in suggestion.found[:SHOWN]:
-        there = h.names[0] in suggestion.as_given.model.effects
-        listed.append((f"{h.names[0]} fitted again" if there else f"+ {h.names[0]}", h))
+        listed.append((f"{h.freed} of another value" if h.freed else f"+ {' + '.join(h.names)}", h))
     held = [*verdict.held_out] or [None] * len(listed)
     return [(*one, error) for one, error in zip(listed, held, strict=False)]
 
@@ -56,6 +55,7 @@ def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
     values = ", ".join(
         f"{path.partition('.')[2]} {value.value:.3g} +- {value.sd:.1g} {h.model.param(path).unit}"
         for path, value in h.own().items()
+        if path == (h.freed or path)
     )
     return [title, *cells(errors), "all" if h.refit else "it alone" if h.names else "", values]
 
@@ -69,7 +69,7 @@ def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
         "recordings": recordings_json(verdict.uses),
         "verdict": suggestion.verdict,
         "effects": [
-            _effect(suggestion.without(h), h, held[h.refit : h.refit + 1], held[i : i + 1])
+            _effect(suggestion.without(h), h, suggestion.found[0], held[h.refit : h.refit + 1], held[i : i + 1])
             for i, h in enumerate(suggestion.found, start=2)
         ],
         "tie": list(suggestion.tie),
@@ -97,9 +97,12 @@ def _unknown(suggestion: Suggestion, rig: Rig) -> dict[str, Any] | None:
     }  # fmt: skip
 
 
-def _effect(before: Hypothesis, h: Hypothesis, held_before: Sequence[Error], held: Sequence[Error]) -> dict[str, Any]:
+def _effect(
+    before: Hypothesis, h: Hypothesis, best: Hypothesis, held_before: Sequence[Error], held: Sequence[Error]
+) -> dict[str, Any]:
     return {
-        "name": h.names[0], "score": before.misfit / h.misfit, "refitted": h.refit,
+        "name": " + ".join(h.names), "score": before.misfit / h.misfit, "refitted": h.refit,
+        "at_bound": bool(h.at_bound()), "difference_se": behind(h.judged, best.judged) if h is not best else 0.0,
         "before": vars(before.judged.error), "after": vars(h.judged.error),
         "held_out_before": vars(held_before[0]) if held_before else None,
         "held_out_after": vars(held[0]) if held else None,

@@ -36,10 +36,12 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
     if suggestion.verdict == "nothing_missing":
         return _nothing(suggestion)
     best = suggestion.found[0]
+    if suggestion.verdict == "effects":
+        return f"{' and '.join(best.names)} are missing, neither alone: {_gain(suggestion.before, best)}."
     if suggestion.verdict == "tie":
         return _tie(suggestion, verdict.next_run)
     more = f" A second one besides: {_other(suggestion)}." if suggestion.pair else ""
-    return f"{_missing(suggestion, best)}: {_gain(suggestion.without(best), best)}.{more}"
+    return f"{best.names[0]} is missing: {_gain(suggestion.without(best), best)}.{more}"
 
 
 def _wrong_input(wrong: Mislabel, far: bool) -> str:
@@ -73,14 +75,14 @@ def _new_effect(unknown: Unknown) -> str:
     return f"ballscrew new-effect my_heat --at {at} {follows}"
 
 
-def _missing(suggestion: Suggestion, best: Hypothesis) -> str:
-    name = best.names[0]
-    there = name in suggestion.as_given.model.effects
-    return f"{name} is there, but not as the model says" if there else f"{name} is missing"
-
-
 def _nothing(suggestion: Suggestion) -> str:
     left = _left(suggestion)
+    if suggestion.changed:
+        best = suggestion.found[0]
+        value, unit = best.own()[suggestion.changed], best.model.param(suggestion.changed).unit
+        here = f"{suggestion.changed} is {value.value:.3g} +- {value.sd:.1g} {unit} here"
+        was = suggestion.as_given.ground.model[suggestion.changed]
+        return f"Nothing is missing, but {here}, not {was:.3g}: {_gain(suggestion.before, best)}."
     if suggestion.before.refit and suggestion.as_given.misfit > max(GOOD, 1.2 * suggestion.before.misfit):
         return f"Nothing is missing, but the parameters are off: fit the model again, which leaves {left}."
     return f"Nothing is missing: the model alone leaves {left}, and no effect makes that clearly less."

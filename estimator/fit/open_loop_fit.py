@@ -23,10 +23,10 @@ from scipy.optimize import least_squares
 
 from estimator.fit.misfits import Misfits
 from estimator.fit.noise import is_level
-from estimator.fit.prior import prior_of
 from estimator.fit.untold import untold
 from estimator.model import Model
 from estimator.record import Array
+from estimator.sensitivity.prior import belief, size
 from estimator.work import Progress, Runs, silent
 
 LEAST = 0.25  # of `few`: no model is known better than from misfits half as large as a good one's
@@ -84,7 +84,7 @@ class Search:
         start = np.array([model[path] for path in paths])
         self._unit = np.array([size(value, p.lo, p.hi) for value, p in zip(start, params, strict=True)])
         self._bounds = np.array([p.lo for p in params]) / self._unit, np.array([p.hi for p in params]) / self._unit
-        self._middle, self._root = prior_of(model, paths, learned)
+        self._belief = belief(model, paths, paths if learned else ())
         self.best, self._least = self._inside(start / self._unit), np.inf
         self.runs, self.converged, self.stopped = 0, False, False
 
@@ -97,7 +97,7 @@ class Search:
     def covariance(self) -> Array:
         """Of the parameters' errors at the best place, (p, p)."""
         lasting, others = (rows.T @ rows for rows in self._misfits.slopes(self.model, self._paths))
-        known = others + self._root.T @ self._root
+        known = others + self._belief.root.T @ self._belief.root
         bread = np.linalg.pinv(lasting + known, hermitian=True)
         few = max(self._misfits.mean_square(self._misfits.of(self.model)[0]), LEAST)
         return np.asarray(bread @ (few * lasting + known) @ bread)
@@ -147,18 +147,13 @@ class Search:
         """All misfits, then how far each parameter is from its prior's middle."""
         lasting, others = self._misfits.of(self._at(scaled))
         self._off = np.sqrt(self._misfits.mean_square(lasting))
-        rest = np.concatenate([lasting, others, self._root @ (scaled * self._unit - self._middle)])
+        rest = np.concatenate([lasting, others, self._belief.root @ (scaled * self._unit - self._belief.middle)])
         if rest @ rest < self._least:
             self.best, self._least = scaled.copy(), float(rest @ rest)
         return rest
 
     def _slopes(self, scaled: Array) -> Array:
-        return np.vstack([*self._misfits.slopes(self._at(scaled), self._paths), self._root]) * self._unit
-
-
-def size(value: float, lo: float, hi: float) -> float:
-    """A length to measure a parameter by: its own size, or part of its range where it starts at zero."""
-    return abs(value) if value else min(1.0, 0.1 * (hi - lo))
+        return np.vstack([*self._misfits.slopes(self._at(scaled), self._paths), self._belief.root]) * self._unit
 
 
 def _left(misfits: Misfits, model: Model, paths: Sequence[str], learned: bool) -> dict[str, str]:
@@ -169,6 +164,6 @@ def _left(misfits: Misfits, model: Model, paths: Sequence[str], learned: bool) -
     if not paths:
         return {}
     slopes = np.vstack(misfits.slopes(model, paths))
-    prior = prior_of(model, paths, learned)[1]
+    prior = belief(model, paths, paths if learned else ()).root
     loose = [i for i in range(len(paths)) if not (prior[:, i].any() and slopes[:, i].any())]
     return untold(slopes[:, loose], [paths[i] for i in loose])

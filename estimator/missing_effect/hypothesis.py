@@ -1,4 +1,4 @@
-"""A hypothesis: some effects are missing, and the model's other parameters are right as they are, or fitted again."""
+"""A hypothesis: some effects are missing, on what is taken as known of the model's own parameters."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ import numpy as np
 
 from estimator.batch.trials import Trials
 from estimator.missing_effect.candidates import APART_MM, Candidate
+from estimator.missing_effect.ground import Ground
 from estimator.missing_effect.moments import Column
 from estimator.missing_effect.panel import Explanation, Panel
 from estimator.model import Model, Value
 from estimator.rig import Rig
+from estimator.sensitivity.prior import Belief
 
 ROUNDS = 6
 HALVINGS = 4
+BOUND = 1e-3  # of a parameter's range: nearer to its end it is at it
 DONE = 0.01  # a round that gains less than this share of the misfit is the last
 
 NONE: Mapping[str, float] = MappingProxyType({})
@@ -26,16 +29,24 @@ NONE: Mapping[str, float] = MappingProxyType({})
 class Hypothesis:
     """Effects to add, which parameters move with them, and the model that follows the recordings best so.
 
-    names   of the effects, none: the model alone
-    refit   whether the model's own free parameters move too
+    names   of the effects, none: the model alone; of an effect that the model has: that one of its parameters is free
     judged  how well it predicts recordings left out, around its best values
+    told    nats that the recordings tell of the parameters beyond their prior (`Panel.told`)
+    freed   own parameter "effect.param" that alone is of another value than the ground says
     """
 
     names: tuple[str, ...]
-    refit: bool
+    ground: Ground
     model: Model
     paths: tuple[str, ...]
     judged: Explanation
+    told: float
+    freed: str = ""
+
+    @property
+    def refit(self) -> bool:
+        """Whether only tables hold the model's own parameters."""
+        return self.ground.refit
 
     @property
     def misfit(self) -> float:
@@ -51,49 +62,54 @@ class Hypothesis:
         values = self.known().values
         return {path: values[path] for path in self.paths if path.partition(".")[0] in self.names}
 
+    def at_bound(self) -> list[str]:
+        """Parameters of the effects to add that ended at a bound which is no null: of no size that can be."""
+        found = []
+        for path in self.paths:
+            param, value = self.model.param(path), float(self.model[path])
+            near = BOUND * (param.hi - param.lo if np.isfinite(param.hi - param.lo) else max(abs(value), 1e-9))
+            ends = [end for end in (param.lo, param.hi) if end != param.null]
+            if path.partition(".")[0] in self.names and any(abs(value - end) <= near for end in ends):
+                found.append(path)
+        return found
+
 
 def refined(
-    model: Model,
-    trials: Trials,
-    added: Sequence[Candidate],
-    refit: bool,
-    first: Mapping[str, float] = NONE,
-    only: Sequence[str] = (),
+    ground: Ground, trials: Trials, added: Sequence[Candidate], first: Mapping[str, float] = NONE
 ) -> Hypothesis:
-    """Follow the recordings with these effects, in steps (Gauss-Newton), from the values `first` of some parameters.
-
-    only  the model's own parameters that move where `refit` is not asked for
-    """
-    wider = model
+    """Follow the recordings with these effects, in steps (Gauss-Newton), from the values `first` of some parameters."""
+    wider = ground.model
     for each in added:
         wider = wider + each.effect if each.name not in wider.effects else wider
         wider = each.place(wider)
     own = [p for each in added for p in wider.free() if p.partition(".")[0] == each.name]
-    paths = tuple(dict.fromkeys([*(model.free() if refit else only), *own]))
-    wider = wider.with_values(first)
-    best, panel = wider, _panel(wider, trials, paths)
+    paths = tuple(dict.fromkeys([*ground.paths, *own]))
+    known = ground.belief(wider, paths)
+    best = wider.with_values(first)
+    panel = _panel(best, trials, paths, known)
     cost = panel.cost
     for _ in range(ROUNDS if paths else 0):
-        there, seen = _step(best, panel, paths, trials, cost)
+        there, seen = _step(best, panel, known, trials, cost)
         if there is None:
             break
         gained = 1.0 - seen.cost / cost
         best, panel, cost = there, seen, seen.cost
         if gained < DONE:
             break
-    return Hypothesis(tuple(each.name for each in added), refit, best, paths, panel.judge())
+    return Hypothesis(tuple(each.name for each in added), ground, best, paths, panel.judge(), panel.told)
 
 
 def _step(
-    model: Model, panel: Panel, paths: Sequence[str], trials: Trials, cost: float
+    model: Model, panel: Panel, known: Belief, trials: Trials, cost: float
 ) -> tuple[Model, Panel] | tuple[None, Panel]:
     """One step, shortened until the misfit falls; None where it does not."""
-    explained = panel.judge()
+    explained, paths = panel.judge(), [column.path for column in panel.columns]
     for halving in range(HALVINGS):
         values = panel.values(explained, 0.5**halving)
         there = model.with_values({p: _inside(model, trials[0].rig, p, value) for p, value in values.items()})
-        if _cost(there, trials, paths) < cost:
-            return there, _panel(there, trials, paths)
+        alone = Panel.of(trials, there, [])
+        if alone.cost + known.unlikely(np.array([there[p] for p in paths])) / alone.weight < cost:
+            return there, _panel(there, trials, paths, known)
     return None, panel
 
 
@@ -107,10 +123,5 @@ def _inside(model: Model, rig: Rig, path: str, value: float) -> float:
     return float(np.clip(value, lo, hi))
 
 
-def _cost(model: Model, trials: Trials, paths: Sequence[str]) -> float:
-    """The misfit alone, priors of the parameters included."""
-    return Panel.of(trials, model, []).cost_with([Column(model, path) for path in paths])
-
-
-def _panel(model: Model, trials: Trials, paths: Sequence[str]) -> Panel:
-    return Panel.of(trials, model, [Column(model, path) for path in paths])
+def _panel(model: Model, trials: Trials, paths: Sequence[str], known: Belief) -> Panel:
+    return Panel.of(trials, model, [Column(model, path) for path in paths], known)

@@ -16,9 +16,10 @@ from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import Trials, slow_trials_of, trials_of
 from estimator.effect import Effect
 from estimator.faults.use import Use
+from estimator.missing_effect.ground import Ground
 from estimator.missing_effect.hypothesis import Hypothesis, refined
 from estimator.missing_effect.suggest import suggest
-from estimator.missing_effect.suggestion import MATERIAL, Suggestion
+from estimator.missing_effect.suggestion import Suggestion, clearly
 from estimator.model import Model
 from estimator.work import Runs
 
@@ -29,7 +30,7 @@ MOST = 6
 class ImprovedModel:
     """One model on the way.
 
-    added            the effect that it has more than the one before; "" for the model as given, or fitted again
+    added            the effect that it has more than the one before, or two; "" for the model as given, or fitted again
     tie              rivals that these recordings cannot tell from it
     cross_validated  open-loop error on recordings left out;  held_out: on those never looked at, None without any
     """
@@ -61,21 +62,34 @@ class Improvement:
 def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Effect]]) -> Improvement:
     """Improve a model. Ctrl-C keeps the best so far."""
     trials, held = slow_trials_of(model, runs), trials_of(model, held_out)
-    uses, steps = trials.uses + held.uses, [_step("", (), refined(model, trials, [], False), held)]
+    uses, steps = trials.uses + held.uses, [_step((), (), refined(Ground(model, ()), trials, []), held)]
+    added = list[str]()
     try:
         while True:
-            found = suggest(steps[-1].model, _heard(runs, len(steps)), effects, [step.added for step in steps])
-            taken = _taken(found) if len(steps) <= MOST else None
-            if taken is None:
+            found = suggest(model, _heard(runs, len(steps)), effects, added)
+            if found.verdict not in ("effect", "tie", "effects") or len(steps) > MOST:
                 break
-            name = taken.names[0] if taken.names else ""
-            steps.append(_step(name, tuple(n for n in found.tie if n != name), taken, held))
+            best = found.found[0]
+            steps.append(_step(best.names, tuple(n for n in found.tie if n not in best.names), best, held))
+            model, added = _onwards(best, runs), [*added, *best.names]
         last = _fitted(found)
         if last is not None:
-            steps.append(_step("", (), last, held))
+            steps.append(_step((), (), last, held))
     except KeyboardInterrupt:
         return Improvement(tuple(steps), None, uses)
     return Improvement(tuple(steps), found, uses)
+
+
+def _onwards(h: Hypothesis, runs: Runs) -> Model:
+    """The model that the next step begins with.
+
+    What an earlier fit knew is known to the next step as well, no better: these recordings count once. A model fitted
+    to them says so.
+    """
+    if not h.refit:
+        return h.model.with_values({path: h.ground.model.values[path] for path in h.ground.learned})
+    fitted_on = {recording.name: recording.fingerprint for recording in runs.recordings}
+    return replace(h.model, about={**h.model.about, "fitted_on": fitted_on})
 
 
 def _heard(runs: Runs, step: int) -> Runs:
@@ -83,23 +97,17 @@ def _heard(runs: Runs, step: int) -> Runs:
     return replace(runs, progress=lambda stage, done: runs.progress(f"step {step}: {stage}", done))
 
 
-def _taken(found: Suggestion) -> Hypothesis | None:
-    """What a verdict says to add; the model fitted again where that alone explains as much; None: stop."""
-    if found.verdict not in ("effect", "tie") or not found.found:
-        return None
-    if found.before.refit and found.before.misfit <= MATERIAL * found.found[0].misfit:
-        return found.before
-    return found.found[0]
-
-
 def _fitted(found: Suggestion) -> Hypothesis | None:
-    """All free parameters fitted again, where that predicts clearly better and nothing else is wrong."""
-    if found.verdict in ("input_error", "nothing_in_catalogue") or not found.before.refit:
+    """The model, or one parameter, fitted again, where that predicts clearly better and nothing else is wrong."""
+    if found.verdict in ("input_error", "nothing_in_catalogue"):
         return None
-    return found.before if found.before.misfit < MATERIAL * found.as_given.misfit else None
+    if found.changed:
+        return found.found[0]
+    better = found.before.refit and clearly(found.as_given.judged, found.before.judged, 1)
+    return found.before if better else None
 
 
-def _step(added: str, tie: tuple[str, ...], h: Hypothesis, held_out: Trials) -> ImprovedModel:
+def _step(added: tuple[str, ...], tie: tuple[str, ...], h: Hypothesis, held_out: Trials) -> ImprovedModel:
     model = h.known()
     held = open_loop_error(model, held_out) if len(held_out) else None
-    return ImprovedModel(added, tie, model, h.judged.error, held)
+    return ImprovedModel(" + ".join(added), tie, model, h.judged.error, held)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -35,36 +36,57 @@ class Column:
 
 @dataclass(frozen=True)
 class Moments:
-    """Sums of one recording, (k + 1, k + 1) each: over thermometers, K2, and over the displacement, um2.
+    """Sums of one recording, over blocks of ten minutes: (B, k + 1, k + 1) each.
 
-    grown   of the elongation, um2: of the displacement's readings and those at rest, joined (`accuracy.reference`)
+    heats   over thermometers, K2;  lengths: over the displacement, um2
+    grows   of the elongation, um2: of the displacement's readings and those at rest, joined (`accuracy.reference`)
     heat_count, length_count, grown_count  readings in them
-    blocks  stretches of ten minutes, each as good as one independent reading
+    independent  stretches of ten minutes, each as good as one independent reading
     """
 
-    heat: Array
-    length: Array
-    grown: Array
+    heats: Array
+    lengths: Array
+    grows: Array
     heat_count: int
     length_count: int
     grown_count: int
-    blocks: float
+    independent: float
 
-    @property
+    @cached_property
+    def heat(self) -> Array:
+        """Over thermometers of the whole recording, (k + 1, k + 1) K2."""
+        return np.asarray(self.heats.sum(axis=0))
+
+    @cached_property
+    def length(self) -> Array:
+        """Over the displacement, um2."""
+        return np.asarray(self.lengths.sum(axis=0))
+
+    @cached_property
+    def grown(self) -> Array:
+        """Of the elongation, um2."""
+        return np.asarray(self.grows.sum(axis=0))
+
+    @cached_property
     def weighted(self) -> Array:
         """Mean squares of both families over what a good model leaves, times blocks: each family counts alike.
 
         The weights of `sensitivity.objective`, but for readings that were not taken: a displacement read only while
         driving counts here for the whole run, there for the time in which it was read.
         """
-        heat = self.heat / max(self.heat_count, 1) / GOOD_K**2
-        length = self.length / max(self.length_count, 1) / GOOD_UM**2
-        return (heat + length) * self.blocks
+        of_heat, of_length = self.units
+        return np.asarray(self.heat * of_heat + self.length * of_length)
+
+    @property
+    def units(self) -> tuple[float, float]:
+        """What a K2 and a um2 of the sums count in `weighted`."""
+        heat = self.independent / max(self.heat_count, 1) / GOOD_K**2
+        return heat, self.independent / max(self.length_count, 1) / GOOD_UM**2
 
     @property
     def weight(self) -> float:
         """`weighted` of a misfit that is just good."""
-        return self.blocks * ((self.heat_count > 0) + (self.length_count > 0))
+        return self.independent * ((self.heat_count > 0) + (self.length_count > 0))
 
 
 def moments(trials: Trials, model: Model, columns: Sequence[Column]) -> list[Moments]:
@@ -81,13 +103,20 @@ def moments_of(trial: Trial, model: Model, columns: Sequence[Column]) -> Moments
         moved = nominal_column(trial, posed, tangent(trial, posed, column.model, column.path))
         row[:], length[:] = where_measured(moved.reading, trial), slope(_reads(moved, trial, posed), trial)
     stack[-1], lengths[-1] = misfit, grown(trial, posed, model) - posed.run.grown
-    heat = trial.rig.is_thermometer
-    rows = [stack[:, :, family][:, np.isfinite(misfit[:, family])] for family in (heat, ~heat)]
-    rows.append(lengths[:, np.isfinite(lengths[-1])])
-    heats, reads, grows = (row @ row.T for row in rows)
-    heat_count, read_count, grown_count = (row.shape[1] for row in rows)
-    blocks = max(1.0, float(trial.rest.time_s[-1] - trial.rest.time_s[0]) / BLOCK_S)
-    return Moments(heats, reads, grows, heat_count, read_count, grown_count, blocks)
+    since, heat = trial.rest.time_s - trial.rest.time_s[0], trial.rig.is_thermometer
+    starts = np.flatnonzero(np.diff(since // BLOCK_S, prepend=-1.0))
+    (heats, heat_count), (reads, read_count), (grows, grown_count) = (
+        _by_block(rows, starts) for rows in (stack[:, :, heat], stack[:, :, ~heat], lengths[:, :, None])
+    )
+    return Moments(heats, reads, grows, heat_count, read_count, grown_count, max(1.0, float(since[-1]) / BLOCK_S))
+
+
+def _by_block(rows: Array, starts: Array) -> tuple[Array, int]:
+    """Products of rows (k + 1, T, channels) summed over each block of ticks, where the last is known; how many are."""
+    known = np.isfinite(rows[-1])
+    ends = [*starts[1:], len(known)]
+    parts = [rows[:, a:b][:, known[a:b]] for a, b in zip(starts, ends, strict=True)]
+    return np.array([part @ part.T for part in parts]), int(known.sum())
 
 
 def _reads(moved: NominalColumn, trial: Trial, posed: Posed) -> Array:

@@ -54,7 +54,7 @@ def next_run(a: Hypothesis, b: Hypothesis, runs: Runs) -> NextRun | None:
     slow, laws = replace(rig, tick_s=TICK_S), learned(recordings, rig)
     level = float(np.nanmedian([np.nanmedian(r.channels[0]) for r in recordings]))
     columns = [Column(b.model, path) for path in b.paths]
-    known = Panel.of(slow_trials_of(b.model, runs), b.model, columns)
+    known = Panel.of(slow_trials_of(b.model, runs), b.model, columns, b.ground.belief(b.model, b.paths))
     plans = list(_plans(rig, recordings))
     if not plans:
         return None

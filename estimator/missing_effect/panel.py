@@ -1,8 +1,9 @@
 """Small changes of parameters judged by what they predict on recordings left out.
 
-    minimise  sum over runs of d' S[r] d + sum of ((p - p0) / sd)^2,   d = (-change, 1),   inside the bounds
+    minimise  sum over runs of d' S[r] d + |R (p - p0)|^2,   d = (-change, 1),   inside the bounds
 
-Each recording is left out once: the changes come from the others, the misfit from that one.
+with a prior of middle p0 and precision R'R. Each recording is left out once: the changes come from the others, the
+misfit from that one.
 """
 
 from __future__ import annotations
@@ -19,8 +20,10 @@ from estimator.missing_effect.moments import Column, Moments, moments
 from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.objective import prior_roots
+from estimator.sensitivity.prior import Belief, size
 
 RIDGE = 1e-9  # of a direction's own curvature, where two columns are the same
+LEAST = 0.25  # of a misfit: no model is known better than from misfits half as large as a good one's
 
 
 @dataclass(frozen=True)
@@ -30,17 +33,22 @@ class Explanation:
     change      (k,) of each parameter, from all recordings
     covariance  (k, k) of it, from how independent the readings are taken to be
     misfit      mean square of what is left on recordings left out, 1: as good as a good model; and what the priors add
+    weight      independent readings in that mean
     error       open-loop error there;  read_um: likewise, of the displacement's readings themselves, their zero out
     runs        misfit of each recording
+    blocks      (2, runs, blocks): what is left in ten minutes, of temperatures and of the displacement, in shares of
+                `misfit`; 0 after a recording's end
     """
 
     chosen: tuple[int, ...]
     change: Array
     covariance: Array
     misfit: float
+    weight: float
     error: Error
     read_um: float
     runs: Array
+    blocks: Array
 
     @property
     def sd(self) -> Array:
@@ -51,20 +59,24 @@ class Explanation:
 class Panel:
     """Moments of some recordings about one model, and the parameters that their columns belong to."""
 
-    def __init__(self, columns: Sequence[Column], found: Sequence[Moments]) -> None:
+    def __init__(self, columns: Sequence[Column], found: Sequence[Moments], prior: Belief | None = None) -> None:
         self.columns, self.found = columns, found
         params = [column.model.param(column.path) for column in columns]
         self.at = np.array([float(column.model[column.path]) for column in columns])
         self._lo = np.array([p.lo for p in params]) - self.at
         self._hi = np.array([p.hi for p in params]) - self.at
-        self._prior = prior_roots(params) ** 2
-        self._off = self.at - np.array([p.value for p in params])
+        prior = prior or Belief(np.array([p.value for p in params]), np.diag(prior_roots(params)))
+        self._prior, self._off = prior.root.T @ prior.root, self.at - prior.middle
         self._weighted = np.array([each.weighted for each in found])
 
     @classmethod
-    def of(cls, trials: Trials, model: Model, columns: Sequence[Column]) -> Panel:
-        """All recordings about a model, and these parameters."""
-        return cls(columns, moments(trials, model, columns))
+    def of(cls, trials: Trials, model: Model, columns: Sequence[Column], prior: Belief | None = None) -> Panel:
+        """All recordings about a model, and these parameters; their prior, of tables if None."""
+        return cls(columns, moments(trials, model, columns), prior)
+
+    def believing(self, prior: Belief) -> Panel:
+        """The same moments with another prior."""
+        return Panel(self.columns, self.found, prior)
 
     def values(self, explained: Explanation, share: float = 1.0) -> dict[str, float]:
         """The parameters after a change, or a share of it, by path."""
@@ -72,14 +84,27 @@ class Panel:
         return {self.columns[i].path: float(self.at[i] + share * change) for i, change in pairs}
 
     @property
-    def cost(self) -> float:
-        """Misfit of all recordings as it stands, with what the priors add, in the units of `judge`."""
-        return self.cost_with(self.columns)
+    def weight(self) -> float:
+        """Independent readings in all recordings."""
+        return sum(m.weight for m in self.found)
 
-    def cost_with(self, columns: Sequence[Column]) -> float:
-        """The same with the priors of these parameters."""
-        off = [(float(c.model[c.path]) - p.value) / p.sd for c in columns if (p := c.model.param(c.path)).sd]
-        return float(self._weighted[:, -1, -1].sum() + sum(x**2 for x in off)) / sum(m.weight for m in self.found)
+    @property
+    def cost(self) -> float:
+        """Misfit of all recordings as it stands, with what the prior adds, in the units of `judge`."""
+        return float(self._weighted[:, -1, -1].sum() + self._off @ self._prior @ self._off) / self.weight
+
+    @property
+    def told(self) -> float:
+        """Nats by which the recordings tell more of all parameters than is known beforehand: ln det(1 + S P^-1) / 2.
+
+        S is the curvature of a model as good as this one, P the prior's; a parameter without one may be anything of its
+        own size.
+        """
+        params = [(x, c.model.param(c.path)) for c, x in zip(self.columns, self.at, strict=True)]
+        own = np.array([size(x, p.lo, p.hi) for x, p in params])
+        prior = self._prior + np.diag(np.where(np.diag(self._prior) > 0, 0.0, own**-2.0))
+        seen = self._weighted.sum(axis=0)[:-1, :-1] / max(self.cost, LEAST)
+        return float(np.linalg.slogdet(seen + prior)[1] - np.linalg.slogdet(prior)[1]) / 2.0
 
     def judge(self, parameters: Sequence[int] | None = None) -> Explanation:
         """Free these parameters, by number; all if None."""
@@ -88,20 +113,30 @@ class Panel:
         change, covariance = self._solve(whole, chosen), self._covariance(whole, chosen)
         several = len(self.found) > 1
         left = [self._solve(whole - own, chosen) if several else change for own in self._weighted]
-        runs = np.array([_rest(s, chosen, x) for s, x in zip(self._weighted, left, strict=True)])
+        runs = np.array([float(_rest(s, chosen, x)) for s, x in zip(self._weighted, left, strict=True)])
 
         def rms(sums: Sequence[Array], counts: Sequence[int]) -> float:
-            rest = sum(_rest(s, chosen, x) for s, x in zip(sums, left, strict=True))
+            rest = sum(float(_rest(s, chosen, x)) for s, x in zip(sums, left, strict=True))
             return float(np.sqrt(max(rest, 0.0) / sum(counts))) if sum(counts) else float("nan")
 
-        weights = np.array([m.weight for m in self.found])
         heat_K, length_um, grown_um = (
             rms([getattr(m, name) for m in self.found], [getattr(m, f"{name}_count") for m in self.found])
             for name in ("heat", "length", "grown")
         )
-        misfit = (runs.sum() + self._unlikely(chosen, change)) / weights.sum()
-        error = Error(heat_K, grown_um)
-        return Explanation(tuple(chosen), change, covariance, float(misfit), error, length_um, runs / weights)
+        misfit = (runs.sum() + self._unlikely(chosen, change)) / self.weight
+        weights = np.array([m.weight for m in self.found])
+        return Explanation(
+            tuple(chosen), change, covariance, float(misfit), self.weight, Error(heat_K, grown_um), length_um,
+            runs / weights, self._blocks(chosen, left),
+        )  # fmt: skip
+
+    def _blocks(self, chosen: Array, left: Sequence[Array]) -> Array:
+        """What changes of the chosen parameters, one set a recording, leave in each block, (2, runs, blocks)."""
+        out = np.zeros((2, len(self.found), max(len(m.heats) for m in self.found)))
+        for r, (m, change) in enumerate(zip(self.found, left, strict=True)):
+            for family, unit, parts in zip(out, m.units, (m.heats, m.lengths), strict=True):
+                family[r, : len(parts)] = _rest(parts, chosen, change) * unit / self.weight
+        return out
 
     def with_another(self, new: Moments) -> float:
         """Root of the least misfit on one recording more, where the others and the priors hold the parameters."""
@@ -117,10 +152,10 @@ class Panel:
         """
         other = np.array(beside, dtype=int)
         whole = self._weighted.sum(axis=0)
-        slope, curvature = whole[:-1, -1].copy(), np.diag(whole)[:-1] + self._prior
+        slope, curvature = whole[:-1, -1].copy(), np.diag(whole)[:-1] + np.diag(self._prior)
         if len(other):
             lower, scale, own = self._factor(whole, other)
-            across = np.linalg.solve(lower, whole[other, :-1] * scale[:, None])
+            across = np.linalg.solve(lower, (whole[other, :-1] + self._prior[other]) * scale[:, None])
             slope -= across.T @ np.linalg.solve(lower, own * scale)
             curvature = curvature - (across**2).sum(axis=0)
         known = curvature > RIDGE * np.diag(whole)[:-1]
@@ -134,7 +169,8 @@ class Panel:
 
     def _unlikely(self, chosen: Array, change: Array) -> float:
         """What the priors add for the chosen parameters after a change."""
-        return float((self._prior[chosen] * (self._off[chosen] + change) ** 2).sum())
+        off = self._off[chosen] + change
+        return float(off @ self._prior[np.ix_(chosen, chosen)] @ off)
 
     def _solve(self, sums: Array, chosen: Array) -> Array:
         if not len(chosen):
@@ -157,15 +193,16 @@ class Panel:
 
     def _factor(self, sums: Array, chosen: Array) -> tuple[Array, Array, Array]:
         """Cholesky factor of the scaled curvature, the scale, and the slope."""
-        curvature = sums[np.ix_(chosen, chosen)] + np.diag(self._prior[chosen])
-        slope = sums[chosen, -1] - self._prior[chosen] * self._off[chosen]
+        prior = self._prior[np.ix_(chosen, chosen)]
+        curvature = sums[np.ix_(chosen, chosen)] + prior
+        slope = sums[chosen, -1] - prior @ self._off[chosen]
         scale = 1.0 / np.sqrt(np.maximum(np.diag(curvature), 1e-300))
         scaled = curvature * np.outer(scale, scale) + RIDGE * np.eye(len(chosen))
         return np.linalg.cholesky(scaled), scale, slope
 
 
-def _rest(sums: Array, chosen: Array, change: Array) -> float:
-    """d' S d: what is left after a change."""
+def _rest(sums: Array, chosen: Array, change: Array) -> Array:
+    """d' S d: what is left after a change; of one matrix of sums or of several."""
     d = np.append(-change, 1.0)
-    at = np.append(chosen, len(sums) - 1)
-    return float(d @ sums[np.ix_(at, at)] @ d)
+    at = np.append(chosen, sums.shape[-1] - 1)
+    return np.asarray(sums[..., at[:, None], at] @ d @ d)

@@ -1,7 +1,4 @@
-"""What a search for a missing effect found, and when a hypothesis counts.
-
-The shares were set on simulated runs with nothing missing, where the best of a hundred candidates leaves 91 % or more.
-"""
+"""What a search for a missing effect found, and when a hypothesis counts."""
 
 from __future__ import annotations
 
@@ -11,25 +8,29 @@ import numpy as np
 
 from estimator.faults.use import Use
 from estimator.missing_effect.hypothesis import Hypothesis
+from estimator.missing_effect.panel import Explanation
 from estimator.missing_effect.screening import Screened
 from estimator.missing_effect.wrong_input import Mislabel
+from estimator.record import Array
 
-MATERIAL = 0.89  # an effect leaves at most this share of the misfit, or it is not missing; ...
-MATERIAL_REFIT = 0.85  # ... this share where all parameters are fitted again beside it ...
-ALONE = 0.5  # the same where there is one recording, and none can be left out
-MATERIAL_K, MATERIAL_UM = 0.016, 0.12  # ... and takes at least so much off one of the errors
-ALIKE = 1.04  # a misfit within this of the best is as good
-GOOD = 1.3  # a misfit that is good enough not to look for what is unknown
+CHANCE = 0.05  # the share of searches in which something may be named although nothing is missing
+APART_SE = 2.0  # standard errors between what can be told apart
+WORTH_K, WORTH_UM = 0.016, 0.12  # an effect takes at least so much off one of the errors: a third of a good model's
+GOOD = 1.3  # a misfit that is good enough not to look for what is unknown: what its own scatter over recordings allows
 
 
 @dataclass(frozen=True)
 class Suggestion:
     """The verdict and what it rests on.
 
-    verdict  "effect", "tie", "input_error", "nothing_missing", or "nothing_in_catalogue": something unknown explains
-             it (`unexplained`), or nothing does, and the model is far off
-    found    hypotheses with an effect each, best first;  tie: names that these recordings cannot tell apart
-    as_given, again  the model without them, as it is and fitted again
+    verdict  "effect", "tie", "effects": two that explain only together, "input_error", "nothing_missing", or
+             "nothing_in_catalogue": something unknown explains it (`unexplained`), or nothing does, and the model is
+             far off
+    found    hypotheses with an effect each, best first; with two, the pair
+    tie      names that these recordings cannot tell apart
+    as_given, again  the model without them: as it is, give or take what its fit left open; with all fitted again
+    before   whichever of these the verdict is held against
+    changed  own parameter "effect.param" that alone explains it: of another value on this machine, or in these runs
     pair     two effects together, where they explain clearly more than one
     uses     what was used of each recording
     far      the model, with a wrong input set right, is so far off that something is missing
@@ -40,7 +41,9 @@ class Suggestion:
     tie: tuple[str, ...]
     as_given: Hypothesis
     again: Hypothesis
+    before: Hypothesis
     uses: tuple[Use, ...]
+    changed: str = ""
     pair: tuple[str, ...] = ()
     wrong_input: Mislabel | None = None
     unexplained: Screened | None = None
@@ -51,30 +54,59 @@ class Suggestion:
         """Whether nothing could be left out: all errors are of what was fitted."""
         return len(self.as_given.judged.runs) == 1
 
-    @property
-    def before(self) -> Hypothesis:
-        """The model without any effect more, as it is or fitted again, whichever predicts better."""
-        return min(self.as_given, self.again, key=lambda h: h.misfit)
-
     def without(self, h: Hypothesis) -> Hypothesis:
         """What a hypothesis adds its effect to."""
         return self.again if h.refit else self.as_given
 
 
-def alike(h: Hypothesis, best: Hypothesis) -> bool:
-    """Whether a hypothesis explains as well as the best one; with all parameters moved it must do better for that."""
-    return h.misfit <= (best.misfit if h.refit and not best.refit else ALIKE * best.misfit)
+def clearly(before: Explanation, after: Explanation, tried: int) -> bool:
+    """Whether the best of so many explanations leaves so much less that it is no chance.
 
+        n / 2  ln(before / after)  >  ln(tried / CHANCE)
 
-def material(h: Hypothesis, as_given: Hypothesis, again: Hypothesis) -> bool:
-    """Whether an effect takes enough off the misfit of the model without it, as it is and fitted again.
-
-    In temperature or in elongation it must be less than either leaves by what can be seen.
+    the logarithm of the likelihood ratio of n independent readings whose scatter is not known, against a bound on the
+    chance that any of `tried` reaches it (Bonferroni); it scales with the recordings and with the catalogue. Where the
+    one recording was fitted too, every parameter costs ln(n) / 2 more (Schwarz 1978).
     """
-    least = MATERIAL if len(h.judged.runs) > 1 else ALONE
-    beside = min(least, MATERIAL_REFIT) if h.refit else 0.95
-    less = h.misfit <= least * as_given.misfit and h.misfit <= beside * again.misfit
-    rivals = (as_given.judged, again.judged)
-    heat = min(r.error.temperature_K for r in rivals) ** 2 - h.judged.error.temperature_K**2
-    length = np.nan_to_num(min(r.read_um for r in rivals) ** 2 - h.judged.read_um**2)
-    return bool(less and (heat > MATERIAL_K**2 or length > MATERIAL_UM**2))
+    more = len(after.chosen) - len(before.chosen)
+    fitted = 0.5 * more * np.log(after.weight) if len(after.runs) == 1 else 0.0
+    return bool(nats(before, after) > np.log(tried / CHANCE) + fitted)
+
+
+def nats(a: Explanation, b: Explanation) -> float:
+    """By how much the second is likelier, left-out recordings alone."""
+    return 0.5 * b.weight * float(np.log(max(a.misfit, 1e-12) / max(b.misfit, 1e-12)))
+
+
+def behind(a: Explanation, best: Explanation) -> float:
+    """Standard errors by which one leaves more than another: of the difference in each block of ten minutes."""
+    apart = (a.blocks - best.blocks).sum(axis=0)
+    return (a.misfit - best.misfit) / _error_of(apart, best)
+
+
+def alike(a: Explanation, best: Explanation, tried: int) -> bool:
+    """Whether recordings cannot tell the best of `tried` explanations from another, by blocks or by all together."""
+    if clearly(a, best, tried):
+        return False
+    return behind(a, best) < APART_SE or not clearly(a, best, 1)
+
+
+def material(h: Hypothesis, before: Explanation, tried: int) -> bool:
+    """Whether an effect is missing: it explains clearly more, is of a size that can be, and is worth having.
+
+    In temperature or in elongation it must take something off that can be seen, and make the elongation no worse.
+    """
+    if h.at_bound() or not clearly(before, h.judged, tried):
+        return False
+    worse = (h.judged.blocks - before.blocks)[1]
+    if worse.sum() > APART_SE * _error_of(worse, before):
+        return False
+    heat = before.error.temperature_K**2 - h.judged.error.temperature_K**2
+    length = np.nan_to_num(before.read_um**2 - h.judged.read_um**2)
+    return bool(heat > WORTH_K**2 or length > WORTH_UM**2)
+
+
+def _error_of(apart: Array, one: Explanation) -> float:
+    """Standard error of the sum of differences (runs, blocks), of which those after a recording's end are none."""
+    known = one.blocks.any(axis=0)
+    return float(np.sqrt(known.sum()) * apart[known].std(ddof=1)) if known.sum() > 1 else float("inf")

@@ -6,7 +6,6 @@ shift of a temperature, with which the model suits this run as well?
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +14,7 @@ from scipy.optimize import minimize_scalar
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials, slow_trial, unjudged
 from estimator.inputs.inputs import nothing
+from estimator.missing_effect.ground import Ground
 from estimator.missing_effect.moments import Column, moments, moments_of
 from estimator.missing_effect.panel import Explanation, Panel
 from estimator.model import Model
@@ -44,22 +44,19 @@ class Mislabel:
     judged: Explanation
 
 
-def mislabel(model: Model, runs: Runs, trials: Trials, moving: Sequence[str]) -> Mislabel | None:
-    """The wrong input of the oddest run that explains most; None where no run is odd, or none explains it.
-
-    moving  parameters of the model that are fitted beside it
-    """
-    rig, recordings = runs.rig, runs.recordings
+def mislabel(ground: Ground, runs: Runs, trials: Trials) -> Mislabel | None:
+    """The wrong input of the oddest run that explains most; None where no run is odd, or none explains it."""
+    rig, recordings, model = runs.rig, runs.recordings, ground.model
     if len(recordings) < 3:
         return None
-    free = [Column(model, path) for path in moving]
+    free, known = [Column(model, path) for path in ground.paths], ground.belief(model, ground.paths)
     found = moments(trials, model, free)
-    misfits = Panel(free, found).judge().runs
+    misfits = Panel(free, found, known).judge().runs
     odd = int(misfits.argmax())
     if misfits[odd] < max(BAD, ODD * float(np.median(np.delete(misfits, odd)))):
         return None
     recording, others = recordings[odd], [*found[:odd], *found[odd + 1 :]]
-    suited = Panel(free, others)
+    suited = Panel(free, others, known)
     by_others = model.with_values(suited.values(suited.judge()))
     heard, wrong = Trial(by_others, rig, recording).heard, list[Mislabel]()
     for signal in signals(model, rig):
@@ -68,7 +65,7 @@ def mislabel(model: Model, runs: Runs, trials: Trials, moving: Sequence[str]) ->
         size, shift = _best(by_others, rig, heard, signal), _is_shift(rig, signal)
         if abs(size) >= (SURE_K if shift else SURE):
             right = slow_trial(model, rig, corrected(recording, rig, signal, size))
-            judged = Panel(free, [*others, moments_of(right, model, free)]).judge()
+            judged = Panel(free, [*others, moments_of(right, model, free)], known).judge()
             ratio, shift_K = (1.0, size) if shift else (float(np.exp(size)), 0.0)
             wrong.append(Mislabel(recording.name, signal, ratio, shift_K, judged))
     return min(wrong, key=lambda m: m.judged.misfit, default=None)

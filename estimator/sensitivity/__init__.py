@@ -1,1 +1,2 @@
-"""How everything moves with a parameter: the open-loop run, and the score: tangent, sensitivity, score, objective."""
+"""How everything moves with a parameter: the open-loop run, and the score: tangent, sensitivity, score,
+objective, prior."""

@@ -14,6 +14,7 @@ from ballscrew.workspace import Workspace
 from estimator.accuracy.noise_floor import Error
 from estimator.effect import Effect
 from estimator.missing_effect import improve as search
+from estimator.missing_effect.ground import Ground
 from estimator.missing_effect.hypothesis import Hypothesis
 from estimator.missing_effect.panel import Explanation
 from estimator.missing_effect.suggestion import Suggestion
@@ -43,16 +44,17 @@ def hypothesis(model: Model, names: tuple[str, ...] = (), heat_K: float = 0.5) -
     """A model judged to leave so much; the first free parameter of each name has been fitted."""
     paths = tuple(next(p for p in model.free() if p.startswith(f"{name}.")) for name in names)
     judged = Explanation(
-        (), np.zeros(0), 0.25**2 * np.eye(len(paths)), heat_K, Error(heat_K, 4 * heat_K), 4 * heat_K, np.zeros(1)
-    )
-    return Hypothesis(names, False, model, paths, judged)
+        (), np.zeros(0), 0.25**2 * np.eye(len(paths)), heat_K, 10.0, Error(heat_K, 4 * heat_K), 4 * heat_K, np.zeros(1),
+        np.zeros((2, 1, 1)),
+    )  # fmt: skip
+    return Hypothesis(names, Ground(model, ()), model, paths, judged, told=0.0)
 
 
 def found(model: Model, verdict: str, effect: type[Effect] | None = None, tie: tuple[str, ...] = ()) -> Suggestion:
     """A verdict, with one effect added where there is one."""
     plain = hypothesis(model)
     best = (hypothesis(model + effect, (effect.name,), 0.1),) if effect else ()
-    return Suggestion(verdict, best, tie, plain, plain, uses=())
+    return Suggestion(verdict, best, tie, plain, plain, plain, uses=())
 
 
 @pytest.fixture
