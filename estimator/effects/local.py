@@ -32,7 +32,7 @@ class LocalHeat(Effect):
     trace = "One place too warm or too cold from the first minute on, at rest and while driving."
     power = Param(1.5, "W", lo=-500.0, hi=500.0, null=0.0, source="a chip pile or an air jet, a few W")
     at = Param(400.0, "mm", lo=-500.0, hi=5000.0, over="place", source="by fit")
-    width = Param(30.0, "mm", lo=5.0, hi=300.0, fixed=True, source="a jet's footprint")
+    width = Param(30.0, "mm", lo=5.0, hi=300.0, sd=12.0, source="a jet's footprint")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         yield Heat(SCREW, p.power, over=spot(rig, p.at, p.width))
@@ -49,7 +49,7 @@ class LocalHeatDriving(Effect):
         2.0, "W", lo=-500.0, hi=500.0, null=0.0, source="a rubbing seal or a jet that follows the drive, a few W"
     )
     at = Param(400.0, "mm", lo=-500.0, hi=5000.0, over="place", source="by fit")
-    width = Param(30.0, "mm", lo=5.0, hi=300.0, fixed=True, source="a seal's or a jet's footprint")
+    width = Param(30.0, "mm", lo=5.0, hi=300.0, sd=12.0, source="a seal's or a jet's footprint")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         yield Heat(SCREW, p.power * u.motion.turning, over=spot(rig, p.at, p.width))
@@ -63,7 +63,7 @@ class MotorHeat(Effect):
 
     trace = "The motor end alone is too cold; grows with how long a drive lasts and not with its speed."
     power = Param(15.0, "W", lo=0.0, hi=1000.0, null=0.0, source="losses of a servo motor, 10 - 100 W, part of them")
-    width = Param(40.0, "mm", lo=5.0, hi=200.0, fixed=True, source="length of a coupling hub's seat")
+    width = Param(40.0, "mm", lo=5.0, hi=200.0, sd=15.0, source="length of a coupling hub's seat")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         screw, anchor = rig.the_screw(), rig.the_support("anchor").at_mm
