@@ -3,13 +3,13 @@
     rig, model = load_rig("recordings"), load_model("recordings/model.toml")
     recording = read("FS-20.log", rig)
     review(recording, rig, model)              what the filter, the smoother and the model alone make of it
-    fit(model, Runs(rig, [recording]))         likewise tune, compare and diagnose
+    fit(model, Runs(rig, [recording]))         likewise tune, compare, diagnose and events
     suggest(model, Runs(rig, [recording]), CATALOGUE.values())
     improve(model, Runs(rig, [recording]), Runs(rig, held_out), CATALOGUE.values())
     step = Filter(model, rig).step(sample)     tick by tick, for sample in recording
     class CoolantJet(Effect): ...              physics of your own, its numbers each a Param
 
-Each name is imported when it is used. The command begins in cli, and shares workspace, search, machine, options,
+Each name is imported when it is used. The command begins in cli, and shares workspace, search, machine, began, options,
 muting and terminal; then commands/, report/, monitor/ and own_effect/.
 """
 
@@ -24,6 +24,7 @@ _HOMES = {
     "Runs": "estimator.work",
     "compare": "estimator.accuracy.compare",
     "diagnose": "estimator.missing_heat.diagnose",
+    "events": "estimator.events.events",
     "fit": "estimator.fit.fit",
     "improve": "estimator.missing_effect.improve",
     "load_model": "estimator.rig_folder.model_toml",

@@ -25,6 +25,8 @@ from estimator.errors import InputError
 from estimator.record import Recording
 from estimator.rig import Rig
 
+A_DATE = 1e8  # s: a log's clock that is so far on counts from 1970, and not from the start of the logger
+
 
 def find_recordings(paths: Iterable[Path]) -> list[Path]:
     """The recordings among these files and folders, in order; a folder means all logs in it, sorted by name.
@@ -106,4 +108,6 @@ def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tal
     ticks = Ticks(rig.tick_s, rig.log.closes is not None)
     row, date = split(f"{name}: {len(frames)} frames", now, closes, ticks, budget.ticks, tally)
     inside = slice(len(row))
-    return replace(decoder.rows(frames.take(inside), 0, now[inside], row, date), frames=len(frames))
+    began_s = float(frames.time[0]) if len(frames) and frames.time[0] > A_DATE else None
+    rows = decoder.rows(frames.take(inside), 0, now[inside], row, date)
+    return replace(rows, frames=len(frames), began_s=began_s)

@@ -43,7 +43,8 @@ class Recording:
     """All ticks of one run, K rows one nominal tick apart; a tick that never came is a row of NaN.
 
     Fields as in Sample with a leading axis K. `skipped` counts what was not used, by reason; `notes` are sentences
-    about torn ends, clock jumps and the like, with place.
+    about torn ends, clock jumps and the like, with place. `began_s`: when time_s is 0, s since 1970; None where the
+    log's clock tells no date.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Recording:
     skipped: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     unevenness: Array = field(default_factory=lambda: np.ones(1))
+    began_s: float | None = None
 
     def __post_init__(self) -> None:
         if len(self.unevenness) != len(self.time_s):

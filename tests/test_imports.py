@@ -26,7 +26,9 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "state",
         "filter batch battery alarms",
         "sensitivity accuracy",
-        "fit missing_effect missing_heat",
+        "fit missing_heat",
+        "events",
+        "missing_effect",
     ),
     "drivers": (
         "budget received frames mended virtual_rig",

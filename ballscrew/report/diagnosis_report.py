@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from ballscrew.began import events_json, events_section
 from ballscrew.report.sections import HORIZONS, Section, by_horizon, cells, number, print_sections
 from ballscrew.report.use_report import recordings_json
 from ballscrew.terminal import Terminal
 from estimator.accuracy.quality import overall
+from estimator.events.event import Event
 from estimator.inputs.phase import PHASES
 from estimator.missing_heat.diagnose import Diagnosis
 from estimator.missing_heat.follows import Follows
@@ -16,9 +20,9 @@ from estimator.missing_heat.where import Deficit
 from estimator.missing_heat.wrong_reading import Wrong
 
 
-def print_diagnosis(terminal: Terminal, diagnosis: Diagnosis) -> None:
+def print_diagnosis(terminal: Terminal, diagnosis: Diagnosis, events: Sequence[Event]) -> None:
     """Tables, how the filter does, and the diagnosis in words."""
-    print_sections(terminal, sections(diagnosis))
+    print_sections(terminal, sections(diagnosis, events))
     white = overall(diagnosis.quality)
     worst = max(diagnosis.quality, key=lambda one: np.nan_to_num(one.whiteness))
     told = f"; largest autocorrelation of what it did not expect {white.whiteness:.2f} ({worst.channel})"
@@ -30,8 +34,8 @@ def print_diagnosis(terminal: Terminal, diagnosis: Diagnosis) -> None:
         terminal.say(sentence)
 
 
-def sections(diagnosis: Diagnosis) -> list[Section]:
-    """The tables: errors, missing heat, wrong readings."""
+def sections(diagnosis: Diagnosis, events: Sequence[Event]) -> list[Section]:
+    """The tables: errors, missing heat, wrong readings, what began within a run."""
     errors = {title: diagnosis.errors[key] for key, title in HORIZONS.items()}
     errors |= {"sensors alone": diagnosis.floor, "good enough alone": diagnosis.limits}
     rows = [[title, *cells([error])] for title, error in errors.items()]
@@ -44,6 +48,8 @@ def sections(diagnosis: Diagnosis) -> list[Section]:
         head = ["channel", "offset", "sd", "rms", "unit", "follows", "p"]
         rows = [head, *map(_reading_row, diagnosis.readings)]
         tables.append(Section("wrong readings", ["what no heat explains"], rows))
+    if events:
+        tables.append(events_section(events))
     return tables
 
 
@@ -61,13 +67,14 @@ def _followed(follows: Follows) -> list[str]:
     return [follows.name or "", f"{follows.p:.3f}"]
 
 
-def as_json(diagnosis: Diagnosis) -> dict[str, object]:
+def as_json(diagnosis: Diagnosis, events: Sequence[Event]) -> dict[str, object]:
     """The diagnosis for programs."""
     return {
         "adequate": diagnosis.adequate,
         "recordings": recordings_json(diagnosis.uses),
         "where": [_told(heat, "from_mm", "to_mm", "node", "phase", "heat_W", "sd_W") for heat in diagnosis.where],
         "readings": [_told(wrong, "channel", "offset", "sd", "unit", "rms") for wrong in diagnosis.readings],
+        "events": events_json(events),
         "sentences": list(diagnosis.sentences),
         "errors": by_horizon(diagnosis.errors),
         "noise_floor": vars(diagnosis.floor),

@@ -55,7 +55,7 @@ def misfit(model: Model, trial: Trial) -> Misfit:
     rest = open_loop_misfit(trial, posed)
     m = rest.shape[1]
     cell = cut.bin_of_tick[:, None] * m + np.arange(m)
-    rest = np.where(_spikes(rest, cell, posed.forcing.readings.sd), np.nan, rest)
+    rest = np.where(spikes(rest, cell, posed.forcing.readings.sd), np.nan, rest)
     known = np.isfinite(rest)
     rows, row = np.unique(cell[known], return_inverse=True)
     count = np.bincount(row)
@@ -85,7 +85,7 @@ def _columns(trial: Trial, posed: Posed, cut: Blocks, places: tuple[Zone, ...]) 
             yield nominal_column(trial, posed, Tangent(none, during * heat, still, calm, None)).reading
 
 
-def _spikes(rest: Array, cell: Array, sd: Array) -> Array:
+def spikes(rest: Array, cell: Array, sd: Array) -> Array:
     """Readings far from the others of their bin, (T, m)."""
     known = np.isfinite(rest)
     middle, spread = np.full((2, cell.max() + 1), np.nan)

@@ -30,21 +30,26 @@ def nominal_column(trial: Trial, posed: Posed, moved: Tangent) -> NominalColumn:
     system, run = posed.system, posed.run
     if not moved.moves_states and moved.readings is None:
         return NominalColumn(moved.offset, np.zeros(len(moved.offset)), np.zeros_like(posed.heat))
-    b, F = _states(trial, posed, moved)
     readings = moved.readings or _none(posed)
     z0 = readings.x0[posed.state.temperatures]
-    z = np.vstack([z0, coast(system.F, system.regime, b + _by_regime(F, system.regime, run.z[:-1]), z0)])
+    z = np.vstack([z0, coast(system.F, system.regime, pushed(posed, moved), z0)])
     spot = z @ run.readings.rows.T + run.z @ readings.rows.T
     before = np.vstack([run.spot[:1], run.lagged[:-1]])
     keep, ramp = lag_filter(run.readings.tau, run.tick_s)
-    pushed = (before - run.spot[:-1]) * readings.keep + np.diff(run.spot, axis=0) * readings.ramp
-    lagged = lagging(keep, ramp, spot, pushed)
+    quick = (before - run.spot[:-1]) * readings.keep + np.diff(run.spot, axis=0) * readings.ramp
+    lagged = lagging(keep, ramp, spot, quick)
     late = -np.diff(spot, axis=0) * run.late_share
     grown = (z[1:] - z[0]) @ run.growth + (run.z[1:] - run.z[0]) @ readings.growth
     return NominalColumn(moved.offset + lagged + late + posed.state.channel_zeros(readings.x0), grown, z[1:])
 
 
-def _states(trial: Trial, posed: Posed, moved: Tangent) -> tuple[Array, Array]:
+def pushed(posed: Posed, moved: Tangent) -> Array:
+    """What each tick adds to how the states move, K, beside what is carried over from the tick before: (T, n)."""
+    b, F = _states(posed, moved)
+    return np.asarray(b + _by_regime(F, posed.system.regime, posed.run.z[:-1]))
+
+
+def _states(posed: Posed, moved: Tangent) -> tuple[Array, Array]:
     """How the response to heat, (T, n), and F, (R, n, n), move."""
     regime, forcing, network = posed.system.regime, posed.forcing, moved.network
     b, F = np.zeros_like(posed.heat), np.zeros_like(posed.system.F)

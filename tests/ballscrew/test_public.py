@@ -16,8 +16,8 @@ import ballscrew
 from tests.conftest import PAPER
 
 NAMES = {
-    "CATALOGUE", "Effect", "Filter", "Param", "Runs", "compare", "diagnose", "fit", "improve", "load_model", "load_rig",
-    "read", "review", "suggest", "tune",
+    "CATALOGUE", "Effect", "Filter", "Param", "Runs", "compare", "diagnose", "events", "fit", "improve", "load_model",
+    "load_rig", "read", "review", "suggest", "tune",
 }  # fmt: skip
 
 

@@ -1,0 +1,42 @@
+"""What began within recordings: a table, sentences with the clock's time, and JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from ballscrew.report.sections import Section, number
+from estimator.events.event import Event
+
+
+def clock(event: Event) -> str | None:
+    """Local time at which it began, to the second; None where the log's clock tells no date."""
+    if event.began_s is None:
+        return None
+    return datetime.fromtimestamp(event.began_s + event.since_s).isoformat(" ", "seconds")
+
+
+def sentence(event: Event) -> str:
+    """What a person should know of it."""
+    return event.told((clock(event) or "")[11:16])
+
+
+def events_section(events: Sequence[Event]) -> Section:
+    """A row and a sentence for each."""
+    head = ["recording", "since, s", "sd", "place", "W", "sd"]
+    return Section("what began within a run", [sentence(event) for event in events], [head, *map(_row, events)])
+
+
+def _row(event: Event) -> list[str]:
+    place = event.channel or event.name or f"{event.from_mm:.0f} - {event.to_mm:.0f} mm"
+    heat = ["", ""] if event.heat_W is None else [f"{event.heat_W:+.2f}", number(event.sd_W or 0.0)]
+    return [event.run, f"{event.since_s:.0f}", f"{event.sd_s:.0f}", place, *heat]
+
+
+def events_json(events: Sequence[Event]) -> list[dict[str, object]]:
+    """The same for programs."""
+    return [
+        {key: value for key, value in vars(event).items() if key not in ("began_s", "what")}
+        | {"clock": clock(event), "sentence": sentence(event)}
+        for event in events
+    ]

@@ -1,0 +1,46 @@
+"""One thing that began within a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+HOT, DRIVING, PART, READING = "heat", "heat_driving", "effect", "reading"
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that was not there before a time, and was from there on.
+
+    run      recording;   since_s, sd_s  when, s since its first frame;   until_s: None to the end
+    began_s  of the recording, s since 1970; None where its clock tells no date
+    kind     "heat", "heat_driving" (while the screw turns), "effect" (a part of the model grew or shrank), "reading"
+    from_mm, to_mm  where, None for a body (`name`) and for a part of the model (`name`)
+    channel  which reads wrong
+    heat_W, sd_W    mean from then on, positive: the model lacks it;   share: by which a part of the model grew
+    offset   of a reading, in its unit
+    gain     twice the log-likelihood that it adds
+    what     a person should know, and the next step
+    """
+
+    run: str
+    since_s: float
+    sd_s: float
+    kind: str
+    until_s: float | None = None
+    began_s: float | None = None
+    from_mm: float | None = None
+    to_mm: float | None = None
+    name: str | None = None
+    channel: str | None = None
+    heat_W: float | None = None
+    sd_W: float | None = None
+    share: float | None = None
+    offset: float | None = None
+    gain: float = 0.0
+    what: str = ""
+
+    def told(self, clock: str = "") -> str:
+        """CS-10.blf: from 13:42 on (4310 s, +- 3 min) it heats.   clock: local time of its beginning, if known"""
+        sd = f"+- {max(self.sd_s / 60.0, 1.0):.0f} min"
+        since = f"{clock} on ({self.since_s:.0f} s, {sd})" if clock else f"{self.since_s:.0f} s on ({sd})"
+        return f"{self.run}: from {since} {self.what}."

@@ -1,0 +1,74 @@
+"""An onset in words: what it is, where, since when, how much, and what to do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from estimator.events.carriers import Carrier
+from estimator.events.event import DRIVING, PART, Event
+from estimator.events.onset import Onset
+from estimator.events.signature import Signature
+from estimator.faults.sentences import place_of
+
+LOSSES = ("still_air", "rotating_convection", "radiation")
+HEATS = "something heats there since then: look for chips, a cover that rubs, what was switched on"
+COOLS = "something cools there since then: look for coolant or air that reaches the screw"
+
+
+def told(onset: Onset, seen: Signature) -> Event:
+    """The event of an onset."""
+    trial, step = seen.trial, onset.step
+    event = Event(
+        trial.recording.name, onset.since_s, onset.sd_s, step.kind, began_s=trial.recording.began_s, gain=onset.gain
+    )
+    if step.carrier is None:
+        event = replace(event, channel=step.channel, offset=onset.size)
+        what = _reading(event, seen)
+    else:
+        event = _with_heat(event, step.carrier, onset, seen)
+        what = _part(event) if step.kind == PART else _heat(event)
+    return replace(event, what=what)
+
+
+def _with_heat(event: Event, carrier: Carrier, onset: Onset, seen: Signature) -> Event:
+    after = seen.trial.rest.time_s >= onset.since_s
+    each_W = float(np.mean(carrier.heat_W[after])) if after.any() else 0.0
+    zone = carrier.zone
+    return replace(
+        event,
+        from_mm=zone.from_mm if zone else None,
+        to_mm=zone.to_mm if zone else None,
+        name=None if zone and zone.node is None else carrier.name,
+        heat_W=onset.size * each_W,
+        sd_W=onset.sd * abs(each_W),
+        share=None if zone else onset.size,
+    )
+
+
+def _heat(event: Event) -> str:
+    heat = event.heat_W or 0.0
+    place = f"in {event.name}" if event.name else f"at {((event.from_mm or 0.0) + (event.to_mm or 0.0)) / 2:.0f} mm"
+    when = " while the screw turns" if event.kind == DRIVING else ""
+    amount = f"{abs(heat):.2g} W +- {event.sd_W:.1g} too {'little' if heat > 0 else 'much'} {place}{when}"
+    return f"the model has {amount}, for the rest of the run; {HEATS if heat > 0 else COOLS}"
+
+
+def _part(event: Event) -> str:
+    share = event.share or 0.0
+    more, percent = ("more" if share > 0 else "less"), f"{abs(100 * share):.0f} %"
+    if event.name in LOSSES:
+        why = "opened" if share > 0 else "closed"
+        return f"the screw loses {percent} {more} heat to the air ({event.name}): a door or a lid was {why}"
+    if event.name and event.name.endswith("friction"):
+        what = event.name.removesuffix("_friction")
+        return f"the {what} rubs {percent} {more} ({event.name}): greased, or its preload is another since then"
+    return f"{event.name} does {percent} {more} than before: something was changed there"
+
+
+def _reading(event: Event, seen: Signature) -> str:
+    rig, offset = seen.trial.rig, event.offset or 0.0
+    place, way = place_of(rig, rig.index(str(event.channel))), "high" if offset > 0 else "low"
+    unit = "K" if event.channel in rig.thermometers else "um"
+    return f"{place} reads {abs(offset):.2f} {unit} {way}, and no heat explains it: check how it sits"

@@ -1,0 +1,112 @@
+"""What a recording shows, span by span, and how everything that may begin would move it.
+
+    y = sum of a step from some time on, at some place + what is always wrong with the model + scatter
+
+Readings are averaged over spans of minutes, so that lags of seconds do not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.batch.open_loop import open_loop_misfit
+from estimator.batch.trial import Posed, Trial
+from estimator.events.carriers import Carrier, carriers
+from estimator.events.spans import Spans, spans
+from estimator.missing_heat.misfit import spikes
+from estimator.model import Model
+from estimator.record import Array
+from estimator.sensitivity.sensitivity import nominal_column
+from estimator.sensitivity.tangent import tangent
+
+
+@dataclass(frozen=True)
+class Signature:
+    """N averages of one recording.
+
+    y, variance    (N,) misfit of the model alone, K or um, and variance of its scatter
+    channel, span  (N,) which channel in which span
+    moves    (N, B, C) by 1 of each of the C `carriers` during each of the B spans
+    by_parameter   (N,) by one sd of what sources say of each parameter of the model, by path
+    rise, rate     (N,) of the model's reading since the start, K, and K/s
+    """
+
+    trial: Trial
+    spans: Spans
+    carriers: Sequence[Carrier]
+    y: Array
+    variance: Array
+    channel: Array
+    span: Array
+    moves: Array
+    by_parameter: Mapping[str, Array]
+    rise: Array
+    rate: Array
+
+
+@dataclass(frozen=True)
+class Averaged:
+    """Which readings (T, m) are in which of N averages: `row` (T, m), -1: in none; `count` (N,)."""
+
+    row: Array
+    count: Array
+
+    def mean(self, values: Array) -> Array:
+        """Of values (T, m), (N,)."""
+        known = self.row >= 0
+        return np.asarray(np.bincount(self.row[known], values[known], len(self.count)) / self.count)
+
+
+def signature(model: Model, trial: Trial) -> Signature:
+    """Run the model alone beside a recording at a tick that serves for slow heat."""
+    posed, cut = trial.pose(model), spans(trial.rest)
+    rest = open_loop_misfit(trial, posed)
+    m, run = rest.shape[1], posed.run
+    cell = cut.of_tick[:, None] * m + np.arange(m)
+    known = np.isfinite(rest) & ~spikes(rest, cell, posed.forcing.readings.sd)
+    rows, row = np.unique(cell[known], return_inverse=True)
+    averaged = Averaged(np.full(rest.shape, -1), np.bincount(row))
+    averaged.row[known] = row
+    found = carriers(trial, posed, model)
+    zeroed = [np.flatnonzero(rows % m == channel) for channel in trial.floating]
+
+    def mean(values: Array) -> Array:
+        return without_zeros(averaged.mean(values), zeroed, averaged.count)
+
+    columns = {
+        path: mean(nominal_column(trial, posed, tangent(trial, posed, model, path)).reading) * float(sd)
+        for path in model.free()
+        if (sd := model.param(path).sd)
+    }
+    variance = averaged.mean(np.broadcast_to(posed.system.R, rest.shape)) / averaged.count
+    moves = without_zeros(_moves(posed, found, cut, averaged), zeroed, averaged.count)
+    rate = np.diff(run.lagged, axis=0, prepend=run.spot[:1]) / trial.rig.tick_s
+    rise = averaged.mean(run.lagged - run.spot[:1])
+    return Signature(
+        trial, cut, found, mean(rest), variance, rows % m, rows // m, moves, columns, rise, averaged.mean(rate)
+    )  # fmt: skip
+
+
+def without_zeros(columns: Array, zeroed: Sequence[Array], count: Array) -> Array:
+    """Columns (N, ...) less their mean over the rows of each channel whose zero has no meaning."""
+    for rows in zeroed:
+        if len(rows):
+            columns[rows] -= np.tensordot(count[rows], columns[rows], 1) / count[rows].sum()
+    return columns
+
+
+def _moves(posed: Posed, found: Sequence[Carrier], cut: Spans, averaged: Averaged) -> Array:
+    """How averages move with each carrier in each span, (N, B, C): all together, tick by tick."""
+    C, n, rows = len(found), posed.heat.shape[1], posed.run.readings.rows
+    push = np.stack([carrier.push for carrier in found], axis=2)
+    x, total = np.zeros((n, len(cut) * C)), np.zeros((len(averaged.count), len(cut) * C))
+    for t, (span, regime) in enumerate(zip(cut.of_tick.tolist(), posed.system.regime.tolist(), strict=True)):
+        begun = slice(0, (span + 1) * C)
+        x[:, begun] = posed.system.F[regime] @ x[:, begun]
+        x[:, span * C : (span + 1) * C] += push[t]
+        read = np.flatnonzero(averaged.row[t] >= 0)
+        total[averaged.row[t, read], begun] += rows[read] @ x[:, begun]
+    return (total / averaged.count[:, None]).reshape(-1, len(cut), C)

@@ -1,0 +1,113 @@
+"""What begins within a run is told: when, where, how much; and where nothing begins nothing is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimator.batch.coarse import coarse
+from estimator.batch.trials import Trials, unjudged
+from estimator.effect import Effect, Param
+from estimator.events.event import Event
+from estimator.events.events import events, events_of
+from estimator.events.spans import spans
+from estimator.rig import Signal
+from estimator.terms import SCREW, Heat
+from estimator.work import Runs
+from tests.conftest import FAST
+
+TICK_S, ONSET_S = 15, 2400.0
+
+
+class Kindled(Effect):
+    """A heater that somebody switches on."""
+
+    power = Param(3.0, "W", lo=-50.0, hi=50.0)
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, p.power * (u.motion.time_s > ONSET_S), over=rig.screw.overlap(50.0, 100.0) / 5)
+
+
+@pytest.fixture(scope="module")
+def runs(small, driven):
+    """Two drives, each with a long rest, and the rig with their tick."""
+    fast = replace(small, inputs={**small.inputs, "speed": Signal(unit="rpm")})
+    parts = [coarse(driven(fast, 5010, (600, 1500 + 300 * i), FAST, (0.0, 100.0)), fast, TICK_S) for i in range(2)]
+    return [run for run, _ in parts], parts[0][1]
+
+
+@pytest.fixture(scope="module")
+def told(runs, live, small_model):
+    """Events of both runs, the second lived by a model with more."""
+
+    def judge(model, change=lambda recording: recording):
+        first, second = (
+            live(m, runs[1], run, seed=i).recording
+            for i, (m, run) in enumerate(zip((small_model, model), runs[0], strict=True))
+        )
+        pair = [replace(first, name="first"), change(replace(second, name="second"))]
+        return events_of(small_model, Trials([unjudged(small_model, runs[1], each) for each in pair]))
+
+    return judge
+
+
+def test_where_nothing_begins_nothing_is_told(told, small_model):
+    assert told(small_model) == []
+
+
+def test_a_heater_that_is_switched_on_is_told_with_time_and_place(told, small_model):
+    (event,) = told(small_model + Kindled, lambda recording: replace(recording, began_s=1.7e9))
+    assert event.began_s == 1.7e9
+    assert (event.run, event.kind, event.until_s) == ("second", "heat", None)
+    assert event.since_s == pytest.approx(ONSET_S, abs=300.0)
+    assert event.from_mm < 75.0 < event.to_mm
+    assert event.heat_W == pytest.approx(3.0, rel=0.4)
+    assert "too little at" in event.told()
+
+
+def test_what_cools_is_too_much_in_the_model(told, small_model):
+    cooled = (small_model + Kindled).with_values({"kindled.power": -3.0})
+    (event,) = told(cooled)
+    assert event.heat_W < 0.0
+    assert "too much at" in event.told()
+    assert event.began_s is None
+
+
+def test_what_is_there_from_the_first_drive_on_has_not_begun(told, small_model):
+    rubs = small_model.with_values({"nut_friction.power": 1.4 * small_model["nut_friction.power"]})
+    assert told(rubs) == []
+
+
+def test_a_thermometer_that_shifts_is_no_heat(told, small_model):
+    def shift(recording):
+        channels = recording.channels.copy()
+        channels[recording.time_s > ONSET_S, 1] += 0.5
+        return replace(recording, channels=channels)
+
+    (event,) = told(small_model, shift)
+    assert event.kind == "reading"
+    assert event.channel is not None
+    assert event.offset == pytest.approx(0.5, abs=0.1)
+    assert event.since_s == pytest.approx(ONSET_S, abs=300.0)
+
+
+def test_spans_are_cut_at_starts_and_stops_and_every_five_minutes(runs):
+    run = runs[0][0]
+    cut = spans(run)
+    lasts = np.diff(np.append(cut.from_s, run.time_s[-1]))
+    assert lasts.max() <= 300.0 + TICK_S
+    turning = run.omega > 0
+    assert all(len({*turning[cut.of_tick == span]}) == 1 for span in range(len(cut)))
+
+
+def test_the_clock_is_told_where_it_is_known():
+    event = Event("CS-10.blf", 4310.0, 120.0, "heat", what="it heats")
+    assert event.told() == "CS-10.blf: from 4310 s on (+- 2 min) it heats."
+    assert event.told("13:42") == "CS-10.blf: from 13:42 on (4310 s, +- 2 min) it heats."
+
+
+def test_runs_are_made_ready(runs, live, small_model):
+    lived = [live(small_model, runs[1], run, seed=9).recording for run in runs[0]]
+    assert events(small_model, Runs(runs[1], lived)) == []
