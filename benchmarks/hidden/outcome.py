@@ -23,7 +23,7 @@ class Outcome:
     """Of one case. Errors are (K, um), open loop, on the runs held out.
 
     said      effects that are named, best first; by `improve` all that it added, and their ties
-    own       of these, the ones that the model has: parameters of it that are other ones now
+    own       effects that the model has of which a parameter is said to be another one now, alone or in a tie
     values    by path, of parameters that may be a planted effect under another name, in each model that the verdict
               leaves: those with what is said, or the model without any effect more
     held      values of such parameters that the model has fixed, or has not (0)
@@ -66,8 +66,9 @@ class Outcome:
 def of_suggestion(found: Suggestion, model: Model, rig: Rig) -> Outcome:
     """What `suggest` said about a model."""
     said = said_by(found)
-    named = [h.model for h in found.found if set(h.names) & set(said)] or [found.before.model]
-    out = Outcome(found.verdict, said, _own(said, model), _values(named), _held(model), faulty=_faulty(found.uses))
+    own = _own(said, found, model)
+    named = [h.model for h in found.found if set(h.names) & {*said, *own}] or [found.before.model]
+    out = Outcome(found.verdict, said, own, _values(named), _held(model), faulty=_faulty(found.uses))
     if found.wrong_input is not None:
         out.wrong = (found.wrong_input.run, found.wrong_input.signal)
     if found.unexplained is not None:
@@ -78,9 +79,9 @@ def of_suggestion(found: Suggestion, model: Model, rig: Rig) -> Outcome:
 
 def of_improvement(done: Improvement, model: Model) -> Outcome:
     """What `improve` made of a model."""
-    said = list(dict.fromkeys(name for step in done.steps for name in (step.added, *step.tie) if name))
-    verdict = done.last.verdict if done.last else "stopped"
-    out = Outcome(verdict, said, _own(said, model), _values([done.model]), _held(model), faulty=_faulty(done.uses))
+    said = list(dict.fromkeys(name for step in done.steps for name in (*step.added.split(" + "), *step.tie) if name))
+    verdict, own = done.last.verdict if done.last else "stopped", _own(said, done.last, model)
+    out = Outcome(verdict, said, own, _values([done.model]), _held(model), faulty=_faulty(done.uses))
     held = [figures(step.held_out) for step in done.steps if step.held_out is not None]
     out.before, out.after = (held[0], held[-1]) if held else ((), ())
     return out
@@ -100,8 +101,9 @@ def figures(error: Error) -> tuple[float, float]:
     return error.temperature_K, error.elongation_um
 
 
-def _own(said: Sequence[str], model: Model) -> list[str]:
-    return [name for name in said if name in model.effects]
+def _own(said: Sequence[str], last: Suggestion | None, model: Model) -> list[str]:
+    changed = [last.changed.partition(".")[0]] if last and last.changed else []
+    return [*(name for name in said if name in model.effects), *changed]
 
 
 def _values(models: Sequence[Model]) -> dict[str, list[float]]:

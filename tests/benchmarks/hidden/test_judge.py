@@ -57,6 +57,7 @@ def test_on_a_healthy_machine_the_parameter_that_carries_must_be_named(name):
     holders = [path.partition(".")[0] for path in OWN[name]]
     assert not right(case, silent)
     assert right(case, replace(silent, verdict=EFFECT, said=holders[:1], own=holders[:1]))
+    assert right(case, replace(silent, own=holders[:1]))
     assert not right(case, replace(silent, verdict=EFFECT, said=["churning"]))
 
 
