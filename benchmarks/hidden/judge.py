@@ -18,6 +18,7 @@ from benchmarks.hidden.outcome import Outcome
 from benchmarks.hidden.plants import BY_LAW, OWN, STRANGERS, kind_of
 from drivers.virtual_rig.machine.heaters import local_place
 from drivers.virtual_rig.population.draw import machine
+from estimator.events.event import READING
 
 NEAR_MM, NEAR_S = 60.0, 600.0
 MOST_TIED = 3
@@ -103,8 +104,10 @@ def _stranger(case: Case, out: Outcome) -> bool:
 
 
 def _event(case: Case, out: Outcome) -> bool:
+    """A time of heat: all that is planted so is."""
     run, onset_s = out.happened or ("", 0.0)
-    return any(name == run and abs(when - onset_s) <= NEAR_S for name, when in out.began)
+    heats = [(name, when) for name, when, kind in out.began if kind != READING]
+    return any(name == run and abs(when - onset_s) <= NEAR_S for name, when in heats)
 
 
 def _label(case: Case, out: Outcome) -> bool:

@@ -30,7 +30,7 @@ class Outcome:
     place_mm, follows, channel  of what is in no catalogue
     wrong     (run, signal) of an input that is said to be wrong
     faulty    (run, channel) of thermometers that are said to be broken or suspected
-    began     (run, s since its first sample) of what is said to begin within a run
+    began     (run, s since its first sample, kind) of what is told to begin within a run
     broken    the (run, channel) that is;   happened: the (run, s) of what does begin
     before, after, knowing  without what is said, with it, and of a model that knows what is planted and was fitted
     search_s  of the processor, for `suggest` or `improve`;   seconds: for the whole case
@@ -47,7 +47,7 @@ class Outcome:
     channel: str = ""
     wrong: Sequence[str] = ()
     faulty: Sequence[Sequence[str]] = ()
-    began: Sequence[tuple[str, float]] = ()
+    began: Sequence[tuple[str, float, str]] = ()
     broken: Sequence[str] = ()
     happened: tuple[str, float] | None = None
     before: Sequence[float] = ()

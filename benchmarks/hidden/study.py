@@ -13,6 +13,7 @@ from benchmarks.measure import timed
 from estimator.accuracy.horizon import open_loop_error
 from estimator.batch.trials import trials_of
 from estimator.effects import CATALOGUE
+from estimator.events.events import events
 from estimator.fit.open_loop_fit import follow
 from estimator.missing_effect.improve import improve
 from estimator.missing_effect.suggest import suggest
@@ -21,6 +22,7 @@ from estimator.rig import Rig
 from estimator.work import Runs
 
 IMPROVED = ("two", "three")  # rows that ask `improve`; the others ask `suggest`
+TIMED = ("event", "none")  # rows that are asked what began within a run, as `diagnose` tells it
 PLACED = {"local_heat": "at", "local_heat_driving": "at", "channel_offset": "channel", "channel_gain": "channel"}
 
 
@@ -49,6 +51,8 @@ def _searched(case: Case) -> Outcome:
         out = of_suggestion(found, model, rig)
         out.before = _held_out(found.before.model, of, rig)
         out.after = _held_out(found.found[0].model, of, rig) if out.said else out.before
+    if case.row in TIMED:
+        out.began = [(event.run, event.since_s, event.kind) for event in events(model, runs)]
     out.search_s, out.broken, out.happened = search_s, (of.odd, of.channel), (of.odd, of.onset_s)
     return out
 

@@ -108,9 +108,10 @@ def test_a_stranger_has_a_place_and_what_it_follows():
 
 def test_an_event_is_told_within_ten_minutes():
     case = Case("event", "healthy", 0)
-    out = Outcome(happened=("FS-5.blf", 1000.0), began=[("FS-5.blf", 1500.0)])
+    out = Outcome(happened=("FS-5.blf", 1000.0), began=[("FS-5.blf", 1500.0, "heat_driving")])
     assert right(case, out)
-    assert not right(case, replace(out, began=[("FS-5.blf", 1700.0), ("CS-10.blf", 1000.0)]))
+    assert not right(case, replace(out, began=[("FS-5.blf", 1700.0, "heat"), ("CS-10.blf", 1000.0, "heat")]))
+    assert not right(case, replace(out, began=[("FS-5.blf", 1000.0, "reading")]))
 
 
 def test_a_wrong_input_needs_run_and_signal():
