@@ -21,6 +21,7 @@ from estimator.record import Array
 
 FINER = 5  # onsets that are tried within a span
 READS_WORSE = 1.5  # times the gain of any heat, from which on a reading is called wrong
+NEARLY = 0.9  # of the largest gain
 SLACK_S = 60.0  # sd of an onset that is as sharp as can be
 
 
@@ -98,7 +99,7 @@ class Solver:
     def onset(self, seen: Signature, step: Step) -> Onset:
         """The onset of a step: among whole spans, then to the minute within those beside the best of them."""
         by_span, from_s = self.gains(step), seen.spans.from_s
-        best = int(np.argmax(by_span))
+        best = likely(by_span, step)
         weight = np.exp((by_span - by_span[best]) / 2.0)
         spread = np.sqrt(weight @ (from_s - weight @ from_s / weight.sum()) ** 2 / weight.sum())
         times, columns = _finer(seen, step, best)
@@ -116,6 +117,14 @@ class Solver:
         seen = curvature > 1e-9
         curvature = np.where(seen, curvature, 1.0)
         return np.where(seen, slope**2 / curvature, 0.0), np.where(seen, slope / curvature, 0.0), curvature**-0.5
+
+
+def likely(gains: Array, step: Step) -> int:
+    """The span with the largest gain; of nearly as large ones one with which a drive begins, for what is changed is
+    changed at rest, and what acts only while the screw turns shows from the next drive on."""
+    begins = step.acts & ~np.append(False, step.acts[:-1])
+    as_good = begins & (gains > NEARLY * gains.max())
+    return int(np.argmax(np.where(as_good, gains, 0.0) if as_good.any() else gains))
 
 
 def _finer(seen: Signature, step: Step, best: int) -> tuple[Array, Array]:

@@ -16,14 +16,15 @@ import numpy as np
 from estimator.events.event import HOT
 from estimator.events.signature import Signature
 from estimator.missing_heat.causes import Averages, Cause
-from estimator.missing_heat.missing_heat import ZERO_UM
+from estimator.missing_heat.missing_heat import HEATS, ZERO_UM
 from estimator.missing_heat.zones import alike
 from estimator.record import Array
 
 WANDERS_S = 1200.0
 ANY = 1e6  # K^2, variance of what may be of any size
 FIRST = {  # sizes to begin with, and the least: W/m, sd of the sources, K, s, K/K, um
-    "heat": (5.0, 1e-3), "heat while driving": (5.0, 1e-3), "changing heat": (1.0, 1e-3), "parameters": (0.3, 0.01),
+    "heat": (5.0, 1e-3), "heat while driving": (5.0, 1e-3), "changing heat": (1.0, 1e-3),
+    "changing heat while driving": (1.0, 1e-3), "parameters": (0.3, 0.01),
     "offset": (0.02, 0.005), "drift": (0.02, 0.005), "lag": (1.0, 0.3), "gain": (0.003, 0.001),
     "together": (0.01, 0.003), "offset um": (0.1, 0.03), "drift um": (0.1, 0.03),
 }  # fmt: skip
@@ -50,10 +51,11 @@ def _heats(seen: Signature) -> dict[str, Cause]:
     places = tuple(carrier.zone for carrier in seen.carriers if carrier.zone is not None)
     moves = seen.moves[:, :, at] * np.array([zone.length_m for zone in places])
     drive, near = seen.spans.drive.astype(float), _near(seen.spans.at_s)
-    times = {"heat": np.ones_like(near), "heat while driving": np.outer(drive, drive), "changing heat": near}
+    both = np.outer(drive, drive)
+    in_times = (np.ones_like(near), both, near, near * both)
     in_place, every = moves @ alike(places), np.arange(len(seen.y))
     causes = {}
-    for name, time in times.items():
+    for name, time in zip(HEATS, in_times, strict=True):
         in_time = np.einsum("nbz,bc->ncz", in_place, time, optimize=True)
         causes[name] = Cause(every, np.tensordot(in_time, moves, ((1, 2), (1, 2))))
     return causes

@@ -12,6 +12,7 @@ from estimator.batch.trials import Trials, unjudged
 from estimator.effect import Effect, Param
 from estimator.events.event import Event
 from estimator.events.events import events, events_of
+from estimator.events.onset import Step, likely
 from estimator.events.spans import spans
 from estimator.rig import Signal
 from estimator.terms import SCREW, Heat
@@ -73,6 +74,15 @@ def test_what_cools_is_too_much_in_the_model(told, small_model):
     assert event.heat_W < 0.0
     assert "too much at" in event.told()
     assert event.began_s is None
+
+
+@pytest.mark.parametrize(
+    ("gains", "span"),
+    [([0, 80, 0, 0, 85, 70], 4), ([0, 90, 0, 0, 85, 70], 4), ([0, 90, 0, 0, 50, 70], 1), ([0, 0, 0, 0, 60, 90], 5)],
+)
+def test_what_acts_only_in_a_drive_begins_with_a_drive_rather_than_within_one(gains, span):
+    step = Step("effect", None, None, np.zeros((1, 6)), np.array([True, True, False, False, True, True]))
+    assert likely(np.array(gains, dtype=float), step) == span
 
 
 def test_what_is_there_from_the_first_drive_on_has_not_begun(told, small_model):
