@@ -20,7 +20,7 @@ LINES = Path(__file__).parents[1] / "hidden.jsonl"
 CHANGED = "and changes"  # since the commit: what such a tree has found says nothing of the next one
 
 
-def known(of: str, lines: Path = LINES) -> Iterator[tuple[Case, Outcome]]:
+def known(of: str, lines: Path) -> Iterator[tuple[Case, Outcome]]:
     """What the lines of a commit say, the last ones last."""
     for line in lines.read_text().splitlines() if lines.exists() and CHANGED not in of else ():
         said = json.loads(line)
@@ -36,7 +36,7 @@ def line_of(of: str, case: Case, out: Outcome) -> str:
 def outcomes(cases: Sequence[Case], processes: int | None = None) -> dict[Case, Outcome]:
     """What came out of each case; what the file of lines holds is not done again."""
     of = commit()
-    found = {case: out for case, out in known(of) if case in set(cases)}
+    found = {case: out for case, out in known(of, LINES) if case in set(cases)}
     todo, began = [case for case in cases if case not in found], perf_counter()
     with ProcessPoolExecutor(processes or os.cpu_count()) as pool, LINES.open("a") as file:
         at_work = {pool.submit(study, case): case for case in todo}
