@@ -88,7 +88,8 @@ def _told(one: Deficit | Wrong, *keys: str) -> dict[str, object]:
     """Fields of a finding, how much it matters, and what it follows."""
     follows = one.follows
     told = {key: getattr(one, key) for key in (*keys, "effect")}
-    return {**told, "follows": follows.name, "p": follows.p, "explains": follows.explains}
+    rivals = [rival.name for rival in follows.rivals]
+    return {**told, "follows": follows.name, "p": follows.p, "explains": follows.explains, "rivals": rivals}
 
 
 def _map(heat: MissingHeat) -> dict[str, object]:

@@ -9,11 +9,13 @@ import numpy as np
 
 from estimator.batch.trial import Posed, Trial
 from estimator.events.event import HOT, PART
+from estimator.inputs.inputs import nothing
 from estimator.missing_heat.zones import Zone, heat_of, zones
 from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.sensitivity import pushed
 from estimator.sensitivity.tangent import tangent
+from estimator.terms import Chain, Store
 
 
 @dataclass(frozen=True)
@@ -47,8 +49,14 @@ def _at(zone: Zone, trial: Trial, posed: Posed) -> Carrier:
 
 
 def _parts(trial: Trial, posed: Posed, model: Model) -> Iterator[Carrier]:
-    """Effects with all of their parameters that are W, or W per something: what heat is in proportion to."""
+    """Effects with all of their parameters that are W, or W per something: what heat is in proportion to.
+
+    Not those that bring a body: what it stores and passes on is as it was built.
+    """
+    u = nothing(trial.rig)
     for name, effect in model.effects.items():
+        if any(isinstance(term, (Store, Chain)) for term in model.terms_of(name, u, trial.rig)):
+            continue
         paths = [f"{name}.{key}" for key, param in effect.params.items() if param.unit.startswith("W")]
         push = np.zeros_like(posed.heat)
         for path in paths:

@@ -86,6 +86,21 @@ TEMPERATURE = Follower(  # where something acts: part of the state, and nothing 
 )  # fmt: skip
 RATE = replace(TEMPERATURE, name="rate", words="how fast the temperature there changes", when="while that changes")
 
+
+def _fading_speed(fading_s: float, name: str, words: str) -> Follower:
+    """The speed times what fades from the start of a drive on."""
+    return Follower(
+        name, f"the speed, fading in the {words} of a drive", f"with the speed, in the {words} of a drive",
+        f" |omega / omega_ref| exp(-t / {fading_s:.0f} s), t s after a drive began",
+        f"rig.the_screw().relative_speed(u.omega) * np.exp(-u.motion.since_s / {fading_s})",
+        lambda u, rig: rig.the_screw().relative_speed(u.omega) * np.exp(-u.motion.since_s / fading_s), phase="drive",
+    )  # fmt: skip
+
+
+PRODUCTS = (
+    _fading_speed(FADING_S, "speed_early_drive", "first minutes"),
+    _fading_speed(3 * FADING_S, "speed_fading", "first quarter of an hour"),
+)
 MOTION = (DRIVE, REST, EARLY_DRIVE, EARLY_STOP, SPEED, SPEED_SQUARED)  # which take a speed
 NAMES = tuple(follower.name for follower in (ALWAYS, *MOTION, TIME, TEMPERATURE))
 

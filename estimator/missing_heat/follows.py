@@ -10,20 +10,22 @@ A series that hardly varies and is surely not zero is "always" there.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import erfc
 
 import numpy as np
 
-from estimator.inputs.follower import ALWAYS, RATE, Follower, followers
+from estimator.inputs.follower import ALWAYS, PRODUCTS, RATE, TEMPERATURE, Follower, followers
 from estimator.missing_heat.missing_heat import ALL, MissingHeat
+from estimator.missing_heat.orders import orders
+from estimator.missing_heat.reach import reaches
 from estimator.record import Array
 from estimator.rig import Rig
 
-SEED = 1
-ORDERS = 500
 CHANCE = 0.01  # p below which a follower is named
 UNEXPLAINED = 0.1  # of the variance, beside the values' own sd, that no follower is expected to explain
+RIVALS = 3  # that are named
+LIKELY = 4.0  # of the variance of what is left, by which squares may differ for two to be alike
 CONSTANT = 0.8  # of the power, from which on the mean is all that there is
 
 
@@ -38,11 +40,15 @@ class Series:
 
 @dataclass(frozen=True)
 class Follows:
-    """The best follower, None where it may be chance; p; and the share of the variance that it explains."""
+    """The best follower, None where it may be chance; p; and the share of the variance that it explains.
+
+    rivals  followers that explain as much within two standard errors of the difference, best first
+    """
 
     follower: Follower | None
     p: float
     explains: float
+    rivals: tuple[Follower, ...] = ()
 
     @property
     def name(self) -> str | None:
@@ -65,12 +71,29 @@ def follows(series: Sequence[Series], known: Sequence[Follower], steady: bool = 
     shapes = _shapes(np.concatenate([each.followers for each in series]), np.sqrt(weight))
     found = (scaled @ shapes) ** 2 / max(scaled @ scaled, 1e-300)
     best = int(np.argmax(found))
-    orders = _orders([len(each.values) for each in series])
-    mixed = scaled[orders]
+    others = orders([len(each.values) for each in series])
+    mixed = scaled[others]
     mixed -= (mixed @ np.sqrt(weight))[:, None] * np.sqrt(weight) / weight.sum()
     chance = ((mixed @ shapes) ** 2).max(axis=1) / np.maximum((mixed**2).sum(axis=1), 1e-300)
-    p = (1 + int((chance >= found[best] - 1e-9).sum())) / (1 + len(orders))
-    return Follows(known[best] if p < CHANCE else None, p, float(found[best]))
+    p = (1 + int((chance >= found[best] - 1e-9).sum())) / (1 + len(others))
+    if p >= CHANCE:
+        return Follows(None, p, float(found[best]))
+    return Follows(known[best], p, float(found[best]), tuple(known[k] for k in _rivals(scaled, shapes, found, best)))
+
+
+def _rivals(scaled: Array, shapes: Array, found: Array, best: int) -> list[int]:
+    """Others whose squares of what is left, block by block, add up to no more than those of the best, best first.
+
+    Within two standard errors of the sum of the differences, in which neighbours are alike, or of a likelihood that is
+    as good but for a factor of seven.
+    """
+    left = (scaled[:, None] - shapes * (scaled @ shapes)) ** 2
+    more = left - left[:, [best]]
+    apart = more - more.mean(axis=0)
+    variance = (apart**2).sum(axis=0) + 2 * np.maximum((apart[1:] * apart[:-1]).sum(axis=0), 0.0)
+    least = LIKELY * left[:, best].sum() / max(len(scaled) - 2, 1)
+    as_good = (more.sum(axis=0) < np.maximum(2 * np.sqrt(variance), least)) & shapes.any(axis=0)
+    return [int(k) for k in np.argsort(-found) if as_good[k] and k != best][:RIVALS]
 
 
 def _always(series: Sequence[Series], share: float) -> Follows:
@@ -91,30 +114,23 @@ def _shapes(followers: Array, root: Array) -> Array:
     return np.where(varies, scaled / np.maximum(np.linalg.norm(scaled, axis=0), 1e-300), 0.0)
 
 
-def _orders(lengths: Sequence[int]) -> Array:
-    """Other orders of the values of recordings of these lengths, (orders, b)."""
-    dice = np.random.default_rng(SEED)
-    first = np.append(0, np.cumsum(lengths))
-    found = []
-    for _ in range(ORDERS):
-        given = dice.permutation(len(lengths))
-        found.append(
-            np.concatenate([first[g] + _order(lengths[g], n, dice) for g, n in zip(given, lengths, strict=True)])
-        )
-    return np.array(found)
-
-
-def _order(length: int, wanted: int, dice: np.random.Generator) -> Array:
-    """One recording's values there and back in a circle, from anywhere on, for as many blocks as are wanted."""
-    there = np.arange(length)
-    return np.append(there, there[::-1])[
-        (np.arange(wanted) * length // wanted + dice.integers(2 * length)) % (2 * length)
-    ]
-
-
 def followers_there(found: MissingHeat) -> tuple[Follower, ...]:
     """What heat and readings of a recording are held against, the temperature at the place and its rate last."""
-    return (*followers(found.misfit.trial.rig), RATE)
+    return (*_of_inputs(found.misfit.trial.rig), TEMPERATURE, RATE)
+
+
+def heat_follows(found: Sequence[MissingHeat], zones: Sequence[int]) -> Follows:
+    """What heat of some zones together follows, of all that can drive heat there."""
+    known, places = followers_there(found[0]), [found[0].zones[z] for z in zones]
+    near = [k for k, follower in enumerate(known) if reaches(follower, found[0].misfit.trial.rig, places)]
+    all_of_them = [heat_series(each, zones) for each in found]
+    series = [replace(each, followers=each.followers[:, near]) for each in all_of_them]
+    return follows(series, [known[k] for k in near])
+
+
+def _of_inputs(rig: Rig) -> tuple[Follower, ...]:
+    """What is known of every tick: shapes of the motion, their products with fading ones, and inputs."""
+    return (*followers(rig)[:-1], *(PRODUCTS if rig.screw is not None and "speed" in rig.inputs else ()))
 
 
 def heat_series(found: MissingHeat, zones: Sequence[int]) -> Series:
@@ -145,7 +161,7 @@ def _followers(found: MissingHeat, near: Array, read: Array, mean: Callable[[Arr
     """Followers averaged over the ticks of each block or bin that were `read` (T,), (b, F); `near` weighs channels."""
     trial = found.misfit.trial
     u, used = trial.drive.inputs, np.flatnonzero(near)
-    columns = [known.values(u, trial.rig)[1:, 0] for known in followers(trial.rig)[:-1]]
+    columns = [known.values(u, trial.rig)[1:, 0] for known in _of_inputs(trial.rig)]
     columns.append(_held(trial.rest.channels[:, used]) @ near[used])
     columns.append(np.gradient(columns[-1], trial.rig.tick_s) if len(read) > 1 else np.zeros(1))
     return np.stack([mean(np.where(read, column, np.nan)) for column in columns], axis=1)

@@ -67,4 +67,6 @@ def _reading(wrong: Wrong, moves: bool) -> str:
 def _follows(found: Follows) -> str:
     if found.follower is None or found.follower == ALWAYS:
         return ""
-    return f"; that follows {found.follower.words} (p {'<' if found.p < 0.002 else '='} {max(found.p, 0.002):.2g})"
+    told = f"; that follows {found.follower.words} (p {'<' if found.p < 0.002 else '='} {max(found.p, 0.002):.2g})"
+    others = "; or ".join(rival.words for rival in found.rivals)
+    return told + (f", or as well {others}" if others else "")

@@ -9,7 +9,7 @@ import numpy as np
 
 from estimator.accuracy.noise_floor import Error
 from estimator.inputs.phase import PHASES
-from estimator.missing_heat.follows import Follows, followers_there, follows, heat_series
+from estimator.missing_heat.follows import Follows, heat_follows
 from estimator.missing_heat.missing_heat import MissingHeat
 from estimator.record import Array
 
@@ -51,7 +51,7 @@ def where(found: Sequence[MissingHeat], limits: Error) -> tuple[Deficit, ...]:
             zones = [found[0].zones[z] for z in run]
             sure = abs(heat) > SURE * sd
             if sure or zones[0].node is not None:
-                told = follows([heat_series(each, run) for each in found], followers_there(found[0]))
+                told = heat_follows(found, run)
                 if not sure and (told.name is None or told.explains < TOLD):
                     continue
                 effect = _effect(found, phase, run, limits)
