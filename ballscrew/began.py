@@ -28,7 +28,8 @@ def events_section(events: Sequence[Event]) -> Section:
 
 
 def _row(event: Event) -> list[str]:
-    place = event.channel or event.name or f"{event.from_mm:.0f} - {event.to_mm:.0f} mm"
+    place = " ".join(filter(None, (event.channel, event.name)))
+    place = place or f"{event.from_mm:.0f} - {event.to_mm:.0f} mm"
     heat = ["", ""] if event.heat_W is None else [f"{event.heat_W:+.2f}", number(event.sd_W or 0.0)]
     return [event.run, f"{event.since_s:.0f}", f"{event.sd_s:.0f}", place, *heat]
 

@@ -31,7 +31,7 @@ def command(work: Workspace, rrd: Path | None) -> int:
         diagnosis = diagnose(work.model, runs)
         runs.progress("looking for what began within a run", 0.95)
         trials = Trials([found.misfit.trial for found in diagnosis.maps], runs.workers, diagnosis.uses)
-        began = events_of(work.model, trials)
+        began = events_of(work.model, trials, runs)
     print_diagnosis(work.terminal, diagnosis, began)
     work.terminal.json(as_json(diagnosis, began))
     if rrd is not None:

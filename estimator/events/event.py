@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-HOT, DRIVING, PART, READING = "heat", "heat_driving", "effect", "reading"
+HOT, DRIVING, PART, READING, EXCHANGED = "heat", "heat_driving", "effect", "reading", "exchanged"
 
 
 @dataclass(frozen=True)
@@ -13,7 +13,8 @@ class Event:
 
     run      recording;   since_s, sd_s  when, s since its first frame;   until_s: None to the end
     began_s  of the recording, s since 1970; None where its clock tells no date
-    kind     "heat", "heat_driving" (while the screw turns), "effect" (a part of the model grew or shrank), "reading"
+    kind     "heat", "heat_driving" (while the screw turns), "effect" (a part of the model grew or shrank), "reading",
+             "exchanged" (the plugs of `channel` and `name`)
     from_mm, to_mm  where, None for a body (`name`) and for a part of the model (`name`)
     channel  which reads wrong
     heat_W, sd_W    mean from then on, positive: the model lacks it;   share: by which a part of the model grew
@@ -41,6 +42,8 @@ class Event:
 
     def told(self, clock: str = "") -> str:
         """CS-10.blf: from 13:42 on (4310 s, +- 3 min) it heats.   clock: local time of its beginning, if known"""
+        if self.kind == EXCHANGED:
+            return f"{self.run}: {self.what}."
         sd = f"+- {max(self.sd_s / 60.0, 1.0):.0f} min"
         since = f"{clock} on ({self.since_s:.0f} s, {sd})" if clock else f"{self.since_s:.0f} s on ({sd})"
         return f"{self.run}: from {since} {self.what}."

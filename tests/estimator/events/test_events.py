@@ -49,7 +49,8 @@ def told(runs, live, small_model):
             for i, (m, run) in enumerate(zip((small_model, model), runs[0], strict=True))
         )
         pair = [replace(first, name="first"), change(replace(second, name="second"))]
-        return events_of(small_model, Trials([unjudged(small_model, runs[1], each) for each in pair]))
+        trials = Trials([unjudged(small_model, runs[1], each) for each in pair])
+        return events_of(small_model, trials, Runs(runs[1], pair))
 
     return judge
 
@@ -101,6 +102,17 @@ def test_a_thermometer_that_shifts_is_no_heat(told, small_model):
     assert event.channel is not None
     assert event.offset == pytest.approx(0.5, abs=0.1)
     assert event.since_s == pytest.approx(ONSET_S, abs=300.0)
+
+
+def test_two_plugs_that_are_exchanged_are_named_and_nothing_else(told, small_model):
+    def exchange(recording):
+        channels = recording.channels.copy()
+        channels[:, [0, 2]] = channels[:, [2, 0]]
+        return replace(recording, channels=channels)
+
+    (event,) = told(small_model, exchange)
+    assert (event.kind, event.channel, event.name) == ("exchanged", "T1", "T3")
+    assert event.told().startswith("second: T1 and T3 show each other's temperature")
 
 
 def test_spans_are_cut_at_starts_and_stops_and_every_five_minutes(runs):

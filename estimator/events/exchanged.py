@@ -1,0 +1,49 @@
+"""Two plugs exchanged: each of two thermometers shows what the other's place would by the model alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+
+from estimator.batch.open_loop import open_loop_misfit
+from estimator.batch.trials import unjudged
+from estimator.events.event import EXCHANGED, Event
+from estimator.model import Model
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+
+SHARE = 0.25  # of both misfits' squares, down to which exchanging the two has to bring them
+SHOWN_K = 0.3  # rms by which each of the two must be off before
+
+
+def exchanged(model: Model, rig: Rig, recording: Recording) -> Iterator[Event]:
+    """Pairs of thermometers of a recording, as it was read: nothing is refused, for both would be."""
+    trial = unjudged(model, rig, recording)
+    posed = trial.pose(model)
+    off = open_loop_misfit(trial, posed)
+    for one, other in _pairs(off, posed.run.lagged + posed.offset[1:], np.flatnonzero(trial.rig.is_thermometer)):
+        first, second = rig.names[one], rig.names[other]
+        what = f"{first} and {second} show each other's temperature: exchange their plugs, or their signals in rig.toml"
+        yield Event(
+            recording.name, float(recording.time_s[0]), 0.0, EXCHANGED, began_s=recording.began_s, channel=first,
+            name=second, what=what,
+        )  # fmt: skip
+
+
+def _pairs(off: Array, alone: Array, channels: Array) -> Iterator[tuple[int, int]]:
+    """Of channels that fit each other's place far better than their own, the best pairs first, each channel once."""
+    own = np.nanmean(off**2, axis=0)
+    found = []
+    for one, other in combinations(channels.tolist(), 2):
+        apart = alone[:, one] - alone[:, other]
+        there = np.nanmean((off[:, one] + apart) ** 2), np.nanmean((off[:, other] - apart) ** 2)
+        both = there[0] < own[one] and there[1] < own[other] and min(own[one], own[other]) > SHOWN_K**2
+        if both and sum(there) < SHARE * (own[one] + own[other]):
+            found.append((sum(there) / (own[one] + own[other]), one, other))
+    told: set[int] = set()
+    for _, one, other in sorted(found):
+        if not {one, other} & told:
+            told |= {one, other}
+            yield one, other
