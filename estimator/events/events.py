@@ -22,8 +22,6 @@ from estimator.model import Model
 from estimator.work import Runs, Workers
 
 LEAST_GAIN = 50.0  # 43 was the most in 51 recordings of nine machines with nothing planted, all by machine 0's model
-    60.0  # the largest in 51 recordings of nine machines with nothing planted, all by machine 0's model, was 57
-)
 MOST = 3  # in one recording
 TOGETHER_S = 900.0  # what begins so soon after another belongs to it
 FEWEST = 40  # averages, below which a recording tells no times
