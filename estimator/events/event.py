@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-HOT, DRIVING, PART, READING, EXCHANGED = "heat", "heat_driving", "effect", "reading", "exchanged"
+HOT, DRIVING, PART, READING = "heat", "heat_driving", "effect", "reading"
+EXCHANGED, GROWING = "exchanged", "growing"  # which are there all the time of a recording
 
 
 @dataclass(frozen=True)
@@ -14,7 +15,7 @@ class Event:
     run      recording;   since_s, sd_s  when, s since its first frame;   until_s: None to the end
     began_s  of the recording, s since 1970; None where its clock tells no date
     kind     "heat", "heat_driving" (while the screw turns), "effect" (a part of the model grew or shrank), "reading",
-             "exchanged" (the plugs of `channel` and `name`)
+             "exchanged" (the plugs of `channel` and `name`), "growing" (a part, from recording to recording)
     from_mm, to_mm  where, None for a body (`name`) and for a part of the model (`name`)
     channel  which reads wrong
     heat_W, sd_W    mean from then on, positive: the model lacks it;   share: by which a part of the model grew
@@ -42,7 +43,7 @@ class Event:
 
     def told(self, clock: str = "") -> str:
         """CS-10.blf: from 13:42 on (4310 s, +- 3 min) it heats.   clock: local time of its beginning, if known"""
-        if self.kind == EXCHANGED:
+        if self.kind in (EXCHANGED, GROWING):
             return f"{self.run}: {self.what}."
         sd = f"+- {max(self.sd_s / 60.0, 1.0):.0f} min"
         since = f"{clock} on ({self.since_s:.0f} s, {sd})" if clock else f"{self.since_s:.0f} s on ({sd})"

@@ -12,6 +12,7 @@ from dataclasses import replace
 from estimator.batch.trials import Trials, slow_trials_of
 from estimator.events.event import Event
 from estimator.events.exchanged import exchanged
+from estimator.events.growing import growing
 from estimator.events.kinds import told
 from estimator.events.onset import Onset, Solver, best_onset, steps
 from estimator.events.pattern import FIRST, pattern
@@ -35,8 +36,7 @@ def events(model: Model, runs: Runs) -> list[Event]:
 def events_of(model: Model, trials: Trials, runs: Runs) -> list[Event]:
     """The same of recordings that have been made ready for open-loop runs: by recording, and then by time."""
     seen = [each for each in trials.each(lambda trial: signature(model, trial)) if len(each.y) >= FEWEST]
-    onsets = Search(seen, trials.workers).onsets() if seen else []
-    found = [told(one, each) for each, some in zip(seen, onsets, strict=True) for one in some]
+    found = _found(seen, trials.workers) if seen else []
     for use, trial in zip(trials.uses, trials, strict=bool(trials.uses)):
         found += of_readings(use, trial.recording, trial.rig)
     pairs = [event for some in runs.each(lambda one: list(exchanged(model, runs.rig, one))) for event in some]
@@ -46,14 +46,21 @@ def events_of(model: Model, trials: Trials, runs: Runs) -> list[Event]:
     return sorted(found, key=lambda event: (order[event.run], event.since_s))
 
 
+def _found(seen: Sequence[Signature], workers: Workers) -> list[Event]:
+    """Onsets within recordings, and what grows from one to the next."""
+    search = Search(seen, workers)
+    grown = growing(seen, search.sizes)
+    return [told(one, each) for each, some in zip(seen, search.onsets(), strict=True) for one in some] + grown
+
+
 class Search:
-    """Looks for onsets in some recordings together, which share a pattern."""
+    """Looks for onsets in some recordings together, which share a pattern; sizes: of its causes."""
 
     def __init__(self, seen: Sequence[Signature], workers: Workers = map) -> None:
         self._seen, self._workers = seen, workers
         self._steps = [list(steps(each)) for each in seen]
         self._found: list[list[Onset]] = [[] for _ in seen]
-        self._sizes = self._sized()
+        self.sizes = self._sized()
 
     def onsets(self) -> list[list[Onset]]:
         """Of each recording, as they are found."""
@@ -63,11 +70,11 @@ class Search:
                 break
             for found, onset in zip(self._found, new, strict=True):
                 found.extend([onset] if onset else [])
-            self._sizes = self._sized()
+            self.sizes = self._sized()
         return [self._apart(i, found) for i, found in enumerate(self._found)]
 
     def _next(self, i: int) -> Onset | None:
-        onset = best_onset(self._seen[i], self._measured(i), self._sizes, self._steps[i])
+        onset = best_onset(self._seen[i], self._measured(i), self.sizes, self._steps[i])
         return onset if onset is not None and onset.gain > LEAST_GAIN else None
 
     def _apart(self, i: int, found: Sequence[Onset]) -> list[Onset]:
@@ -80,7 +87,7 @@ class Search:
 
     def _again(self, i: int, onset: Onset, others: Sequence[Onset]) -> Onset:
         measured = pattern(self._seen[i], [other.column for other in others])
-        return replace(Solver(measured, self._sizes).onset(self._seen[i], onset.step), gain=onset.gain)
+        return replace(Solver(measured, self.sizes).onset(self._seen[i], onset.step), gain=onset.gain)
 
     def _measured(self, i: int) -> Averages:
         return pattern(self._seen[i], [onset.column for onset in self._found[i]])

@@ -7,7 +7,7 @@ twice the log-likelihood that a step c from a time on adds to the pattern S that
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,7 +70,7 @@ def _step(kind: str, carrier: Carrier | None, moves: Array, channel: str | None 
     return Step(kind, carrier, channel, from_there, np.abs(moves).max(axis=0) > 0)
 
 
-def best_onset(seen: Signature, measured: Averages, sizes: dict[str, float], tried: Sequence[Step]) -> Onset | None:
+def best_onset(seen: Signature, measured: Averages, sizes: Mapping[str, float], tried: Sequence[Step]) -> Onset | None:
     """Of all steps; a reading only where no heat explains nearly as much. None where nothing can have begun."""
     solver = Solver(measured, sizes)
     found = [(gain, step) for step in tried for gain in [solver.gains(step)]]
@@ -83,7 +83,7 @@ def best_onset(seen: Signature, measured: Averages, sizes: dict[str, float], tri
 class Solver:
     """A recording's averages under a pattern."""
 
-    def __init__(self, measured: Averages, sizes: dict[str, float]) -> None:
+    def __init__(self, measured: Averages, sizes: Mapping[str, float]) -> None:
         S = measured.known.copy()
         for name, cause in measured.causes.items():
             S[np.ix_(cause.rows, cause.rows)] += sizes[name] ** 2 * cause.covariance
@@ -92,7 +92,7 @@ class Solver:
 
     def gains(self, step: Step) -> Array:
         """Of the onsets with each span, (B,); with the first in which it acts nothing begins: it always was there."""
-        gain = self._judged(step.columns)[0]
+        gain = self.judged(step.columns)[0]
         first = int(np.flatnonzero(step.acts)[0]) if step.acts.any() else len(gain)
         return np.where(step.acts & (np.arange(len(gain)) > first), gain, 0.0)
 
@@ -103,14 +103,14 @@ class Solver:
         weight = np.exp((by_span - by_span[best]) / 2.0)
         spread = np.sqrt(weight @ (from_s - weight @ from_s / weight.sum()) ** 2 / weight.sum())
         times, columns = _finer(seen, step, best)
-        gain, size, sd = self._judged(columns)
+        gain, size, sd = self.judged(columns)
         at = int(np.argmax(gain))
         return Onset(
             step, float(times[at]), float(np.hypot(spread, SLACK_S)), float(size[at]), float(sd[at]),
             float(by_span[best]), columns[:, at],
         )  # fmt: skip
 
-    def _judged(self, columns: Array) -> tuple[Array, Array, Array]:
+    def judged(self, columns: Array) -> tuple[Array, Array, Array]:
         """Gain, size and sd of each column, (k,)."""
         curvature = np.einsum("nk,nk->k", columns, cho_solve(self._factor, columns))
         slope = columns.T @ self._pull

@@ -115,6 +115,20 @@ def test_two_plugs_that_are_exchanged_are_named_and_nothing_else(told, small_mod
     assert event.told().startswith("second: T1 and T3 show each other's temperature")
 
 
+@pytest.mark.parametrize(("each", "grows"), [(0.08, True), (0.0, False)])
+def test_friction_that_grows_from_recording_to_recording_is_named(runs, live, small_model, each, grows):
+    lived = []
+    for i in range(5):
+        powers = [path for path in small_model.values if path.startswith("nut_friction.power")]
+        worn = small_model.with_values({path: (1.0 + i * each) * small_model[path] for path in powers})
+        recording = live(worn, runs[1], runs[0][i % 2], seed=i).recording
+        lived.append(replace(recording, name=f"day {i}", began_s=1.7e9 + 86400.0 * i))
+    trials = Trials([unjudged(small_model, runs[1], one) for one in lived[::-1]])
+    found = [event for event in events_of(small_model, trials, Runs(runs[1], lived)) if event.kind == "growing"]
+    assert [(event.run, event.name) for event in found] == ([("day 4", "nut_friction")] if grows else [])
+    assert all(event.share == pytest.approx(4 * each, rel=0.3) for event in found)
+
+
 def test_spans_are_cut_at_starts_and_stops_and_every_five_minutes(runs):
     run = runs[0][0]
     cut = spans(run)
