@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from estimator.events.event import READING, Event
 from estimator.events.spans import SPAN_S
+from estimator.faults.fault import Fault
 from estimator.faults.sentences import place_of
 from estimator.faults.use import Use
 from estimator.record import Recording
@@ -23,7 +24,8 @@ def of_readings(use: Use, recording: Recording, rig: Rig) -> Iterator[Event]:
                 yield _event(begun, jump.time_s, channel, rig, f"jumped by {size:+.2f}: its zero is another one", size)
     for one in use.suspects:
         for spell in one.spells:
-            yield _event(begun, spell.from_s, one.channel, rig, f"{spell.fault.said}: check that sensor")
+            doubt = "; if it is well, heat is missing there" if spell.fault == Fault.DRIFTING else ""
+            yield _event(begun, spell.from_s, one.channel, rig, f"{spell.fault.said}: check that sensor{doubt}")
 
 
 def _event(
