@@ -62,7 +62,7 @@ class FrictionThinning(Effect):
     )  # fmt: skip
     trace = "The curve bends early: less heat the warmer it is, whatever the time; worse for short strokes."
     rate = Param(0.03, "1/K", lo=0.0, hi=0.08, null=0.0, source="3.1 - 3.5 %/K, Vogel-Cameron for VG100 - VG220")
-    ratio = Param(1.35, "1", lo=0.0, hi=3.0, sd=0.25, source="bearings 4.2 %/K, Palmgren, against 3.1")
+    ratio = Param(1.35, "1", lo=0.0, hi=3.0, fixed=True, source="bearings 4.2 %/K, Palmgren, against 3.1")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         w = rig.the_screw().relative_speed(u.omega)
