@@ -111,7 +111,8 @@ class Search:
     def _unexplained(self, side: Side, also: Sequence[Explanation]) -> Screened | None:
         """What explains clearly more than any one effect or a wrong input, and is in no catalogue.
 
-        Two effects may compose it: heat at a place while driving, and less there always, is heat at rest.
+        Two effects may compose it: heat at a place while driving, and less there always, is heat at rest. Where the
+        model is far off all the same, something is missing: the question is not whether, but what it is like.
         """
         if side.best.misfit <= GOOD and not side.pair:
             return None
@@ -123,7 +124,8 @@ class Search:
         if side.pair and clearly(found.judged, side.pair.judged, side.tried):
             return None
         best = min([side.single, *also], key=lambda judged: judged.misfit)
-        return found if clearly(best, found.judged, len(unknown)) else None
+        tried = 1 if self._far(best) else len(unknown)
+        return found if clearly(best, found.judged, tried) else None
 
     def _verdict(
         self, sides: Sequence[Side], side: Side, wrong: Mislabel | None, unexplained: Screened | None
@@ -187,8 +189,9 @@ class Side:
 
     @property
     def single(self) -> Explanation:
-        """What leaves least of the model alone and with one effect more."""
-        return min((h.judged for h in (self.plain, *self.fitted, *self.own)), key=lambda judged: judged.misfit)
+        """What leaves least of the model alone and with one effect more, of a size that can be."""
+        sound = (h for h in (*self.fitted, *self.own) if not h.at_bound())
+        return min((h.judged for h in (self.plain, *sound)), key=lambda judged: judged.misfit)
 
     @property
     def cost(self) -> float:

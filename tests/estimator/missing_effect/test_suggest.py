@@ -276,5 +276,5 @@ def test_what_an_earlier_step_added_moves_with_the_next(plain, bar, lives):
     assert best.judged.misfit < 0.5 * held.best()[0].judged.misfit
     assert best.first["churning.share"] == pytest.approx(0.5, abs=0.03)
     found = suggest(bent, runs, [CATALOGUE["local_heat"]], loose=["churning"])
-    assert found.as_given.paths == ("churning.share",)
+    assert found.as_given.paths == ("churning.share", "churning.decay", "churning.recovery")
     assert found.as_given.misfit < refined(Ground(bent, ()), trials, []).misfit
