@@ -15,7 +15,7 @@ from estimator.errors import SetupError
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 PATH = click.Path(path_type=Path)
-MANY = ("--held-out", "--bus-kwargs")  # options that a shell's *.log may follow
+MANY = ("--held-out", "--healthy", "--bus-kwargs")  # options that a shell's *.log may follow
 INPUTS = {".log", ".blf", ".asc", ".trc", ".mf4", ".csv", ".toml"}
 NEAREST_RIG = "else the nearest one at or above the first log that holds a rig.toml, else the built-in rig."
 

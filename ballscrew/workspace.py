@@ -88,6 +88,14 @@ class Workspace:
         if not self.loaded:
             raise click.exceptions.Exit(InputError.exit_code)
 
+    def read_besides(self, logs: Sequence[Path]) -> list[Loaded]:
+        """More recordings of the same machine, of which at least one must be of use."""
+        found, failed = load(logs, self.rig, self.terminal)
+        self.failed += failed
+        if not found:
+            raise click.exceptions.Exit(InputError.exit_code)
+        return found
+
     def _take_out(self) -> None:
         """Use nothing of what is held out."""
         kept = {one.recording.fingerprint for one in self.held_out}

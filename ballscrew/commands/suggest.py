@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import save_option, search_options, workspace_options
+from ballscrew.options import PATH, save_option, search_options, workspace_options
 from ballscrew.report.search_report import as_json, print_verdict, ranked, section_of
 from ballscrew.report.use_report import print_use
 from ballscrew.search import Verdict, effects_to_try, verdict_of
@@ -17,9 +17,16 @@ from estimator.missing_effect.suggest import suggest
 
 @click.command("suggest")
 @search_options
+@click.option(
+    "--healthy", multiple=True, type=PATH, metavar="LOG",
+    help="A recording, or folder of them, of the same machine when nothing was missing: the model is fitted to these "
+    "first, and the question is what has changed since; may be repeated.",
+)  # fmt: skip
 @save_option
 @workspace_options
-def command(work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], rrd: Path | None) -> int:
+def command(
+    work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], healthy: tuple[Path, ...], rrd: Path | None
+) -> int:
     """Say which effect is missing from the model, as judged by all LOGs: each is left out once.
 
     The verdict is an effect; a tie, with the run that would decide; a wrong input of one recording; nothing in the
@@ -28,8 +35,11 @@ def command(work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], r
     """
     effects = [one.effect for one in effects_to_try(work, own)]
     work.read(held_out)
+    before = work.read_besides(healthy) if healthy else []
     with work.runs("looking for what is missing") as runs:
-        verdict = verdict_of(suggest(work.model, runs, effects), runs, runs_of(work.rig, work.held_out, runs.workers))
+        known = runs_of(work.rig, before, runs.workers) if before else None
+        found = suggest(work.model, runs, effects, healthy=known)
+        verdict = verdict_of(found, runs, runs_of(work.rig, work.held_out, runs.workers))
     print_use(work.terminal, verdict.uses, work.rig)
     print_verdict(work.terminal, verdict, work.rig)
     work.terminal.json(as_json(verdict, work.rig))

@@ -102,6 +102,11 @@ def test_with_the_coupling_nothing_is_missing(coupled):
     assert "nan" not in out
 
 
+def test_since_healthy_recordings_nothing_has_changed(coupled):
+    found = told("suggest", coupled / "both.csv", "--healthy", coupled / "steps.csv")
+    assert found["verdict"] == "nothing_missing"
+
+
 @pytest.mark.parametrize(("run", "heater"), [("both.csv", "heater_1"), ("steps.csv", "heater_2")])
 def test_a_wrong_heater_names_run_and_signal(coupled, tmp_path, run, heater):
     wrong = copied(coupled, tmp_path / "rig")

@@ -104,7 +104,8 @@ def test_one_effect_in_full():
     assert CATALOGUE["local_heat"].trace in out
     power = next(line for line in out.splitlines() if line.strip().startswith("power"))
     assert all(word in power for word in ("1.5", "W", "-500 ... 500", "0", "a chip pile"))
-    assert "fixed" in next(line for line in out.splitlines() if line.strip().startswith("width"))
+    ratio = next(line for line in done("effects", "friction_thinning").splitlines() if line.strip().startswith("ratio"))
+    assert "fixed" in ratio
 
 
 @pytest.mark.parametrize("name", ["churning", "effects.py:CoolantJet", "effects.py"])

@@ -12,7 +12,7 @@ from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
 from estimator.inputs.follower import REST, followers
 from estimator.missing_effect.candidates import candidates, kind_of, places
-from estimator.missing_effect.ground import Ground
+from estimator.missing_effect.ground import Ground, as_given
 from estimator.missing_effect.hypothesis import refined
 from estimator.missing_effect.improve import improve
 from estimator.missing_effect.moments import Column, moments
@@ -199,6 +199,37 @@ def test_what_leaves_little_takes_more_recordings(plain, bar, lives):
     found = search(plain, bar, [*few, *(replace(run, name=f"{run.name} again") for run in more)])
     assert (found.verdict, found.found[0].names) == ("effect", ("expansion_error",))
     assert found.found[0].model["expansion_error.error"] == pytest.approx(0.06, rel=0.3)
+
+
+def test_healthy_recordings_say_what_has_changed_since(plain, bar, lives):
+    """The model's nut is another one's; the healthy runs tell, so that churning does not bend it."""
+    other = plain.with_values({"nut_friction.power": 26.0})
+    new, healthy = lives(with_effect(plain, "churning", share=0.5)), lives(plain, seed=40)
+    found = suggest(other, Runs(bar, new), CATALOGUE.values(), healthy=Runs(bar, healthy))
+    assert (found.verdict, found.found[0].names) == ("effect", ("churning",))
+    assert not found.before.refit
+    assert found.as_given.ground.model["nut_friction.power"] == pytest.approx(20.0, rel=0.02)
+    assert found.found[0].model["churning.share"] == pytest.approx(0.5, rel=0.2)
+
+
+def test_a_parameter_of_another_value_is_no_missing_effect(plain, bar, lives):
+    """The fit knew it to a per cent; a fifth more since is what has changed, and `improve` sets it right."""
+    known = plain.known(("nut_friction.power",), np.array([[0.2**2]]))
+    runs = Runs(bar, lives(plain.with_values({"nut_friction.power": 24.0})))
+    found = suggest(known, runs, CATALOGUE.values())
+    assert (found.verdict, found.changed) == ("nothing_missing", "nut_friction.power")
+    steps = improve(known, runs, Runs(bar, []), list(CATALOGUE.values())).steps
+    assert [step.added for step in steps] == ["", ""]
+    assert steps[-1].model["nut_friction.power"] == pytest.approx(24.0, rel=0.02)
+
+
+def test_a_model_fitted_to_these_recordings_stands_on_tables_alone(plain, bar, lives):
+    runs = Runs(bar, lives(with_effect(plain, "churning", share=0.5)))
+    known = plain.known(("nut_friction.power",), np.array([[0.2**2]]))
+    assert as_given(known, runs).learned == {"nut_friction.power"}
+    bent = replace(known, about={**known.about, "fitted_on": {"run 0": runs.recordings[0].fingerprint}})
+    assert not as_given(bent, runs).learned
+    assert suggest(bent, runs, [CATALOGUE["churning"]]).before.refit
 
 
 def test_nothing_planted_is_nothing_missing(plain, bar, lives):
