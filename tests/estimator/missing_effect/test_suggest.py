@@ -232,6 +232,14 @@ def test_a_model_fitted_to_these_recordings_stands_on_tables_alone(plain, bar, l
     assert suggest(bent, runs, [CATALOGUE["churning"]]).before.refit
 
 
+def test_what_stores_heat_is_found_with_its_size(plain, bar, lives):
+    """From its null alone a body has no slope in its capacity: a search from there stays there."""
+    found = suggest(plain - "nut_body", Runs(bar, lives(plain)), [CATALOGUE["nut_body"]])
+    assert (found.verdict, found.found[0].names) == ("effect", ("nut_body",))
+    for key in ("capacity", "g"):
+        assert found.found[0].model[f"nut_body.{key}"] == pytest.approx(plain[f"nut_body.{key}"], rel=0.2)
+
+
 def test_nothing_planted_is_nothing_missing(plain, bar, lives):
     found = search(plain, bar, lives(plain, seed=50))
     assert found.verdict == "nothing_missing"
