@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from estimator.batch.trials import slow_trials_of
+from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
 from estimator.inputs.follower import REST, followers
 from estimator.missing_effect.candidates import candidates, kind_of, places
@@ -26,6 +27,7 @@ from estimator.missing_effect.wrong_input import corrected, mislabel
 from estimator.model import Model, Prior
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
+from estimator.terms import SCREW, Link, Store
 from estimator.work import Runs
 
 DRIVES = (  # rad/s, stroke mm, from s, to s
@@ -232,12 +234,25 @@ def test_a_model_fitted_to_these_recordings_stands_on_tables_alone(plain, bar, l
     assert suggest(bent, runs, [CATALOGUE["churning"]]).before.refit
 
 
+class Clamp(Effect):
+    """A clamp at the middle stores heat: C dT/dt = g (T_screw - T)."""
+
+    capacity = Param(60.0, "J/K", lo=5.0, hi=500.0, sd=40.0)
+    g = Param(1.0, "W/K", lo=0.0, hi=20.0, null=0.0)
+
+    def terms(self, p, u, rig):
+        yield Store("clamp", p.capacity, 1.0)
+        middle = rig.screw.overlap(80.0, 120.0)
+        yield Link(SCREW, "clamp", p.g * middle / middle.sum())
+
+
 def test_what_stores_heat_is_found_with_its_size(plain, bar, lives):
-    """From its null alone a body has no slope in its capacity: a search from there stays there."""
-    found = suggest(plain - "nut_body", Runs(bar, lives(plain)), [CATALOGUE["nut_body"]])
-    assert (found.verdict, found.found[0].names) == ("effect", ("nut_body",))
-    for key in ("capacity", "g"):
-        assert found.found[0].model[f"nut_body.{key}"] == pytest.approx(plain[f"nut_body.{key}"], rel=0.2)
+    """Its conductance is told by quick changes alone, and by few thermometers."""
+    truth = (plain + Clamp).with_values({"clamp.capacity": 80.0, "clamp.g": 2.0})
+    found = suggest(plain, Runs(bar, lives(truth)), [Clamp])
+    assert (found.verdict, found.found[0].names) == ("effect", ("clamp",))
+    assert found.found[0].model["clamp.capacity"] == pytest.approx(80.0, rel=0.2)
+    assert found.found[0].own()["clamp.g"].value == pytest.approx(2.0, abs=2 * found.found[0].own()["clamp.g"].sd)
 
 
 def test_nothing_planted_is_nothing_missing(plain, bar, lives):
