@@ -50,7 +50,29 @@ def _found(seen: Sequence[Signature], workers: Workers) -> list[Event]:
     """Onsets within recordings, and what grows from one to the next."""
     search = Search(seen, workers)
     grown = growing(seen, search.sizes)
-    return [told(one, each) for each, some in zip(seen, search.onsets(), strict=True) for one in some] + grown
+    begun = [told(one, each) for each, some in zip(seen, search.onsets(), strict=True) for one in some]
+    return single(begun, len(seen)) + grown
+
+
+def single(begun: Sequence[Event], recordings: int) -> list[Event]:
+    """Without what begins in the same way in several recordings, in more than half of them: so it is with the model.
+
+    Such is heat that follows every stop; an event happens once.
+    """
+
+    def like(event: Event) -> int:
+        return len({other.run for other in begun if alike(event, other)})
+
+    return [event for event in begun if like(event) < 2 or like(event) <= recordings / 2]
+
+
+def alike(a: Event, b: Event) -> bool:
+    """Whether two events are of one kind, sign and place."""
+    if (a.kind, a.name, a.channel) != (b.kind, b.name, b.channel):
+        return False
+    sizes = [(event.heat_W or 0.0) + (event.share or 0.0) + (event.offset or 0.0) for event in (a, b)]
+    (begin, end), (other_begin, other_end) = ((each.from_mm or 0.0, each.to_mm or 0.0) for each in (a, b))
+    return sizes[0] * sizes[1] > 0 and begin <= other_end and other_begin <= end
 
 
 class Search:

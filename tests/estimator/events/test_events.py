@@ -11,7 +11,7 @@ from estimator.batch.coarse import coarse
 from estimator.batch.trials import Trials, unjudged
 from estimator.effect import Effect, Param
 from estimator.events.event import Event
-from estimator.events.events import events, events_of
+from estimator.events.events import events, events_of, single
 from estimator.events.onset import Step, likely
 from estimator.events.spans import spans
 from estimator.rig import Signal
@@ -136,6 +136,16 @@ def test_spans_are_cut_at_starts_and_stops_and_every_five_minutes(runs):
     assert lasts.max() <= 300.0 + TICK_S
     turning = run.omega > 0
     assert all(len({*turning[cut.of_tick == span]}) == 1 for span in range(len(cut)))
+
+
+def test_what_begins_in_most_recordings_is_the_models():
+    """After every stop alike it is no event; once, elsewhere, or the other way round, it is."""
+    often = [Event(run, 4000.0, 60.0, "heat", from_mm=300.0, to_mm=360.0, heat_W=2.0) for run in "abc"]
+    once = Event("d", 900.0, 60.0, "heat", from_mm=700.0, to_mm=760.0, heat_W=2.0)
+    cools = Event("d", 2000.0, 60.0, "heat", from_mm=300.0, to_mm=360.0, heat_W=-2.0)
+    assert single([*often, once, cools], 4) == [once, cools]
+    assert single(often[:2], 4) == often[:2]
+    assert single(often[:1], 1) == often[:1]
 
 
 def test_the_clock_is_told_where_it_is_known():
