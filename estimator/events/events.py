@@ -67,12 +67,11 @@ def single(begun: Sequence[Event], recordings: int) -> list[Event]:
 
 
 def alike(a: Event, b: Event) -> bool:
-    """Whether two events are of one kind, sign and place."""
+    """Whether two events are of one kind and sign; heat that is small and everywhere may seem to be anywhere."""
     if (a.kind, a.name, a.channel) != (b.kind, b.name, b.channel):
         return False
     sizes = [(event.heat_W or 0.0) + (event.share or 0.0) + (event.offset or 0.0) for event in (a, b)]
-    (begin, end), (other_begin, other_end) = ((each.from_mm or 0.0, each.to_mm or 0.0) for each in (a, b))
-    return sizes[0] * sizes[1] > 0 and begin <= other_end and other_begin <= end
+    return sizes[0] * sizes[1] > 0
 
 
 class Search:

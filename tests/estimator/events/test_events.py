@@ -139,9 +139,9 @@ def test_spans_are_cut_at_starts_and_stops_and_every_five_minutes(runs):
 
 
 def test_what_begins_in_most_recordings_is_the_models():
-    """After every stop alike it is no event; once, elsewhere, or the other way round, it is."""
+    """After every stop alike it is no event; once, or the other way round, it is."""
     often = [Event(run, 4000.0, 60.0, "heat", from_mm=300.0, to_mm=360.0, heat_W=2.0) for run in "abc"]
-    once = Event("d", 900.0, 60.0, "heat", from_mm=700.0, to_mm=760.0, heat_W=2.0)
+    once = Event("d", 900.0, 60.0, "heat_driving", from_mm=300.0, to_mm=360.0, heat_W=2.0)
     cools = Event("d", 2000.0, 60.0, "heat", from_mm=300.0, to_mm=360.0, heat_W=-2.0)
     assert single([*often, once, cools], 4) == [once, cools]
     assert single(often[:2], 4) == often[:2]
