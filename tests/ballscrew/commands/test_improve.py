@@ -64,7 +64,7 @@ def searching(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     def planned(*names: str) -> None:
         left = [*names]
 
-        def answer(model, runs, effects, loose=()):
+        def answer(model, runs, effects, loose=(), healthy=None):
             runs.progress("a stage", 0.5)
             name = left.pop(0) if left else None
             if name == "stop":
@@ -162,7 +162,7 @@ def test_compare_saves_one_model_or_two(fs20_log, tmp_path) -> None:
 
 
 def test_suggest_saves_the_model_and_the_best_effect(fs20_log, tmp_path, monkeypatch) -> None:
-    def answer(model, runs, effects, loose=()):
+    def answer(model, runs, effects, loose=(), healthy=None):
         return found(model, "effect", {e.name: e for e in effects}["churning"])
 
     monkeypatch.setattr("ballscrew.commands.suggest.suggest", answer)
