@@ -13,7 +13,7 @@ from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import trials_of
 from estimator.effects import CATALOGUE
 from estimator.faults.use import Use
-from estimator.missing_effect.candidates import unfit
+from estimator.hypotheses.candidates import unfit
 from estimator.missing_effect.next_run import NextRun, next_run
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.work import Runs

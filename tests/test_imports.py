@@ -28,6 +28,7 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "sensitivity accuracy",
         "fit missing_heat",
         "events",
+        "hypotheses",
         "missing_effect",
     ),
     "drivers": (

@@ -11,9 +11,10 @@ from ballscrew.report.verdict import place_of, sentence
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
 from estimator.accuracy.noise_floor import Error
-from estimator.missing_effect.hypothesis import Hypothesis
+from estimator.hypotheses.criterion import behind
+from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.missing_effect.stand_ins import unknown_of
-from estimator.missing_effect.suggestion import Suggestion, behind
+from estimator.missing_effect.suggestion import Suggestion
 from estimator.rig import Rig
 
 SHOWN = 6  # effects in the ranking

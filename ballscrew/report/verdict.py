@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ballscrew.search import Verdict
-from estimator.missing_effect.hypothesis import Hypothesis
+from estimator.hypotheses.criterion import GOOD
+from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.missing_effect.next_run import NextRun
 from estimator.missing_effect.stand_ins import Unknown, unknown_of
-from estimator.missing_effect.suggestion import GOOD, Suggestion
+from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.wrong_input import Mislabel
 from estimator.rig import Rig
 

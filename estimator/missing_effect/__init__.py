@@ -1,5 +1,4 @@
 """Which effect is missing, or that it cannot be told.
 
-In the order to read them: suggest, suggestion, ground, candidates, stand_ins, moments, panel, screening, hypothesis,
-wrong_input, improve, next_run.
+In the order to read them: suggest, side, suggestion, stand_ins, wrong_input, improve, next_run.
 """

@@ -16,10 +16,11 @@ from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import Trials, slow_trials_of, trials_of
 from estimator.effect import Effect
 from estimator.faults.use import Use
-from estimator.missing_effect.ground import Ground
-from estimator.missing_effect.hypothesis import Hypothesis, refined
+from estimator.hypotheses.criterion import clearly
+from estimator.hypotheses.ground import Ground
+from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.missing_effect.suggest import suggest
-from estimator.missing_effect.suggestion import Suggestion, clearly
+from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.work import Runs
 

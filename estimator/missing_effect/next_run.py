@@ -17,11 +17,11 @@ from estimator.batch.kernels import coast
 from estimator.batch.nominal import open_loop
 from estimator.batch.trial import Trial
 from estimator.batch.trials import slow_trials_of
+from estimator.hypotheses.hypothesis import Hypothesis
+from estimator.hypotheses.moments import Column, moments_of
+from estimator.hypotheses.panel import Panel
 from estimator.inputs.phase import speed_of, turns
 from estimator.inputs.start import Start
-from estimator.missing_effect.hypothesis import Hypothesis
-from estimator.missing_effect.moments import Column, moments_of
-from estimator.missing_effect.panel import Panel
 from estimator.model import Model
 from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording

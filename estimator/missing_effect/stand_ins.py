@@ -12,9 +12,9 @@ from types import SimpleNamespace
 
 from estimator.effect import Effect, Param
 from estimator.effects.local import spot
+from estimator.hypotheses.candidates import Candidate
 from estimator.inputs.follower import TEMPERATURE, Follower, followers
 from estimator.inputs.inputs import Inputs
-from estimator.missing_effect.candidates import Candidate
 from estimator.rig import Rig
 from estimator.terms import SCREW, Heat, Link, Read, Term
 

@@ -13,10 +13,10 @@ from scipy.optimize import minimize_scalar
 
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials, slow_trial, unjudged
+from estimator.hypotheses.ground import Ground
+from estimator.hypotheses.moments import Column, moments, moments_of
+from estimator.hypotheses.panel import Explanation, Panel
 from estimator.inputs.inputs import nothing
-from estimator.missing_effect.ground import Ground
-from estimator.missing_effect.moments import Column, moments, moments_of
-from estimator.missing_effect.panel import Explanation, Panel
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig

@@ -13,10 +13,10 @@ from ballscrew.terminal import Terminal
 from ballscrew.workspace import Workspace
 from estimator.accuracy.noise_floor import Error
 from estimator.effect import Effect
+from estimator.hypotheses.ground import Ground
+from estimator.hypotheses.hypothesis import Hypothesis
+from estimator.hypotheses.panel import Explanation
 from estimator.missing_effect import improve as search
-from estimator.missing_effect.ground import Ground
-from estimator.missing_effect.hypothesis import Hypothesis
-from estimator.missing_effect.panel import Explanation
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.rig_folder.model_toml import load_model

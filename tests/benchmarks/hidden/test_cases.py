@@ -13,8 +13,8 @@ from drivers.virtual_rig.machine.heaters import LOCAL
 from drivers.virtual_rig.machine.planted import strengths
 from drivers.virtual_rig.population.draw import LAWS, machine
 from estimator.effects import CATALOGUE
+from estimator.hypotheses.candidates import kind_of as kind_in
 from estimator.inputs.follower import followers
-from estimator.missing_effect.candidates import kind_of as kind_in
 
 WHOLE = asked(["whole"])
 

@@ -9,10 +9,10 @@ from types import MappingProxyType
 import numpy as np
 
 from estimator.batch.trials import Trials
-from estimator.missing_effect.candidates import APART_MM, Candidate
-from estimator.missing_effect.ground import Ground
-from estimator.missing_effect.moments import Column
-from estimator.missing_effect.panel import Explanation, Panel
+from estimator.hypotheses.candidates import APART_MM, Candidate
+from estimator.hypotheses.ground import Ground
+from estimator.hypotheses.moments import Column
+from estimator.hypotheses.panel import Explanation, Panel
 from estimator.model import Model, Value
 from estimator.rig import Rig
 from estimator.sensitivity.prior import Belief

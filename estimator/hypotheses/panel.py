@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear
 
 from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import Trials
-from estimator.missing_effect.moments import Column, Moments, moments
+from estimator.hypotheses.moments import Column, Moments, moments
 from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.objective import prior_roots

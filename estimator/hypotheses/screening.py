@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.batch.trials import Trials
-from estimator.missing_effect.candidates import Candidate
-from estimator.missing_effect.ground import Ground
-from estimator.missing_effect.moments import Column
-from estimator.missing_effect.panel import Explanation, Panel
+from estimator.hypotheses.candidates import Candidate
+from estimator.hypotheses.ground import Ground
+from estimator.hypotheses.moments import Column
+from estimator.hypotheses.panel import Explanation, Panel
 from estimator.model import Model
 
 GROUP = 96  # columns in one pass

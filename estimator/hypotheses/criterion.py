@@ -1,0 +1,67 @@
+"""When a hypothesis counts, and when two cannot be told apart."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from estimator.hypotheses.hypothesis import Hypothesis
+from estimator.hypotheses.panel import Explanation
+from estimator.record import Array
+
+CHANCE = 0.05  # the share of searches in which something may be named although nothing is missing
+APART_SE = 2.0  # standard errors between what can be told apart
+WORTH_K, WORTH_UM = 0.016, 0.12  # an effect takes at least so much off one of the errors: a third of a good model's
+GOOD = 1.3  # a misfit that is good enough not to look for what is unknown: what its own scatter over recordings allows
+
+
+def clearly(before: Explanation, after: Explanation, tried: int) -> bool:
+    """Whether the best of so many explanations leaves so much less that it is no chance.
+
+        n / 2  ln(before / after)  >  ln(tried / CHANCE)
+
+    the logarithm of the likelihood ratio of n independent readings whose scatter is not known, against a bound on the
+    chance that any of `tried` reaches it (Bonferroni); it scales with the recordings and with the catalogue. Where the
+    one recording was fitted too, every parameter costs ln(n) / 2 more (Schwarz 1978).
+    """
+    more = len(after.chosen) - len(before.chosen)
+    fitted = 0.5 * more * np.log(after.weight) if len(after.runs) == 1 else 0.0
+    return bool(nats(before, after) > np.log(tried / CHANCE) + fitted)
+
+
+def nats(a: Explanation, b: Explanation) -> float:
+    """By how much the second is likelier, left-out recordings alone."""
+    return 0.5 * b.weight * float(np.log(max(a.misfit, 1e-12) / max(b.misfit, 1e-12)))
+
+
+def behind(a: Explanation, best: Explanation) -> float:
+    """Standard errors by which one leaves more than another: of the difference in each block of ten minutes."""
+    apart = (a.blocks - best.blocks).sum(axis=0)
+    return (a.misfit - best.misfit) / _error_of(apart, best)
+
+
+def alike(a: Explanation, best: Explanation, tried: int) -> bool:
+    """Whether recordings cannot tell the best of `tried` explanations from another, by blocks or by all together."""
+    if clearly(a, best, tried):
+        return False
+    return behind(a, best) < APART_SE or not clearly(a, best, 1)
+
+
+def material(h: Hypothesis, before: Explanation, tried: int) -> bool:
+    """Whether an effect is missing: it explains clearly more, is of a size that can be, and is worth having.
+
+    In temperature or in elongation it must take something off that can be seen, and make the elongation no worse.
+    """
+    if h.at_bound() or not clearly(before, h.judged, tried):
+        return False
+    worse = (h.judged.blocks - before.blocks)[1]
+    if worse.sum() > APART_SE * _error_of(worse, before):
+        return False
+    heat = before.error.temperature_K**2 - h.judged.error.temperature_K**2
+    length = np.nan_to_num(before.read_um**2 - h.judged.read_um**2)
+    return bool(heat > WORTH_K**2 or length > WORTH_UM**2)
+
+
+def _error_of(apart: Array, one: Explanation) -> float:
+    """Standard error of the sum of differences (runs, blocks), of which those after a recording's end are none."""
+    known = one.blocks.any(axis=0)
+    return float(np.sqrt(known.sum()) * apart[known].std(ddof=1)) if known.sum() > 1 else float("inf")

@@ -1,0 +1,123 @@
+"""All hypotheses on one ground: every effect, own parameter and pair that may be missing, the best fitted in full."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from estimator.batch.trials import Trials
+from estimator.effect import Effect
+from estimator.hypotheses.candidates import Candidate, candidates
+from estimator.hypotheses.criterion import clearly, material
+from estimator.hypotheses.hypothesis import Hypothesis, refined
+from estimator.hypotheses.moments import Column
+from estimator.hypotheses.panel import Explanation, Panel
+from estimator.hypotheses.screening import screening
+
+PROMISE = 4.0  # times less than the screen says may be left of a misfit once an effect is fitted in full
+REFINED = 3  # effects, own parameters and pairs that are fitted in full on each ground
+
+
+class Side:
+    """One ground and what is found on it.
+
+    ground  around which they are screened;  plain: the model alone;  tried: how many there are
+    """
+
+    def __init__(self, plain: Hypothesis, trials: Trials, effects: Sequence[type[Effect]]) -> None:
+        self.trials, self.plain = trials, plain
+        self.ground = replace(plain.ground, model=plain.model) if plain.refit else plain.ground
+        self.wide, listed = candidates(self.ground.model, trials[0].rig, effects)
+        self.screened = screening(self.ground, self.wide, listed, self.trials)
+        self.tried = len(listed) + len(self.screened.own)
+
+    @property
+    def least(self) -> float:
+        """As `cost`, of the best that the screen promises and more: below what will be reached."""
+        screened = [*(one.judged for one in self.screened.found), *self.screened.own.values()]
+        best = min([self.plain.judged.misfit, *(judged.misfit for judged in screened)])
+        return self._cost(best / PROMISE)
+
+    @property
+    def best(self) -> Explanation:
+        """What leaves least."""
+        return self.pair.judged if self.pair else self.single
+
+    @property
+    def single(self) -> Explanation:
+        """What leaves least of the model alone and with one effect more, of a size that can be."""
+        sound = (h for h in (*self.fitted, *self.own) if not h.at_bound())
+        return min((h.judged for h in (self.plain, *sound)), key=lambda judged: judged.misfit)
+
+    @property
+    def cost(self) -> float:
+        """Nats against this ground: what its best leaves, and what had to be told of the model's parameters for it.
+
+        n / 2 ln(misfit) + ln det(1 + S P^-1) / 2: minus the logarithm of the evidence (Laplace)
+        """
+        return self._cost(self.best.misfit)
+
+    def _cost(self, misfit: float) -> float:
+        return 0.5 * self.plain.judged.weight * float(np.log(misfit)) + self.plain.told
+
+    @cached_property
+    def missing(self) -> list[Hypothesis]:
+        """Effects, absent or of the model, that explain clearly more than the model alone; the best first."""
+        both = sorted([*self.fitted, *self.own], key=lambda h: h.misfit)
+        return [h for h in both if material(h, self.plain.judged, self.tried)]
+
+    @cached_property
+    def pair(self) -> Hypothesis | None:
+        """Two effects that explain clearly more than the best alone."""
+        names = [one.candidate for one in self.screened.best()[: 2 * REFINED]]
+        both = self._pairs(names)
+        best = self.single
+        if not both or not clearly(best, both[0][1], self.tried):
+            return None
+        fitted = [refined(self.ground, self.trials, two) for two, _ in both[:REFINED]]
+        found = [h for h in fitted if material(h, best, self.tried)]
+        return min(found, key=lambda h: h.misfit, default=None)
+
+    def _pairs(self, few: Sequence[Candidate]) -> list[tuple[list[Candidate], Explanation]]:
+        """Two of a few effects together, best first, none of them fitted in full."""
+        columns, at = [Column(self.wide, path) for path in self.ground.paths], list[range]()
+        beside = range(len(columns))
+        for each in few:
+            at.append(range(len(columns), len(columns) + len(each.paths)))
+            columns += [Column(each.place(self.wide), path) for path in each.paths]
+        known = self.ground.belief(self.wide, [column.path for column in columns])
+        panel = Panel.of(self.trials, self.wide, columns, known)
+        both = [([few[i], few[j]], panel.judge([*beside, *at[i], *at[j]])) for i, j in combinations(range(len(few)), 2)]
+        return sorted(both, key=lambda one: one[1].misfit)
+
+    @cached_property
+    def fitted(self) -> list[Hypothesis]:
+        """The best effects of the screen, fitted in full; what stores heat always, and from its usual size too."""
+        tried = list[Hypothesis]()
+        for rank, one in enumerate(self.screened.best()):
+            if rank < REFINED or one.candidate.body:
+                tried.append(refined(self.ground, self.trials, [one.candidate], one.first))
+            if one.candidate.body:
+                tried.append(refined(self.ground, self.trials, [one.candidate]))
+        return each_once(sorted(tried, key=lambda h: h.misfit))
+
+    @cached_property
+    def own(self) -> list[Hypothesis]:
+        """The model with one of its own parameters of another value, the best few of them fitted in full."""
+        found = []
+        for path in sorted(self.screened.own, key=lambda path: self.screened.own[path].misfit)[:REFINED]:
+            h = refined(self.ground.freed(path), self.trials, [])
+            found.append(replace(h, names=(path.partition(".")[0],), freed=path))
+        return each_once(sorted(found, key=lambda h: h.misfit))
+
+
+def each_once(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The best of each name, of hypotheses that stand best first."""
+    best: dict[tuple[str, ...], Hypothesis] = {}
+    for each in hypotheses:
+        best.setdefault(each.names, each)
+    return list(best.values())

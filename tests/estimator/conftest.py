@@ -1,0 +1,60 @@
+"""The small bar with a speed, and recordings that a model of it has lived."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from estimator.effects import CATALOGUE
+from estimator.missing_effect.stand_ins import UnknownHeat
+from estimator.model import Model, Prior
+from estimator.record import Recording
+from estimator.rig import Rig, Signal
+
+DRIVES = (  # rad/s, stroke mm, from s, to s
+    (174.5, (0, 100), (20, 400)),
+    (87.0, (20, 80), (20, 700)),
+    (43.6, (0, 100), (20, 900)),
+    (174.5, (40, 90), (20, 500)),
+)
+SECONDS = 1500
+
+Lives = Callable[..., list[Recording]]
+
+
+@pytest.fixture(scope="module")
+def bar(small: Rig) -> Rig:
+    """The small bar with a speed that is an input."""
+    return replace(small, inputs={**small.inputs, "speed": Signal(unit="rpm")})
+
+
+@pytest.fixture(scope="module")
+def plain(small_model: Model) -> Model:
+    """What is known of the bar: table values that are right for it, as well known as the catalogue says."""
+    model = small_model.with_values(
+        {"nut_friction.power": 20.0, "nut_friction.power_nut": 10.0, "thermometers.board": 0.0}
+    )
+    known = {path: value for path, value in model.values.items() if model.param(path).sd}
+    priors = {path: Prior(value.value, model.param(path).sd) for path, value in known.items()}
+    return model.with_values({path: replace(value, prior=priors[path]) for path, value in known.items()})
+
+
+@pytest.fixture(scope="module")
+def lives(bar, live, driven) -> Lives:
+    """lives(model, seed): four runs that the model has lived, with scatter of the sensors."""
+
+    def of(model: Model, seed: int = 1) -> list[Recording]:
+        runs = []
+        for k, (omega, stroke, drive) in enumerate(DRIVES):
+            lived = live(model, bar, driven(bar, SECONDS, drive, omega, stroke), seed=seed + k)
+            runs.append(replace(lived.recording, name=f"run {k}"))
+        return runs
+
+    return of
+
+
+def with_effect(model: Model, name: str, **values: float) -> Model:
+    wider = model + (UnknownHeat if name == "unknown_heat" else CATALOGUE[name])
+    return wider.with_values({f"{name}.{key}": value for key, value in values.items()})

@@ -1,0 +1,68 @@
+"""Moments and panel: what others predict of a recording left out, against least squares written out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from estimator.batch.trials import slow_trials_of
+from estimator.effects import CATALOGUE
+from estimator.hypotheses.candidates import candidates
+from estimator.hypotheses.moments import Column, moments
+from estimator.hypotheses.panel import Panel
+from estimator.work import Runs
+from tests.estimator.conftest import with_effect
+
+
+@pytest.fixture(scope="module")
+def panel(plain, bar, lives) -> Panel:
+    wide, found = candidates(plain, bar, [CATALOGUE["churning"], CATALOGUE["sensor_lag"]])
+    runs = lives(with_effect(plain, "churning", share=0.1))
+    paths = ["still_air.h", "nut_friction.power", *(path for c in found for path in c.paths)]
+    columns = [Column(wide, path) for path in paths]
+    return Panel(columns, moments(slow_trials_of(wide, Runs(bar, runs)), wide, columns))
+
+
+def prior_of(panel: Panel) -> np.ndarray:
+    """1 / sd^2 of each parameter; all are at their table values, or have none."""
+    sds = [column.model.param(column.path).sd for column in panel.columns]
+    return np.array([1.0 / sd**2 if sd else 0.0 for sd in sds])
+
+
+def test_left_out_misfit_is_what_the_others_predict(panel):
+    """Against least squares, priors and products written out."""
+    chosen = [0, 1, 2]
+    prior = prior_of(panel)[chosen]
+    weighted = [m.weighted for m in panel.found]
+    rests = []
+    for out in range(len(weighted)):
+        sums = sum(w for i, w in enumerate(weighted) if i != out)
+        change = np.linalg.solve(sums[np.ix_(chosen, chosen)] + np.diag(prior), sums[chosen, -1])
+        d = np.append(-change, 1.0)
+        at = [*chosen, -1]
+        rests.append(d @ weighted[out][np.ix_(at, at)] @ d)
+    judged = panel.judge(chosen)
+    unlikely = judged.change**2 @ prior
+    assert judged.misfit == pytest.approx((sum(rests) + unlikely) / sum(m.weight for m in panel.found), rel=1e-5)
+    assert judged.runs.sum() == pytest.approx(
+        sum(r / m.weight for r, m in zip(rests, panel.found, strict=True)), rel=1e-5
+    )
+
+
+def test_gains_are_what_a_fit_takes_off(panel):
+    whole, prior = sum(m.weighted for m in panel.found), prior_of(panel)
+    for beside in ([], [0, 1]):
+        gains = panel.gains(beside)
+        for k in (2, 3):
+            solved = {}
+            for chosen in (beside, [*beside, k]):
+                change = panel.judge(chosen).change
+                d, at = np.append(-change, 1.0), [*chosen, -1]
+                solved[len(chosen)] = d @ whole[np.ix_(at, at)] @ d + change**2 @ prior[chosen]
+            taken = solved[len(beside)] - solved[len(beside) + 1]
+            assert gains[k] == pytest.approx(taken, rel=1e-4, abs=1e-6)
+
+
+def test_a_change_stays_inside_its_bounds(panel):
+    judged = panel.judge([3])  # a lag cannot be negative
+    assert panel.at[3] + judged.change[0] >= -1e-9

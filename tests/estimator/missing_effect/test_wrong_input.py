@@ -1,0 +1,28 @@
+"""A run whose input is wrong is named, on recordings that a model has lived."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from estimator.batch.trials import slow_trials_of
+from estimator.effects import CATALOGUE
+from estimator.hypotheses.ground import Ground
+from estimator.missing_effect.suggest import suggest
+from estimator.missing_effect.wrong_input import corrected, mislabel
+from estimator.work import Runs
+
+
+@pytest.mark.parametrize("wrong", ["speed", "speed and position"])
+def test_a_wrong_label_names_run_and_signal(wrong, plain, bar, lives):
+    runs = lives(plain)[:3]
+    runs[1] = corrected(runs[1], bar, wrong, -np.log(1.2))
+    found = suggest(plain, Runs(bar, runs), CATALOGUE.values())
+    assert found.verdict == "input_error"
+    assert (found.wrong_input.run, found.wrong_input.signal) == ("run 1", wrong)
+    assert found.wrong_input.ratio == pytest.approx(1.2, abs=0.04)
+
+
+def test_no_run_is_odd_where_all_fit_alike(plain, bar, lives):
+    runs = lives(plain)
+    assert mislabel(Ground(plain, ()), Runs(bar, runs), slow_trials_of(plain, Runs(bar, runs))) is None
