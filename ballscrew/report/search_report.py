@@ -11,6 +11,7 @@ from ballscrew.report.verdict import place_of, sentence
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
 from estimator.accuracy.noise_floor import Error
+from estimator.hypotheses.candidates import Candidate
 from estimator.hypotheses.criterion import behind
 from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.missing_effect.stand_ins import unknown_of
@@ -31,7 +32,7 @@ def print_verdict(terminal: Terminal, verdict: Verdict, rig: Rig) -> None:
 def section_of(verdict: Verdict, rig: Rig) -> Section:
     """The verdict, what errors were taken on, and the ranking of hypotheses."""
     head = ["open loop, rms", "K", "um", *(["held out, K", "um"] if verdict.held_out else []), "fitted", "value"]
-    rows = [_row(*one) for one in ranked(verdict)]
+    rows = [_row(*one) for one in ranked(verdict)] + _stand_ins(verdict.suggestion, rig, bool(verdict.held_out))
     once = "one recording: none left out" if verdict.suggestion.one_recording else "each recording left out once"
     note = f"{once}; {'held out: never looked at; ' if verdict.held_out else ''}best first"
     return Section(
@@ -60,6 +61,27 @@ def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
         if path == (h.freed or path)
     )
     return [title, *cells(errors), "all" if h.refit else "it alone" if h.names else "", values]
+
+
+def _stand_ins(suggestion: Suggestion, rig: Rig, held_out: bool) -> list[list[str]]:
+    """Rows of something unknown, and of what explains as much."""
+    found = suggestion.unexplained
+    if found is None or suggestion.verdict != "nothing_in_catalogue":
+        return []
+    blank = ["", ""] if held_out else []
+    fitted = "all" if found.hypothesis.refit else "it alone"
+    value = ", ".join(f"{v.value:.3g} +- {v.sd:.1g} {key}" for key, v in found.strength().items())
+    rows = [[_title(found.candidate, rig), *cells([found.judged.error]), *blank, fitted, value]]
+    for rival in found.rivals[:SHOWN]:
+        behind_by = f"{rival.difference_se:.1f} standard errors behind"
+        rows.append([_title(rival.candidate, rig), *cells([rival.judged.error]), *blank, "screened", behind_by])
+    return rows
+
+
+def _title(candidate: Candidate, rig: Rig) -> str:
+    unknown = unknown_of(candidate, rig)
+    what = "heat" if unknown.channel is None else "offset of"
+    return f"{what} {place_of(unknown)}, with {unknown.follower.name}"
 
 
 def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
@@ -92,10 +114,14 @@ def _unknown(suggestion: Suggestion, rig: Rig) -> dict[str, Any] | None:
     if suggestion.unexplained is None or suggestion.verdict != "nothing_in_catalogue":
         return None
     unknown = unknown_of(suggestion.unexplained.candidate, rig)
+    others = [(unknown_of(rival.candidate, rig), rival.difference_se) for rival in suggestion.unexplained.rivals]
     at, follower = unknown.at_mm, unknown.follower
     return {
         "from_mm": at - 30.0 if at is not None else None, "to_mm": at + 30.0 if at is not None else None,
         "node": unknown.node, "phase": follower.phase, "follows": follower.name, "what": place_of(unknown),
+        "rivals": [
+            {"what": place_of(other), "follows": other.follower.name, "difference_se": se} for other, se in others
+        ],
     }  # fmt: skip
 
 

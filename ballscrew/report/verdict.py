@@ -10,10 +10,12 @@ from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.missing_effect.next_run import NextRun
 from estimator.missing_effect.stand_ins import Unknown, unknown_of
 from estimator.missing_effect.suggestion import Suggestion
+from estimator.missing_effect.unexplained import Unexplained
 from estimator.missing_effect.wrong_input import Mislabel
 from estimator.rig import Rig
 
 ONE = " By one recording, from which nothing could be left out: make another to be sure."
+NAMED = 3  # rivals of something unknown, the rest counted
 APART_SD = 3.0  # a run that sets rivals less apart does not tell
 
 
@@ -27,7 +29,7 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
     if suggestion.verdict == "input_error" and suggestion.wrong_input is not None:
         return _wrong_input(suggestion.wrong_input, suggestion.far)
     if suggestion.verdict == "nothing_in_catalogue" and suggestion.unexplained is not None:
-        return _unknown(unknown_of(suggestion.unexplained.candidate, rig))
+        return unknown_sentence(suggestion.unexplained, rig)
     if suggestion.verdict == "nothing_in_catalogue":
         return (
             f"Something is missing, for the model alone leaves {_left(suggestion)}, but no effect that was tried"
@@ -52,12 +54,25 @@ def _wrong_input(wrong: Mislabel, far: bool) -> str:
     return f"{head} {wrong.run}, where {wrong.signal} is {size} what it should be: check that run.{rest}"
 
 
-def _unknown(unknown: Unknown) -> str:
-    what = "heat" if unknown.channel is None else "an offset of"
+def unknown_sentence(found: Unexplained, rig: Rig) -> str:
+    """Something that no catalogue has, what it may be as well, and the command to begin with."""
+    best, rivals = unknown_of(found.candidate, rig), [unknown_of(rival.candidate, rig) for rival in found.rivals]
+    what = "heat" if best.channel is None else "an offset of"
+    others = ", or ".join(_instead(rival, best) for rival in rivals[:NAMED])
+    more = f", or {len(rivals) - NAMED} more" if len(rivals) > NAMED else ""
     return (
-        f"No effect of the catalogue explains it. Something like {what} {place_of(unknown)} does, which follows"
-        f" {unknown.follower.words}. Begin with: {_new_effect(unknown)}"
+        f"No effect of the catalogue explains it. Something like {what} {place_of(best)} does, which follows"
+        f" {best.follower.words}.{others and f' As well, by these recordings: {others}{more}.'}"
+        f" Begin with: {_new_effect(best)}"
     )
+
+
+def _instead(rival: Unknown, best: Unknown) -> str:
+    """What a rival is, beside the best: another follower there, or another place."""
+    if (rival.at_mm, rival.node, rival.channel) == (best.at_mm, best.node, best.channel):
+        return rival.follower.words
+    what = "heat" if rival.channel is None else "an offset of"
+    return f"{what} {place_of(rival)} that follows {rival.follower.words}"
 
 
 def place_of(unknown: Unknown) -> str:

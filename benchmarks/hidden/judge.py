@@ -100,7 +100,8 @@ def _several(least: int) -> Callable[[Case, Outcome], bool]:
 def _stranger(case: Case, out: Outcome) -> bool:
     (name,) = case.hidden.names
     near = out.place_mm is not None and abs(out.place_mm - local_place(case.seed, name)) <= NEAR_MM
-    return out.verdict == "nothing_in_catalogue" and near and out.follows in STRANGERS[name]
+    follows = {out.follows, *out.as_well} & {*STRANGERS[name]}
+    return out.verdict == "nothing_in_catalogue" and near and bool(follows)
 
 
 def _event(case: Case, out: Outcome) -> bool:

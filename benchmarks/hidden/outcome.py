@@ -27,7 +27,7 @@ class Outcome:
     values    by path, of parameters that may be a planted effect under another name, in each model that the verdict
               leaves: those with what is said, or the model without any effect more
     held      values of such parameters that the model has fixed, or has not (0)
-    place_mm, follows, channel  of what is in no catalogue
+    place_mm, follows, channel  of what is in no catalogue;   as_well: what it may follow as well
     wrong     (run, signal) of an input that is said to be wrong
     faulty    (run, channel) of thermometers that are said to be broken or suspected
     began     (run, s since its first sample, kind) of what is told to begin within a run
@@ -45,6 +45,7 @@ class Outcome:
     place_mm: float | None = None
     follows: str = ""
     channel: str = ""
+    as_well: Sequence[str] = ()
     wrong: Sequence[str] = ()
     faulty: Sequence[Sequence[str]] = ()
     began: Sequence[tuple[str, float, str]] = ()
@@ -74,6 +75,8 @@ def of_suggestion(found: Suggestion, model: Model, rig: Rig) -> Outcome:
     if found.unexplained is not None:
         unknown = unknown_of(found.unexplained.candidate, rig)
         out.place_mm, out.follows, out.channel = unknown.at_mm, unknown.follower.name, unknown.channel or ""
+        rivals = [unknown_of(rival.candidate, rig) for rival in found.unexplained.rivals]
+        out.as_well = [rival.follower.name for rival in rivals if rival.at_mm == unknown.at_mm]
     return out
 
 

@@ -30,8 +30,8 @@ TAKEN_OUT = ("rotating_convection", "nut_body", "anchor_housing", "free_housing"
 STRANGERS = {  # in no catalogue, of shapes in place or time that no stand-in has; what is nearest to each of them
     "rubbing_wiper": ("speed", "speed2"),
     "wide_jet": ("speed",),
-    "slow_blast": ("early_stop", "rest"),
-    "start_surge": ("early_drive",),
+    "slow_blast": ("early_stop", "slow_stop", "rest"),
+    "start_surge": ("early_drive", "speed_early_drive"),
     "slow_soak": ("rest",),
 }
 EVENTS = (  # what begins within a run: the nut greased anew, coolant, a lid opened, a bearing that is worn

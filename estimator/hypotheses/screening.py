@@ -50,17 +50,19 @@ class Screening:
         return list(best.values())
 
 
-def screening(ground: Ground, wide: Model, candidates: Sequence[Candidate], trials: Trials) -> Screening:
+def screening(
+    ground: Ground, wide: Model, candidates: Sequence[Candidate], trials: Trials, seats: int = SEATS
+) -> Screening:
     """Screen candidates beside a ground; `wide` is its model with all of them at their nulls.
 
-    Candidates that move no reading of these recordings are left out.
+    Candidates that move no reading of these recordings are left out; so many seats of each effect are judged.
     """
     columns = [Column(wide, path) for path in ground.paths]
     found: list[Screened] = []
     for group in _groups(candidates):
         more = [*columns, *(Column(c.place(wide), path) for c in group for path in c.paths)]
         known = ground.belief(wide, [column.path for column in more])
-        found += _screened(group, len(columns), Panel.of(trials, wide, more, known))
+        found += _screened(group, len(columns), Panel.of(trials, wide, more, known), seats)
     return Screening(ground, own_parameters(ground, trials), tuple(found))
 
 
@@ -93,7 +95,7 @@ def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
     return groups
 
 
-def _screened(group: Sequence[Candidate], k: int, panel: Panel) -> list[Screened]:
+def _screened(group: Sequence[Candidate], k: int, panel: Panel, most: int) -> list[Screened]:
     """The best seats of a group; the first `k` parameters of the panel are the ground's."""
     sizes = [len(c.paths) for c in group]
     starts = k + np.append(0, np.cumsum(sizes[:-1])).astype(int)
@@ -101,6 +103,6 @@ def _screened(group: Sequence[Candidate], k: int, panel: Panel) -> list[Screened
     kept: list[int] = []
     for name in {c.name for c in group}:
         seats = [i for i, c in enumerate(group) if c.name == name and shows[starts[i] : starts[i] + sizes[i]].any()]
-        kept += sorted(seats, key=lambda i: -float(gain[starts[i] : starts[i] + sizes[i]].max()))[:SEATS]
+        kept += sorted(seats, key=lambda i: -float(gain[starts[i] : starts[i] + sizes[i]].max()))[:most]
     judged = [(i, panel.judge([*range(k), *range(starts[i], starts[i] + sizes[i])])) for i in sorted(kept)]
     return [Screened(group[i], explained, panel.values(explained)) for i, explained in judged]

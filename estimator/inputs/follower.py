@@ -97,12 +97,24 @@ def _fading_speed(fading_s: float, name: str, words: str) -> Follower:
     )  # fmt: skip
 
 
+SPEED_ROOT = Follower(
+    "speed_root", "the root of the speed", "in step with the root of the speed", " (omega / omega_ref)^0.5",
+    "u.speed_law(rig.the_screw(), 0.5)", lambda u, rig: u.speed_law(rig.the_screw(), 0.5), phase="drive",
+)  # fmt: skip
+SLOW_STOP = Follower(
+    "slow_stop", "the first hour after a stop", "in the first hour of a stop",
+    f" exp(-t / {6 * FADING_S:.0f} s), t s after a stop, else 0",
+    f"{RESTING} * np.exp(-u.motion.since_s / {6 * FADING_S})",
+    lambda u, rig: REST.values(u, rig) * np.exp(-u.motion.since_s / (6 * FADING_S)),
+)  # fmt: skip
+MOTION = (DRIVE, REST, EARLY_DRIVE, EARLY_STOP, SPEED, SPEED_SQUARED)  # which take a speed
 PRODUCTS = (
+    SPEED_ROOT,
+    SLOW_STOP,
     _fading_speed(FADING_S, "speed_early_drive", "first minutes"),
     _fading_speed(3 * FADING_S, "speed_fading", "first quarter of an hour"),
 )
-MOTION = (DRIVE, REST, EARLY_DRIVE, EARLY_STOP, SPEED, SPEED_SQUARED)  # which take a speed
-NAMES = tuple(follower.name for follower in (ALWAYS, *MOTION, TIME, TEMPERATURE))
+NAMES = tuple(follower.name for follower in (ALWAYS, *MOTION, TIME, TEMPERATURE, *PRODUCTS))
 
 
 def followers(rig: Rig) -> tuple[Follower, ...]:
@@ -115,9 +127,19 @@ def followers(rig: Rig) -> tuple[Follower, ...]:
     return (ALWAYS, *motion, TIME, *(_input(name, rig) for name in inputs), TEMPERATURE)
 
 
+def all_followers(rig: Rig) -> tuple[Follower, ...]:
+    """What a search tries, and behind it what is asked where it has found something: other laws, and products."""
+    return (*followers(rig), *products(rig))
+
+
+def products(rig: Rig) -> tuple[Follower, ...]:
+    """Other powers of the speed, slower decays, and speeds that fade; on a rig whose screw says what is fast."""
+    return PRODUCTS if rig.screw is not None and "speed" in rig.inputs else ()
+
+
 def known_followers(rig: Rig) -> dict[str, Follower]:
-    """All that can be followed on a rig, by name: what a search tries, and every other input."""
-    return {name: _input(name, rig) for name in rig.inputs} | {f.name: f for f in followers(rig)}
+    """All that can be followed on a rig, by name: what a search tries or asks, and every other input."""
+    return {name: _input(name, rig) for name in rig.inputs} | {f.name: f for f in all_followers(rig)}
 
 
 def _motion(rig: Rig) -> tuple[Follower, ...]:

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 from estimator.effect import Effect, Param
 from estimator.effects.local import spot
 from estimator.hypotheses.candidates import Candidate
-from estimator.inputs.follower import TEMPERATURE, Follower, followers
+from estimator.inputs.follower import TEMPERATURE, Follower, all_followers
 from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, Heat, Link, Read, Term
@@ -31,7 +31,7 @@ class UnknownHeat(Effect):
     follows = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="follower", source="by search")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        follower, over = followers(rig)[round(p.follows.real)], spot(rig, p.at, p.width)
+        follower, over = all_followers(rig)[round(p.follows.real)], spot(rig, p.at, p.width)
         if "ambient" in u:
             yield Link(SCREW, "ambient", -float(follower is TEMPERATURE) * p.power * over)
         yield Heat(SCREW, p.power * follower.values(u, rig), over=over)
@@ -48,7 +48,7 @@ class UnknownBodyHeat(Effect):
     follows = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="follower", source="by search")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        follower = followers(rig)[round(p.follows.real)]
+        follower = all_followers(rig)[round(p.follows.real)]
         for number, node in enumerate(rig.bodies):
             here = p.power * float(number == round(p.node.real))
             if "ambient" in u:
@@ -67,11 +67,14 @@ class UnknownReading(Effect):
     follows = Param(0.0, "1", lo=0.0, hi=99.0, fixed=True, over="follower", source="by search")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        follower, which = followers(rig)[round(p.follows.real)], round(p.channel.real)
+        follower, which = all_followers(rig)[round(p.follows.real)], round(p.channel.real)
         shift = p.offset * follower.values(u, rig)
         for number, name in enumerate(rig.names, start=1):
             meant = number == which or (which == 0 and name in rig.thermometers)
             yield Read(name, {}, 0.0, float(meant) * shift)
+
+
+STAND_INS = (UnknownHeat, UnknownBodyHeat, UnknownReading)
 
 
 @dataclass(frozen=True)
@@ -87,7 +90,7 @@ class Unknown:
 def unknown_of(candidate: Candidate, rig: Rig) -> Unknown:
     """A stand-in where a search has put it."""
     at = {path.partition(".")[2]: value for path, value in candidate.at.items()}
-    follower = followers(rig)[round(at["follows"])]
+    follower = all_followers(rig)[round(at["follows"])]
     if "channel" in at:
         return Unknown(follower, channel=("", *rig.names)[round(at["channel"])])
     if "node" in at:

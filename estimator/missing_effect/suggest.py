@@ -16,22 +16,19 @@ Recordings held out are never looked at for this.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from estimator.accuracy.noise_floor import noise_floor
-from estimator.batch.trials import Trials, slow_trials_of
+from estimator.batch.trials import slow_trials_of
 from estimator.effect import Effect
-from estimator.hypotheses.candidates import candidates
 from estimator.hypotheses.criterion import GOOD, alike, clearly
-from estimator.hypotheses.ground import Ground, as_given, of_tables, seen
+from estimator.hypotheses.ground import as_given, of_tables, seen
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation
-from estimator.hypotheses.screening import Screened, screening
 from estimator.missing_effect.side import Side, each_once
-from estimator.missing_effect.stand_ins import UnknownBodyHeat, UnknownHeat, UnknownReading
 from estimator.missing_effect.suggestion import Suggestion
+from estimator.missing_effect.unexplained import Unexplained, best_stand_in
 from estimator.missing_effect.wrong_input import Mislabel, mislabel
 from estimator.model import Model
 from estimator.sensitivity.objective import GOOD_K, GOOD_UM
@@ -107,7 +104,7 @@ class Search:
             return None
         return found if clearly(best, found.judged, 1) else None
 
-    def _unexplained(self, side: Side, also: Sequence[Explanation]) -> Screened | None:
+    def _unexplained(self, side: Side, also: Sequence[Explanation]) -> Unexplained | None:
         """What explains clearly more than any one effect or a wrong input, and is in no catalogue.
 
         Two effects may compose it: heat at a place while driving, and less there always, is heat at rest. Where the
@@ -115,19 +112,17 @@ class Search:
         """
         if side.best.misfit <= GOOD and not side.pair:
             return None
-        wide, unknown = candidates(side.ground.model, self.runs.rig, [UnknownHeat, UnknownBodyHeat, UnknownReading])
-        screened = screening(side.ground, wide, unknown, self.trials).best()[:1]
-        if not screened:
+        found = best_stand_in(side.ground, self.trials)
+        if found is None:
             return None
-        found = _settled(side.ground, self.trials, screened[0])
         if side.pair and clearly(found.judged, side.pair.judged, side.tried):
             return None
         best = min([side.single, *also], key=lambda judged: judged.misfit)
-        tried = 1 if self._far(best) else len(unknown)
+        tried = 1 if self._far(best) else found.tried
         return found if clearly(best, found.judged, tried) else None
 
     def _verdict(
-        self, sides: Sequence[Side], side: Side, wrong: Mislabel | None, unexplained: Screened | None
+        self, sides: Sequence[Side], side: Side, wrong: Mislabel | None, unexplained: Unexplained | None
     ) -> Suggestion:
         found = side.missing
         wrong = None if unexplained is not None else wrong  # it leaves clearly more
@@ -159,13 +154,6 @@ class Search:
         floor = noise_floor(self.model, self.trials[0])
         heat, length = np.fmax(GOOD_K, floor.temperature_K), np.fmax(GOOD_UM, floor.elongation_um)
         return bool(judged.error.temperature_K > FAR * heat or judged.read_um > FAR * length)
-
-
-def _settled(ground: Ground, trials: Trials, one: Screened) -> Screened:
-    """A stand-in fitted in full: at the place that it moves to."""
-    h = refined(ground, trials, [one.candidate], one.first)
-    at = {path: float(h.model[path]) for path in one.candidate.at}
-    return Screened(replace(one.candidate, at=at), h.judged, one.first)
 
 
 def _named(h: Hypothesis, found: Sequence[Hypothesis]) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from estimator.faults.use import Use
 from estimator.hypotheses.hypothesis import Hypothesis
-from estimator.hypotheses.screening import Screened
+from estimator.missing_effect.unexplained import Unexplained
 from estimator.missing_effect.wrong_input import Mislabel
 
 
@@ -37,7 +37,7 @@ class Suggestion:
     changed: str = ""
     pair: tuple[str, ...] = ()
     wrong_input: Mislabel | None = None
-    unexplained: Screened | None = None
+    unexplained: Unexplained | None = None
     far: bool = False
 
     @property

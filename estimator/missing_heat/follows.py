@@ -15,10 +15,10 @@ from math import erfc
 
 import numpy as np
 
-from estimator.inputs.follower import ALWAYS, PRODUCTS, RATE, TEMPERATURE, Follower, followers
+from estimator.inputs.follower import ALWAYS, RATE, TEMPERATURE, Follower, followers, products
+from estimator.inputs.reach import reaches
 from estimator.missing_heat.missing_heat import ALL, MissingHeat
 from estimator.missing_heat.orders import orders
-from estimator.missing_heat.reach import reaches
 from estimator.record import Array
 from estimator.rig import Rig
 
@@ -121,7 +121,8 @@ def followers_there(found: MissingHeat) -> tuple[Follower, ...]:
 
 def heat_follows(found: Sequence[MissingHeat], zones: Sequence[int]) -> Follows:
     """What heat of some zones together follows, of all that can drive heat there."""
-    known, places = followers_there(found[0]), [found[0].zones[z] for z in zones]
+    known, there = followers_there(found[0]), [found[0].zones[z] for z in zones]
+    places = [place for zone in there for place in (zone.from_mm, zone.to_mm) if place is not None]
     near = [k for k, follower in enumerate(known) if reaches(follower, found[0].misfit.trial.rig, places)]
     all_of_them = [heat_series(each, zones) for each in found]
     series = [replace(each, followers=each.followers[:, near]) for each in all_of_them]
@@ -130,7 +131,7 @@ def heat_follows(found: Sequence[MissingHeat], zones: Sequence[int]) -> Follows:
 
 def _of_inputs(rig: Rig) -> tuple[Follower, ...]:
     """What is known of every tick: shapes of the motion, their products with fading ones, and inputs."""
-    return (*followers(rig)[:-1], *(PRODUCTS if rig.screw is not None and "speed" in rig.inputs else ()))
+    return (*followers(rig)[:-1], *products(rig))
 
 
 def heat_series(found: MissingHeat, zones: Sequence[int]) -> Series:

@@ -14,7 +14,7 @@ from drivers.virtual_rig.machine.planted import strengths
 from drivers.virtual_rig.population.draw import LAWS, machine
 from estimator.effects import CATALOGUE
 from estimator.hypotheses.candidates import kind_of as kind_in
-from estimator.inputs.follower import followers
+from estimator.inputs.follower import all_followers
 
 WHOLE = asked(["whole"])
 
@@ -69,7 +69,7 @@ def test_effects_are_of_the_kind_that_the_search_gives_them(rig):
 
 
 def test_strangers_are_local_and_follow_what_a_search_knows(rig):
-    names = {follower.name for follower in followers(rig)}
+    names = {follower.name for follower in all_followers(rig)}
     for name, follows in STRANGERS.items():
         assert name in LOCAL
         assert name not in CATALOGUE

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from estimator.battery.exercise import instants
-from estimator.inputs.follower import MOTION, NAMES, TEMPERATURE, followers, known_followers
+from estimator.inputs.follower import MOTION, NAMES, PRODUCTS, TEMPERATURE, all_followers, followers, known_followers
 from estimator.rig import Signal
 from estimator.rig_folder.rig_folder import load_rig
 from tests.conftest import PAPER
@@ -37,7 +37,10 @@ def test_formula_and_function_agree(rig):
 def test_a_rig_that_moves_has_shapes_of_motion_and_its_temperatures():
     rig = RIGS[0]
     names = [follower.name for follower in followers(rig)]
-    assert names == [*NAMES[:-1], *(name for name, s in rig.inputs.items() if s.unit == "degC"), "temperature"]
+    warm = [name for name, signal in rig.inputs.items() if signal.unit == "degC"]
+    assert names == ["always", *(f.name for f in MOTION), "time", *warm, "temperature"]
+    assert [f.name for f in all_followers(rig)] == [*names, *(f.name for f in PRODUCTS)]
+    assert set(NAMES) == {f.name for f in all_followers(rig)} - {*warm}
     assert {"speed", "position"} <= known_followers(rig).keys()
 
 
@@ -47,7 +50,7 @@ def test_one_that_never_moves_has_every_input_and_no_shape_of_motion():
     for rig in still:
         names = [follower.name for follower in followers(rig)]
         assert names == ["always", "time", *rig.inputs, "temperature"]
-        assert not {follower.name for follower in MOTION} & set(known_followers(rig))
+        assert not {follower.name for follower in (*MOTION, *PRODUCTS)} & set(known_followers(rig))
 
 
 def test_shapes_are_what_they_say():
@@ -59,4 +62,7 @@ def test_shapes_are_what_they_say():
     np.testing.assert_allclose(known["early_drive"], fading * [0, 1, 1])
     np.testing.assert_allclose(known["early_stop"], fading * [1, 0, 0])
     np.testing.assert_allclose(known["speed2"], np.array([0, 1 / 9, 1]) * u.unevenness[:, 0])
+    np.testing.assert_allclose(known["speed_root"], np.array([0, 1 / np.sqrt(3), 1]) * u.unevenness[:, 0] ** -0.5)
+    np.testing.assert_allclose(known["speed_fading"], fading ** (1 / 3) * [0, 1 / 3, 1])
+    np.testing.assert_allclose(known["slow_stop"], fading ** (1 / 6) * [1, 0, 0])
     np.testing.assert_allclose(known["time"], np.array([900.0, 901.0, 902.0]) / 3600.0)

@@ -7,11 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.inputs.follower import ALWAYS, DRIVE, known_followers
+from estimator.inputs.follower import ALWAYS, DRIVE
 from estimator.missing_heat.follows import Series, follows
 from estimator.missing_heat.orders import ORDERS
-from estimator.missing_heat.reach import reaches
-from estimator.missing_heat.zones import Zone
 
 NAMES = ("always", "drive", "speed", "time", "early_stop", "air")
 KNOWN = (ALWAYS, *(replace(DRIVE, name=name) for name in NAMES[1:]))
@@ -68,23 +66,6 @@ def test_rivals_are_those_that_explain_as_much():
     ]
     found = follows(alike, (*KNOWN, replace(DRIVE, name="twin")))
     assert {found.name, *(rival.name for rival in found.rivals)} == {"speed", "twin"}
-
-
-@pytest.mark.parametrize(
-    ("name", "zone", "there"),
-    [
-        ("anchor_bracket", (0.0, 50.0), False), ("anchor_bracket", (800.0, 850.0), True),
-        ("free_bracket", (0.0, 50.0), True),
-        ("ambient", (0.0, 50.0), True), ("base", (800.0, 850.0), True), ("board", (400.0, 450.0), False),
-        ("drive", (400.0, 450.0), True),
-    ],
-)  # fmt: skip
-def test_a_temperature_far_away_drives_no_heat_but_air_and_base_do(rig, name, zone, there):
-    assert reaches(known_followers(rig)[name], rig, [Zone(*zone, None, 0.05)]) is there
-
-
-def test_a_body_may_follow_any_support(rig):
-    assert reaches(known_followers(rig)["anchor_bracket"], rig, [Zone(None, None, "nut", 1.0)])
 
 
 def test_p_counts_the_order_that_there_was_among_the_others():
