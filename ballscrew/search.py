@@ -14,8 +14,8 @@ from estimator.batch.trials import trials_of
 from estimator.effects import CATALOGUE
 from estimator.faults.use import Use
 from estimator.hypotheses.candidates import unfit
-from estimator.missing_effect.next_run import NextRun, next_run
 from estimator.missing_effect.suggestion import Suggestion
+from estimator.next_run.next_run import NextRun, next_run
 from estimator.work import Runs
 
 
@@ -48,13 +48,9 @@ def effects_to_try(work: Workspace, own: Sequence[str]) -> list[Named]:
 
 
 def verdict_of(suggestion: Suggestion, runs: Runs, held_out: Runs) -> Verdict:
-    """What was found, with the run that decides a tie and the recordings held out."""
-    run = None
-    if suggestion.verdict == "tie" and len(suggestion.tie) > 1:
-        runs.progress("looking for the run that decides", 0.95)
-        rivals = [h for h in suggestion.found if h.names[0] in suggestion.tie][:2]
-        if len(rivals) == 2:
-            run = next_run(rivals[0], rivals[1], runs)
+    """What was found, with the run that settles what is open and the recordings held out."""
+    runs.progress("looking for the run to make next", 0.95)
+    run = next_run(suggestion, runs)
     held = trials_of(suggestion.as_given.model, held_out)
     listed = (suggestion.as_given, suggestion.again, *suggestion.found) if len(held) else ()
     errors = [open_loop_error(h.model, held) for h in listed]

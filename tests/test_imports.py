@@ -30,6 +30,7 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "events",
         "hypotheses",
         "missing_effect",
+        "next_run",
     ),
     "drivers": (
         "budget received frames mended virtual_rig",

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from ballscrew.options import PATH, save_option, search_options, workspace_options
-from ballscrew.report.search_report import as_json, print_verdict, ranked, section_of
+from ballscrew.report.search.search_report import as_json, print_verdict, ranked, section_of
 from ballscrew.report.use_report import print_use
 from ballscrew.search import Verdict, effects_to_try, verdict_of
 from ballscrew.workspace import Workspace, runs_of

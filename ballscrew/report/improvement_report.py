@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from ballscrew.report.comparison_report import sections
+from ballscrew.report.search.verdict import sentence
 from ballscrew.report.sections import Section, cells, markdown
 from ballscrew.report.use_report import left_out, recordings_json
-from ballscrew.report.verdict import sentence
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import Loaded, Workspace, runs_of

@@ -47,14 +47,17 @@ def alike(a: Explanation, best: Explanation, tried: int) -> bool:
 
 
 def material(h: Hypothesis, before: Explanation, tried: int) -> bool:
-    """Whether an effect is missing: it explains clearly more, is of a size that can be, and is worth having.
+    """Whether an effect is missing: it explains clearly more, and is worth having."""
+    return clearly(before, h.judged, tried) and worth(h, before)
+
+
+def worth(h: Hypothesis, before: Explanation) -> bool:
+    """Whether an effect, if it is there, is worth having: it is of a size that can be.
 
     In temperature or in elongation it must take something off that can be seen, and make the elongation no worse.
     """
-    if h.at_bound() or not clearly(before, h.judged, tried):
-        return False
     worse = (h.judged.blocks - before.blocks)[1]
-    if worse.sum() > APART_SE * _error_of(worse, before):
+    if h.at_bound() or worse.sum() > APART_SE * _error_of(worse, before):
         return False
     heat = before.error.temperature_K**2 - h.judged.error.temperature_K**2
     length = np.nan_to_num(before.read_um**2 - h.judged.read_um**2)

@@ -145,6 +145,11 @@ class Panel:
         half = np.linalg.solve(lower, new.weighted[:-1, -1] * scale)
         return float(np.sqrt(max(new.weighted[-1, -1] - half @ half, 0.0)))
 
+    def sd_with_another(self, new: Moments) -> Array:
+        """Of each parameter, (k,), after one recording more."""
+        everything = np.arange(len(self.columns))
+        return np.sqrt(np.diag(self._covariance(self._weighted.sum(axis=0) + new.weighted, everything)))
+
     def gains(self, beside: Sequence[int]) -> Array:
         """What each parameter would take off the misfit if it moved, alone beside some others: (k,), in `judge`'s sums.
 

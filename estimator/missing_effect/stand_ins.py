@@ -86,6 +86,18 @@ class Unknown:
     node: str | None = None
     channel: str | None = None
 
+    @property
+    def place(self) -> str:
+        """At 350 mm, in nut, T04."""
+        if self.channel is not None:
+            return self.channel or "all thermometers"
+        return f"in {self.node}" if self.at_mm is None else f"at {self.at_mm:.0f} mm"
+
+    @property
+    def what(self) -> str:
+        """Heat at 350 mm, an offset of T04."""
+        return f"{'heat' if self.channel is None else 'an offset of'} {self.place}"
+
 
 def unknown_of(candidate: Candidate, rig: Rig) -> Unknown:
     """A stand-in where a search has put it."""

@@ -6,7 +6,7 @@ those too that the screen has not. The rest are rivals where recordings cannot t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from estimator.batch.trials import Trials
@@ -29,10 +29,14 @@ NEAR_MM = 2 * APART_MM  # what is nearer is the same place
 
 @dataclass(frozen=True)
 class Rival:
-    """A stand-in that explains as much, and by how many standard errors it leaves more than the best."""
+    """A stand-in that explains as much, and by how many standard errors it leaves more than the best.
+
+    first  values from which a full fit may begin
+    """
 
     candidate: Candidate
     judged: Explanation
+    first: Mapping[str, float]
     difference_se: float
 
 
@@ -78,7 +82,7 @@ def best_stand_in(ground: Ground, trials: Trials) -> Unexplained | None:
     elsewhere = _places([each for each in seats if not _one_place(each.candidate, found)])
     rest = sorted([*followers, *elsewhere], key=_misfit)
     rivals = [
-        Rival(each.candidate, each.judged, behind(each.judged, best.judged))
+        Rival(each.candidate, each.judged, each.first, behind(each.judged, best.judged))
         for each in rest
         if alike(each.judged, best.judged, len(listed))
     ]

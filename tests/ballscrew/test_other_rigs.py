@@ -67,12 +67,18 @@ def coupled(tmp_path_factory) -> Path:
 # --- two heaters
 
 
-def test_the_runs_of_the_two_heaters_are_those_of_their_script():
+@pytest.fixture(scope="module")
+def script():
+    """What makes the runs of the two heaters."""
     spec = importlib.util.spec_from_file_location("make_runs", TWO / "make_runs.py")
     made = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(made)
+    return made
+
+
+def test_the_runs_of_the_two_heaters_are_those_of_their_script(script):
     there = np.loadtxt(TWO / "first.csv", delimiter=",", skiprows=1)
-    np.testing.assert_allclose(made.lived(*made.RUNS["first.csv"], 0), there, atol=0.006)
+    np.testing.assert_allclose(script.lived(*script.RUNS["first.csv"], 0), there, atol=0.006)
 
 
 def test_the_coupling_is_missing(coupled):
@@ -136,13 +142,28 @@ def test_an_effect_in_no_file_is_a_body_and_an_input_and_can_be_begun(tmp_path, 
         assert status == 0, err
 
 
-def test_one_recording_says_that_nothing_was_left_out(tmp_path):
+def test_one_recording_names_another_and_with_it_something_can_be_left_out(script, tmp_path):
     status, out, _ = ballscrew("suggest", TWO / "both.csv", "--json", tmp_path / "found.json")
     found = json.loads((tmp_path / "found.json").read_text())
     assert status == 0
     assert (found["verdict"], found["effects"][0]["name"]) == ("effect", "coupling")
     assert "make another" in found["sentence"]
     assert "left out once" not in out
+    run = found["next_run"]
+    assert (run["pattern"], run["speed_m_min"], run["why"]) == ("step", None, "one recording")
+    assert run["between"] == ["coupling", "the model alone"]
+    assert run["separation_sd"] > 10
+    (heater, level), on = next(iter(run["levels"].items())), f"{run['drive_s'] / 60:.0f} min on"
+    assert f"A run with {heater} at {level:g} %, {on}" in found["sentence"]
+
+    rig = copied(TWO, tmp_path / "rig")
+    steps = {heater: [(60, 60 + run["drive_s"], level)]}
+    rows = script.lived(steps.get("heater_1", []), steps.get("heater_2", []), 5)
+    np.savetxt(rig / "next.csv", rows, "%.5g", ",", header="t_s,heater_1,heater_2,T1,T2,air_C", comments="")
+    again = told("suggest", rig / "both.csv", rig / "next.csv")
+    assert (again["verdict"], again["effects"][0]["name"]) == ("effect", "coupling")
+    assert "make another" not in again["sentence"]
+    assert again["next_run"] is None
 
 
 def test_a_model_far_off_that_nothing_explains_is_not_complete(coupled, tmp_path):

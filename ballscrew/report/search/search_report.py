@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from ballscrew.report.search.next_run_words import next_run_json
+from ballscrew.report.search.verdict import sentence
 from ballscrew.report.sections import Section, cells
 from ballscrew.report.use_report import recordings_json
-from ballscrew.report.verdict import place_of, sentence
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
 from estimator.accuracy.noise_floor import Error
@@ -80,13 +81,12 @@ def _stand_ins(suggestion: Suggestion, rig: Rig, held_out: bool) -> list[list[st
 
 def _title(candidate: Candidate, rig: Rig) -> str:
     unknown = unknown_of(candidate, rig)
-    what = "heat" if unknown.channel is None else "offset of"
-    return f"{what} {place_of(unknown)}, with {unknown.follower.name}"
+    return f"{unknown.what}, with {unknown.follower.name}"
 
 
 def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
     """The verdict for programs."""
-    suggestion, run = verdict.suggestion, verdict.next_run
+    suggestion = verdict.suggestion
     held = list(verdict.held_out)
     wrong = suggestion.wrong_input
     return {
@@ -97,10 +97,7 @@ def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
             for i, h in enumerate(suggestion.found, start=2)
         ],
         "tie": list(suggestion.tie),
-        "next_run": None if run is None or suggestion.verdict != "tie" else {
-            "pattern": run.pattern, "speed_m_min": run.speed_m_min, "drive_s": run.drive_s, "stop_s": run.stop_s,
-            "separation_sd": run.separation_sd, "stroke_mm": run.stroke_mm,
-        },
+        "next_run": next_run_json(verdict.next_run),
         "input": None if wrong is None or suggestion.verdict != "input_error" else {
             "run": wrong.run, "signal": wrong.signal, "ratio": wrong.ratio, "shift_K": wrong.shift_K,
         },
@@ -118,9 +115,9 @@ def _unknown(suggestion: Suggestion, rig: Rig) -> dict[str, Any] | None:
     at, follower = unknown.at_mm, unknown.follower
     return {
         "from_mm": at - 30.0 if at is not None else None, "to_mm": at + 30.0 if at is not None else None,
-        "node": unknown.node, "phase": follower.phase, "follows": follower.name, "what": place_of(unknown),
+        "node": unknown.node, "phase": follower.phase, "follows": follower.name, "what": unknown.place,
         "rivals": [
-            {"what": place_of(other), "follows": other.follower.name, "difference_se": se} for other, se in others
+            {"what": other.place, "follows": other.follower.name, "difference_se": se} for other, se in others
         ],
     }  # fmt: skip
 

@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from ballscrew.report.search.next_run_words import next_run_sentence
 from ballscrew.search import Verdict
 from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.hypothesis import Hypothesis
-from estimator.missing_effect.next_run import NextRun
 from estimator.missing_effect.stand_ins import Unknown, unknown_of
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.unexplained import Unexplained
 from estimator.missing_effect.wrong_input import Mislabel
 from estimator.rig import Rig
 
-ONE = " By one recording, from which nothing could be left out: make another to be sure."
+ONE = "By one recording, from which nothing could be left out: make another to be sure."
 NAMED = 3  # rivals of something unknown, the rest counted
-APART_SD = 3.0  # a run that sets rivals less apart does not tell
 
 
 def sentence(verdict: Verdict, rig: Rig) -> str:
     """The verdict in words, and how far it can be trusted."""
-    return _sentence(verdict, rig) + (ONE if verdict.suggestion.one_recording else "")
+    once = ONE if verdict.suggestion.one_recording else ""
+    parts = [_sentence(verdict, rig), once, next_run_sentence(verdict.next_run, rig), _begin(verdict.suggestion, rig)]
+    return " ".join(filter(None, parts))
 
 
 def _sentence(verdict: Verdict, rig: Rig) -> str:
@@ -42,7 +43,7 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
     if suggestion.verdict == "effects":
         return f"{' and '.join(best.names)} are missing, neither alone: {_gain(suggestion.before, best)}."
     if suggestion.verdict == "tie":
-        return _tie(suggestion, verdict.next_run)
+        return f"{' or '.join(suggestion.tie)}: these recordings cannot tell."
     more = f" A second one besides: {_other(suggestion)}." if suggestion.pair else ""
     return f"{best.names[0]} is missing: {_gain(suggestion.without(best), best)}.{more}"
 
@@ -55,15 +56,13 @@ def _wrong_input(wrong: Mislabel, far: bool) -> str:
 
 
 def unknown_sentence(found: Unexplained, rig: Rig) -> str:
-    """Something that no catalogue has, what it may be as well, and the command to begin with."""
+    """Something that no catalogue has, and what it may be as well."""
     best, rivals = unknown_of(found.candidate, rig), [unknown_of(rival.candidate, rig) for rival in found.rivals]
-    what = "heat" if best.channel is None else "an offset of"
     others = ", or ".join(_instead(rival, best) for rival in rivals[:NAMED])
     more = f", or {len(rivals) - NAMED} more" if len(rivals) > NAMED else ""
     return (
-        f"No effect of the catalogue explains it. Something like {what} {place_of(best)} does, which follows"
+        f"No effect of the catalogue explains it. Something like {best.what} does, which follows"
         f" {best.follower.words}.{others and f' As well, by these recordings: {others}{more}.'}"
-        f" Begin with: {_new_effect(best)}"
     )
 
 
@@ -71,19 +70,17 @@ def _instead(rival: Unknown, best: Unknown) -> str:
     """What a rival is, beside the best: another follower there, or another place."""
     if (rival.at_mm, rival.node, rival.channel) == (best.at_mm, best.node, best.channel):
         return rival.follower.words
-    what = "heat" if rival.channel is None else "an offset of"
-    return f"{what} {place_of(rival)} that follows {rival.follower.words}"
+    return f"{rival.what} that follows {rival.follower.words}"
 
 
-def place_of(unknown: Unknown) -> str:
-    """At 350 mm, in nut, T04."""
-    if unknown.channel is not None:
-        return unknown.channel or "all thermometers"
-    return f"in {unknown.node}" if unknown.at_mm is None else f"at {unknown.at_mm:.0f} mm"
+def _begin(suggestion: Suggestion, rig: Rig) -> str:
+    """The command that writes an effect file to start from, where something is unknown; "" where not."""
+    if suggestion.unexplained is None or suggestion.verdict != "nothing_in_catalogue":
+        return ""
+    return f"Begin with: {_new_effect(unknown_of(suggestion.unexplained.candidate, rig))}"
 
 
 def _new_effect(unknown: Unknown) -> str:
-    """The command that writes an effect file to start from."""
     follows = f"--follows {unknown.follower.name}"
     if unknown.channel is not None:
         return f"ballscrew new-effect my_reading --reading {unknown.channel or 'all'} {follows}"
@@ -108,20 +105,6 @@ def _left(suggestion: Suggestion) -> str:
     error = suggestion.before.judged.error
     um = f" and {error.elongation_um:.2f} um" if np.isfinite(error.elongation_um) else ""
     return f"{error.temperature_K:.3f} K{um}"
-
-
-def _tie(suggestion: Suggestion, run: NextRun | None) -> str:
-    names = " or ".join(suggestion.tie)
-    if run is None:
-        return f"{names}: these recordings cannot tell."
-    if run.separation_sd < APART_SD:
-        return f"{names}: these recordings cannot tell, and no run of the patterns and speeds seen would."
-    low, high = run.stroke_mm
-    return (
-        f"{names}: these recordings cannot tell. A run {run.pattern} ({low:.0f} - {high:.0f} mm) at {run.speed_m_min:g}"
-        f" m/min, {run.drive_s / 60:.0f} min of drive and {run.stop_s / 60:.0f} min of stop, sets them"
-        f" {run.separation_sd:.0f} sd apart."
-    )
 
 
 def _other(suggestion: Suggestion) -> str:
