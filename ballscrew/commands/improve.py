@@ -10,7 +10,16 @@ import click
 
 from ballscrew.options import model_output, output_file, search_options, view_option, workspace_options
 from ballscrew.own_effect.named import Named
-from ballscrew.report.improvement_report import Outcome, as_json, print_steps, report, steps_section, titles
+from ballscrew.report.felt_report import AtTheTable, at_the_table, felt_json, felt_sentence
+from ballscrew.report.improvement_report import (
+    Outcome,
+    as_json,
+    before_and_after,
+    print_steps,
+    report,
+    steps_section,
+    titles,
+)  # fmt: skip
 from ballscrew.report.use_report import print_use
 from ballscrew.search import effects_to_try, verdict_of
 from ballscrew.terminal import INTERRUPTED
@@ -52,13 +61,14 @@ def command(
     print_use(work.terminal, improvement.uses, work.rig)
     print_steps(work.terminal, improvement)
     work.terminal.say(f"model: {out}")
-    work.terminal.json({**as_json(improvement), "model": str(out)})
+    table = _felt(work, improvement, after)
+    work.terminal.json({**as_json(improvement), "felt": felt_json(table), "model": str(out)})
     if improvement.last is None:
         work.terminal.say("stopped by Ctrl-C: the best so far was kept; no report")
         return INTERRUPTED
     md, rrd = md or out.with_suffix(".md"), rrd or out.with_suffix(".rrd")
-    said = _drawn(work, improvement, after, own, md, rrd)
-    work.terminal.say(f"\n{said}\nreport: {md}")
+    said = _drawn(work, improvement, after, table, own, md, rrd)
+    work.terminal.say("\n" + "\n".join([said, *([felt_sentence(table)] if table else []), f"report: {md}"]))
     work.terminal.show_views(rrd, view)
     return work.status
 
@@ -78,19 +88,35 @@ def _kept(improvement: Improvement, effects: Sequence[Named], work: Workspace, n
     return replace(best, about={**best.about, "rig": work.rig.fingerprint(), "fitted_on": fitted})
 
 
-def _drawn(work: Workspace, improvement: Improvement, after: Model, own: Sequence[str], md: Path, rrd: Path) -> str:
+def _felt(work: Workspace, improvement: Improvement, after: Model) -> list[AtTheTable]:
+    """What the filter leaves at the table before and after; nothing after Ctrl-C."""
+    if improvement.last is None:
+        return []
+    with work.terminal.progress("asking what the axis feels", None), threads() as workers:
+        runs = {
+            name: runs_of(work.rig, some, workers)
+            for name, some in (("used", work.loaded), ("held out", work.held_out))
+        }
+        return at_the_table(before_and_after(improvement, after), runs)
+
+
+def _drawn(
+    work: Workspace, improvement: Improvement, after: Model, table: Sequence[AtTheTable], own: Sequence[str], md: Path,
+    rrd: Path,
+) -> str:  # fmt: skip
     """Write the report and the views; the verdict in words."""
     from ballscrew.report import comparison_views as views  # rerun takes a while
 
     assert improvement.last is not None
     with work.terminal.progress("drawing before and after", None), threads() as workers:
         verdict = verdict_of(improvement.last, runs_of(work.rig, work.loaded, workers), runs_of(work.rig, []))
-        out = Outcome(improvement, verdict, improvement.steps[0].model, after, work, own)
+        out = Outcome(improvement, verdict, improvement.steps[0].model, after, table, work, own)
         runs = views.compared(work.rig, out.models, [*work.loaded, *work.held_out], workers)
         used = len(work.loaded)
         runs[used:] = [replace(run, name=f"{run.name} held out") for run in runs[used:]]
         steps = zip(titles(improvement.steps), improvement.steps, strict=True)
         figures = views.error_bars([(title, step.cross_validated, step.held_out) for title, step in steps])
+        figures += [views.felt_bars(one) for one in table[-1:]]
         pictures = views.write_pictures(md.with_suffix(""), runs, out.models, figures)
         md.write_text(report(out, pictures, workers))
         views.write_views(rrd, runs, out.models, [steps_section(out)], figures)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ballscrew.report.felt_report import WAYS, AtTheTable, most
 from ballscrew.report.sections import Section, markdown
 from ballscrew.workspace import Loaded, Workspace, threads
 from estimator.accuracy.displacement import joined
@@ -88,6 +89,16 @@ def error_bars(errors: Sequence[tuple[str, Error, Error | None]]) -> list[Bars]:
         ]
         figures.append(Bars(f"Model alone, rms of {what} [{unit}]", titles, series))
     return [bars for bars in figures if np.isfinite(bars.values).any()]
+
+
+def felt_bars(found: AtTheTable) -> Bars:
+    """The largest errors of the filter in cooldown, model by model."""
+    colours = {"seen": paths.CROSS_VALIDATED, "silent": paths.HELD_OUT}
+    series = [
+        BarSeries(words, np.array([most(getattr(each, way)) for each in found.felt]), colours[way])
+        for way, words in WAYS.items()
+    ]
+    return Bars(f"Filter in cooldown, at most off [µm], {found.recordings}", found.models, series)
 
 
 def by_channel(runs: Sequence[ComparedRun]) -> list[Bars]:

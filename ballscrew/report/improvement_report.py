@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ballscrew.report.comparison_report import sections
+from ballscrew.report.felt_report import AtTheTable, felt_section
 from ballscrew.report.search.verdict import sentence
 from ballscrew.report.sections import Section, cells, markdown
 from ballscrew.report.use_report import left_out, recordings_json
@@ -30,6 +31,7 @@ class Outcome:
     """An improvement and what it was made of; `verdict` is the last one.
 
     before, after   the model as given and the best, under the names of their files
+    felt  what both leave at the table; empty where no elongation is read
     own  how effects of the user's own were named
     """
 
@@ -37,13 +39,14 @@ class Outcome:
     verdict: Verdict
     before: Model
     after: Model
+    felt: Sequence[AtTheTable]
     work: Workspace
     own: Sequence[str]
 
     @property
     def models(self) -> list[Model]:
         """Before and after; one, where nothing made it better."""
-        return [self.before, self.after] if len(self.improvement.steps) > 1 else [self.before]
+        return before_and_after(self.improvement, self.after)
 
     @property
     def said(self) -> str:
@@ -51,6 +54,12 @@ class Outcome:
         last = self.improvement.steps[-1]
         words = sentence(self.verdict, self.work.rig)
         return f"Before all was fitted again: {words}" if len(self.improvement.steps) > 1 and not last.added else words
+
+
+def before_and_after(improvement: Improvement, after: Model) -> list[Model]:
+    """The model as given and the best, under the name of its file; one, where nothing made it better."""
+    before = improvement.steps[0].model
+    return [before, after] if len(improvement.steps) > 1 else [before]
 
 
 def added(steps: Sequence[ImprovedModel]) -> list[str]:
@@ -120,6 +129,7 @@ def as_json(improvement: Improvement) -> dict[str, Any]:
 def report(out: Outcome, pictures: dict[str, Path], workers: Workers) -> str:
     """The report as Markdown; pictures by what they show, beside it."""
     text = [markdown([steps_section(out)]), *_shown(pictures, "steps", "Error of the model alone, step by step")]
+    text += [markdown([felt_section(out.felt)], 2)] if out.felt else []
     failed = left_out(out.improvement.uses, out.work.rig)
     failing = [Section("Sensors that failed", (), failed)] if failed else []
     text += [markdown([_given(out), *failing, _effects(out), _parameters(out.before, out.after)], 2)]

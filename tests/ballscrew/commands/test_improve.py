@@ -93,7 +93,16 @@ def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(sea
     assert [step["added"] for step in told["steps"]] == [None, "churning"]
     assert told["steps"][1]["cross_validated"] == {"temperature_K": 0.1, "elongation_um": 0.4}
     assert (told["verdict"], told["model"]) == ("nothing_missing", str(out))
+    before, after = told["felt"]
+    assert [one["recordings"] for one in (before, after)] == ["used", "used"]
+    assert (before["model"], after["model"]) == ("base.toml", "b.toml")
+    assert 0.0 < before["seen"]["rms_um"] < before["seen"]["most_um"] < 1.0
+    assert after["silent"]["most_um"] > before["silent"]["most_um"], "40 % more friction that is not there is felt"
+    most = {way: f"{before[way]['most_um']:.2f} -> {after[way]['most_um']:.2f} um" for way in ("seen", "silent")}
+    assert f"at most {most['seen']} off" in said
+    assert f"and {most['silent']} if they fall silent at the stop (used)." in said
     text = (tmp_path / "b.md").read_text()
+    assert "## What the axis feels" in text
     assert "also used for choosing" in text
     assert "| churning.share | new | 0.4 | 0.25 | 1 |" in text
     assert "| + churning | 0.100 | 0.40 | radiation |" in text
