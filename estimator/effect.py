@@ -93,6 +93,10 @@ class Effect:
         """Yield the effect's terms for parameters `p`, inputs `u` and the rig; structure never depends on values."""
         raise SetupError(f"effect {self.name}: 'terms' is missing")
 
+    def inputs(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Inputs:
+        """The inputs as all effects are to see them: as they stand, unless this effect says that one was told wrong."""
+        return u
+
     @classmethod
     def sentence(cls) -> str:
         """First line of the docstring: what the effect says."""

@@ -146,6 +146,12 @@ class Model:
                 raise self.error(name, f"term {number} is {term!r:.60}; yield Heat(...), Link(...) or another term")
         return terms
 
+    def inputs(self, u: Inputs, rig: Rig) -> Inputs:
+        """The inputs, set right by the effects that say what is wrong with them."""
+        for name in self._correcting:
+            u = self.effects[name].inputs(self.namespace(name), u, rig)
+        return u
+
     def error(self, name: str, what: str) -> EffectError:
         """What is wrong with an effect, in one line that names the model, the effect and a user's own file."""
         own = f" ({self.use[name]})" if name in self.use else ""
@@ -194,8 +200,16 @@ class Model:
         return known.sd if known and known.sd else rig.expansion_tolerance
 
     def moved_by(self, name: str) -> list[str]:
-        """The effects whose terms change with the parameters of this one: itself, and those that scale it."""
+        """The effects whose terms change with the parameters of this one: itself, and those that scale it; all, where
+        it sets inputs right."""
+        if name in self._correcting:
+            return [*self.effects]
         return [other for other, effect in self.effects.items() if other == name or name in effect.scales]
+
+    @property
+    def _correcting(self) -> list[str]:
+        """Effects that set inputs right."""
+        return [name for name, effect in self.effects.items() if type(effect).inputs is not Effect.inputs]
 
     def _known(self, name: str) -> None:
         if name not in self.effects:

@@ -19,8 +19,9 @@ from benchmarks.hidden.plants import BY_LAW, OWN, STRANGERS, kind_of
 from drivers.virtual_rig.machine.heaters import local_place
 from drivers.virtual_rig.population.draw import machine
 from estimator.events.event import READING
+from estimator.missing_effect.wrong_input import ALL
 
-NEAR_MM, NEAR_S = 60.0, 600.0
+NEAR_MM, NEAR_S, NEAR_SHIFT_MM = 60.0, 600.0, 10.0
 MOST_TIED = 3
 CARRIED = 0.5  # of what was planted, by which a parameter that carries it may be off
 WORTH_UM = 1.0  # an effect that costs more must not be taken for one of the other kind
@@ -118,7 +119,9 @@ def _label(case: Case, out: Outcome) -> bool:
 
 
 def _shifted(case: Case, out: Outcome) -> bool:
-    return out.verdict == "input_error" and out.wrong[1] == "position"
+    """Of all recordings, with its size."""
+    size = abs(out.shift_mm - case.hidden.shift_mm)
+    return out.verdict == "input_error" and [*out.wrong] == [ALL, "position"] and size <= NEAR_SHIFT_MM
 
 
 def _sensor(case: Case, out: Outcome) -> bool:

@@ -28,7 +28,7 @@ class Outcome:
               leaves: those with what is said, or the model without any effect more
     held      values of such parameters that the model has fixed, or has not (0)
     place_mm, follows, channel  of what is in no catalogue;   as_well: what it may follow as well
-    wrong     (run, signal) of an input that is said to be wrong
+    wrong     (run, signal) of an input that is said to be wrong;   shift_mm: by which a position is
     faulty    (run, channel) of thermometers that are said to be broken or suspected
     began     (run, s since its first sample, kind) of what is told to begin within a run
     broken    the (run, channel) that is;   happened: the (run, s) of what does begin
@@ -47,6 +47,7 @@ class Outcome:
     channel: str = ""
     as_well: Sequence[str] = ()
     wrong: Sequence[str] = ()
+    shift_mm: float = 0.0
     faulty: Sequence[Sequence[str]] = ()
     began: Sequence[tuple[str, float, str]] = ()
     broken: Sequence[str] = ()
@@ -71,7 +72,7 @@ def of_suggestion(found: Suggestion, model: Model, rig: Rig) -> Outcome:
     named = [h.model for h in found.found if set(h.names) & {*said, *own}] or [found.before.model]
     out = Outcome(found.verdict, said, own, _values(named), _held(model), faulty=_faulty(found.uses))
     if found.wrong_input is not None:
-        out.wrong = (found.wrong_input.run, found.wrong_input.signal)
+        out.wrong, out.shift_mm = (found.wrong_input.run, found.wrong_input.signal), found.wrong_input.shift_mm
     if found.unexplained is not None:
         unknown = unknown_of(found.unexplained.candidate, rig)
         out.place_mm, out.follows, out.channel = unknown.at_mm, unknown.follower.name, unknown.channel or ""

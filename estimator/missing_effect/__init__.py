@@ -1,4 +1,4 @@
 """Which effect is missing, or that it cannot be told.
 
-In the order to read them: suggest, side, suggestion, stand_ins, unexplained, wrong_input, improve, felt.
+In the order to read them: suggest, side, suggestion, stand_ins, unexplained, wrong_always, wrong_input, improve, felt.
 """

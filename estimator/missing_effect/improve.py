@@ -21,6 +21,7 @@ from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import Suggestion
+from estimator.missing_effect.wrong_always import inputs_in
 from estimator.model import Model
 from estimator.work import Runs
 
@@ -68,7 +69,7 @@ def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Eff
     try:
         while True:
             found = suggest(model, _heard(runs, len(steps)), effects, added)
-            if found.verdict not in ("effect", "tie", "effects") or len(steps) > MOST:
+            if found.verdict not in ("effect", "tie", "effects") or inputs_in(found.tie) or len(steps) > MOST:
                 break
             best = found.found[0]
             steps.append(_step(best.names, tuple(n for n in found.tie if n not in best.names), best, held))

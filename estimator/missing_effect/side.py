@@ -1,4 +1,4 @@
-"""All hypotheses on one ground: every effect, own parameter and pair that may be missing, the best fitted in full."""
+"""All hypotheses on one ground: effects, own parameters, wrong inputs, pairs of them; the best are fitted in full."""
 
 from __future__ import annotations
 
@@ -16,10 +16,13 @@ from estimator.hypotheses.criterion import clearly, material
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.moments import Column
 from estimator.hypotheses.panel import Explanation, Panel
-from estimator.hypotheses.screening import screening
+from estimator.hypotheses.screening import Screened, screening
+from estimator.missing_effect.wrong_always import is_input, too_small, wrong_inputs
 
 PROMISE = 4.0  # times less than the screen says may be left of a misfit once an effect is fitted in full
-REFINED = 3  # effects, own parameters and pairs that are fitted in full on each ground
+REFINED = (
+    3  # effects, own parameters and pairs that are fitted in full on each ground; wrong inputs before the last too
+)
 
 
 class Side:
@@ -31,7 +34,7 @@ class Side:
     def __init__(self, plain: Hypothesis, trials: Trials, effects: Sequence[type[Effect]]) -> None:
         self.trials, self.plain = trials, plain
         self.ground = replace(plain.ground, model=plain.model) if plain.refit else plain.ground
-        self.wide, listed = candidates(self.ground.model, trials[0].rig, effects)
+        self.wide, listed = candidates(self.ground.model, trials[0].rig, [*effects, *wrong_inputs(trials)])
         self.screened = screening(self.ground, self.wide, listed, self.trials)
         self.tried = len(listed) + len(self.screened.own)
 
@@ -72,15 +75,21 @@ class Side:
 
     @cached_property
     def pair(self) -> Hypothesis | None:
-        """Two effects that explain clearly more than the best alone."""
-        names = [one.candidate for one in self.screened.best()[: 2 * REFINED]]
-        both = self._pairs(names)
-        best = self.single
+        """Two effects, or one and a wrong input, that explain clearly more than the best alone."""
+        both, best = self._pairs([one.candidate for one in self._few(2 * REFINED)]), self.single
         if not both or not clearly(best, both[0][1], self.tried):
             return None
-        fitted = [refined(self.ground, self.trials, two) for two, _ in both[:REFINED]]
-        found = [h for h in fitted if material(h, best, self.tried)]
+        effects = [two for two, _ in both if not any(map(is_input, two))][:REFINED]
+        wrong = [both[0][0]] if both[0][0] not in effects else []
+        fitted = [refined(self.ground, self.trials, two) for two in (*effects, *wrong)]
+        found = [h for h in fitted if material(h, best, self.tried) and not too_small(h)]
         return min(found, key=lambda h: h.misfit, default=None)
+
+    def _few(self, count: int) -> list[Screened]:
+        """The best effects of the screen, so many, and each wrong input that promises more than the last of them."""
+        ranked = self.screened.best()
+        effects = [one.judged.misfit for one in ranked if not is_input(one.candidate)][:count]
+        return [one for one in ranked if one.judged.misfit <= max(effects, default=np.inf)]
 
     def _pairs(self, few: Sequence[Candidate]) -> list[tuple[list[Candidate], Explanation]]:
         """Two of a few effects together, best first, none of them fitted in full."""
@@ -91,19 +100,20 @@ class Side:
             columns += [Column(each.place(self.wide), path) for path in each.paths]
         known = self.ground.belief(self.wide, [column.path for column in columns])
         panel = Panel.of(self.trials, self.wide, columns, known)
-        both = [([few[i], few[j]], panel.judge([*beside, *at[i], *at[j]])) for i, j in combinations(range(len(few)), 2)]
+        two = [pair for pair in combinations(range(len(few)), 2) if not all(is_input(few[i]) for i in pair)]
+        both = [([few[i], few[j]], panel.judge([*beside, *at[i], *at[j]])) for i, j in two]
         return sorted(both, key=lambda one: one[1].misfit)
 
     @cached_property
     def fitted(self) -> list[Hypothesis]:
         """The best effects of the screen, fitted in full; what stores heat always, and from its usual size too."""
-        tried = list[Hypothesis]()
-        for rank, one in enumerate(self.screened.best()):
-            if rank < REFINED or one.candidate.body:
+        tried, few = list[Hypothesis](), self._few(REFINED)
+        for one in self.screened.best():
+            if one in few or one.candidate.body:
                 tried.append(refined(self.ground, self.trials, [one.candidate], one.first))
             if one.candidate.body:
                 tried.append(refined(self.ground, self.trials, [one.candidate]))
-        return each_once(sorted(tried, key=lambda h: h.misfit))
+        return each_once(sorted((h for h in tried if not too_small(h)), key=lambda h: h.misfit))
 
     @cached_property
     def own(self) -> list[Hypothesis]:

@@ -29,6 +29,7 @@ from estimator.hypotheses.panel import Explanation
 from estimator.missing_effect.side import Side, each_once
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.unexplained import Unexplained, best_stand_in
+from estimator.missing_effect.wrong_always import inputs_in, told
 from estimator.missing_effect.wrong_input import Mislabel, mislabel
 from estimator.model import Model
 from estimator.sensitivity.objective import GOOD_K, GOOD_UM
@@ -104,6 +105,14 @@ class Search:
             return None
         return found if clearly(best, found.judged, 1) else None
 
+    def _always(self, side: Side) -> Mislabel | None:
+        """An input that is wrong in all recordings: what explains most, alone or as one of two."""
+        best = side.pair if side.pair and inputs_in(side.pair.names) else side.missing[0] if side.missing else None
+        if best is None or not inputs_in(best.names):
+            return None
+        rivals = [h for h in side.missing if h is not best and len(best.names) == 1]
+        return None if any(alike(h.judged, best.judged, side.tried) for h in rivals) else told(best)
+
     def _unexplained(self, side: Side, also: Sequence[Explanation]) -> Unexplained | None:
         """What explains clearly more than any one effect or a wrong input, and is in no catalogue.
 
@@ -126,6 +135,7 @@ class Search:
     ) -> Suggestion:
         found = side.missing
         wrong = None if unexplained is not None else wrong  # it leaves clearly more
+        wrong = wrong or (self._always(side) if unexplained is None else None)
         far = self._far(wrong.judged if wrong else side.plain.judged)
         named = list(
             dict.fromkeys(h.names[0] for h in found if h is found[0] or alike(h.judged, found[0].judged, side.tried))

@@ -1,12 +1,13 @@
 """Whether one recording among several has a wrong input: a speed in other units, a label, a shifted thermometer.
 
 The run that the model misses most, while it suits the others, is asked: is there a ratio of one of its inputs, or a
-shift of a temperature, with which the model suits this run as well?
+shift of a temperature or of the position, with which the model suits this run as well?
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -25,23 +26,39 @@ from estimator.work import Runs
 
 ODD = 3.0  # times the other runs' misfit makes a run odd ...
 BAD = 2.0  # ... if it is no good model either
-WIDEST = np.log(2.5)
-SHIFT_K = 10.0
-SURE = 0.05  # a ratio closer to 1 is no wrong label
-SURE_K = 0.5
-CLOSE = 5e-3
+CLOSE = 5e-3  # of the widest
 DRIVE = ("speed", "position")
+ZERO = "zero of position"
+ALL = "all"
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Errors of an input: how large they may be, and from where on it is called wrong."""
+
+    widest: float
+    sure: float
+
+
+LOG, KELVIN, MM = Scale(float(np.log(2.5)), 0.05), Scale(10.0, 0.5), Scale(300.0, 10.0)
 
 
 @dataclass(frozen=True)
 class Mislabel:
-    """A run whose input, or inputs, are `ratio` times the truth or `shift_K` above it; the misfit once set right."""
+    """A run whose input, or inputs, are `ratio` times the truth, or `shift_K` or `shift_mm` above it.
+
+    run      its name, ALL: so it is in every recording
+    judged   how well the recordings are explained once it is set right
+    besides  effects that stand out then
+    """
 
     run: str
     signal: str
     ratio: float
     shift_K: float
     judged: Explanation
+    shift_mm: float = 0.0
+    besides: tuple[str, ...] = ()
 
 
 def mislabel(ground: Ground, runs: Runs, trials: Trials) -> Mislabel | None:
@@ -62,13 +79,20 @@ def mislabel(ground: Ground, runs: Runs, trials: Trials) -> Mislabel | None:
     for signal in signals(model, rig):
         if signal in rig.inputs and not np.nan_to_num(recording.inputs[signal]).any():
             continue
-        size, shift = _best(by_others, rig, heard, signal), _is_shift(rig, signal)
-        if abs(size) >= (SURE_K if shift else SURE):
+        size = _best(by_others, rig, heard, signal)
+        if abs(size) >= _scale(rig, signal).sure:
             right = slow_trial(model, rig, corrected(recording, rig, signal, size))
             judged = Panel(free, [*others, moments_of(right, model, free)], known).judge()
-            ratio, shift_K = (1.0, size) if shift else (float(np.exp(size)), 0.0)
-            wrong.append(Mislabel(recording.name, signal, ratio, shift_K, judged))
+            wrong.append(_mislabel(recording.name, rig, signal, size, judged))
     return min(wrong, key=lambda m: m.judged.misfit, default=None)
+
+
+def _mislabel(run: str, rig: Rig, signal: str, size: float, judged: Explanation) -> Mislabel:
+    if signal == ZERO:
+        return Mislabel(run, "position", 1.0, 0.0, judged, shift_mm=size)
+    if _scale(rig, signal) is KELVIN:
+        return Mislabel(run, signal, 1.0, size, judged)
+    return Mislabel(run, signal, float(np.exp(size)), 0.0, judged)
 
 
 def signals(model: Model, rig: Rig) -> list[str]:
@@ -80,32 +104,41 @@ def signals(model: Model, rig: Rig) -> list[str]:
     both = ["speed and position"] if len(drive) == 2 else []
     ends = {end for term in model.terms(nothing(rig), rig) if isinstance(term, Link) for end in (term.a, term.b)}
     used = [name for name in rig.inputs if name in ends or rig.inputs[name].unit != "degC"]
-    return [*drive, *both, *(n for n in used if n not in (*DRIVE, "current", "displacement_direct"))]
+    zero = [ZERO] if "position" in drive and rig.nut else []
+    return [*drive, *both, *zero, *(n for n in used if n not in (*DRIVE, "current", "displacement_direct"))]
 
 
 def corrected(recording: Recording, rig: Rig, signal: str, size: float) -> Recording:
-    """The recording as it would be if the signal were the logarithm `size` of a ratio, or `size` K, too high."""
-    if _is_shift(rig, signal):
+    """The recording as it would be if the signal were the logarithm `size` of a ratio, or `size` K or mm, too high."""
+    if signal == ZERO:
+        return replace(recording, coverage=moved(recording.coverage, rig, shift_mm=-size))
+    if _scale(rig, signal) is KELVIN:
         return replace(recording, inputs={**recording.inputs, signal: recording.inputs[signal] - size})
     share = float(np.exp(-size))
     if signal in (*DRIVE, "speed and position"):
         omega = recording.omega * (share if "speed" in signal else 1.0)
-        coverage = recording.coverage if "position" not in signal else _moved(recording.coverage, rig, share)
+        coverage = recording.coverage if "position" not in signal else moved(recording.coverage, rig, share)
         return replace(recording, omega=omega, coverage=coverage)
     return replace(recording, inputs={**recording.inputs, signal: recording.inputs[signal] * share})
 
 
-def _moved(coverage: Array, rig: Rig, share: float) -> Array:
-    """Coverage if every position were `share` of what it is: each cell looks where it would have been."""
+def moved(coverage: Array, rig: Rig, share: Any = 1.0, shift_mm: Any = 0.0) -> Array:
+    """Coverage (ticks, cells) if every position p were share p + shift_mm: each cell looks where it would have been.
+
+    Between cells by cubics whose slope has no jumps (Catmull-Rom); complex where share or shift is.
+    """
     screw, nut = rig.the_screw(), rig.the_nut()
-    came_from = nut.centre_mm + (screw.x_mm - nut.centre_mm) / share
-    place = np.clip((came_from - screw.x_mm[0]) / (screw.length * 1e3), 0, screw.cells - 1)
-    left = np.minimum(place.astype(int), screw.cells - 2)
-    part = place - left
-    moved = coverage[:, left] * (1 - part) + coverage[:, left + 1] * part
-    total = coverage.sum(axis=1, keepdims=True)
-    now = moved.sum(axis=1, keepdims=True)
-    return np.asarray(moved * np.divide(total, now, out=np.ones_like(now), where=now > 0))
+    came_from = nut.centre_mm + (screw.x_mm - nut.direction * shift_mm - nut.centre_mm) / share
+    place = (came_from - screw.x_mm[0]) / (screw.length * 1e3)
+    place = np.where(
+        (place.real >= 0) & (place.real <= screw.cells - 1), place, np.clip(place.real, 0, screw.cells - 1)
+    )
+    left = np.floor(place.real).astype(int)
+    t = place - left
+    weights = (t * (2 * t - t * t - 1), 2 + t * t * (3 * t - 5), t * (1 + 4 * t - 3 * t * t), t * t * (t - 1))
+    told = sum(coverage[:, np.clip(left + k - 1, 0, screw.cells - 1)] * w / 2 for k, w in enumerate(weights))
+    total, now = coverage.sum(axis=1, keepdims=True), told.sum(axis=1, keepdims=True)
+    return np.asarray(told * np.divide(total, now, out=np.ones_like(now), where=now.real > 0))
 
 
 def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> float:
@@ -115,10 +148,14 @@ def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> float:
         trial = unjudged(model, rig, corrected(recording, rig, signal, size))
         return Panel([], [moments_of(trial, model, [])]).cost
 
-    widest = SHIFT_K if _is_shift(rig, signal) else WIDEST
-    return float(minimize_scalar(misfit, bounds=(-widest, widest), method="bounded", options={"xatol": CLOSE}).x)
+    widest = _scale(rig, signal).widest
+    return float(
+        minimize_scalar(misfit, bounds=(-widest, widest), method="bounded", options={"xatol": CLOSE * widest}).x
+    )
 
 
-def _is_shift(rig: Rig, signal: str) -> bool:
-    """Whether an error of this signal is a shift: of a temperature."""
-    return signal in rig.inputs and rig.inputs[signal].unit == "degC"
+def _scale(rig: Rig, signal: str) -> Scale:
+    """In what an error of this signal is told."""
+    if signal == ZERO:
+        return MM
+    return KELVIN if signal in rig.inputs and rig.inputs[signal].unit == "degC" else LOG

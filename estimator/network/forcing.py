@@ -125,7 +125,7 @@ class Forcing:
 
     def ticks(self, drive: Drive) -> Ticks:
         """What the model makes of these inputs; an EffectError where an effect makes no number of them."""
-        u, regime = drive.inputs, drive.regime
+        u, regime = self.model.inputs(drive.inputs, self.rig), drive.regime
         met = sorted(set(regime.tolist()))
         self._solve(met)
         terms = self._sound.terms(u)
@@ -163,7 +163,8 @@ class Forcing:
         missing = [regime for regime in wanted if regime not in self._solved]
         if not missing:
             return
-        terms = self._sound.terms(self.regime_inputs(missing), forced=False)
+        u = self.model.inputs(self.regime_inputs(missing), self.rig)
+        terms = self._sound.terms(u, forced=False)
         network = assemble.network_of(terms, self.place, len(missing))
         for i, regime in enumerate(missing):
             modes = Modes(network, i, self.rig.tick_s)

@@ -1,6 +1,6 @@
 """Whether what an effect yields can be: names, shapes and numbers of its terms, and their ticks.
 
-Asked of every effect that is not of the catalogue, each time it yields.
+Asked of every effect that is a user's own, each time it yields.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from estimator.effects import CATALOGUE
 from estimator.errors import SetupError
 from estimator.inputs.inputs import Inputs
 from estimator.model import Model
@@ -33,6 +32,7 @@ from estimator.terms import (
     Term,
 )
 
+OURS = __name__.partition(".")[0]  # the package that effects of the catalogue and stand-ins come from
 ONE, TICKS, CELLS, BOTH = "one", "ticks", "cells", "ticks and cells"  # what a number is the same for, or as many as
 EACH = "each cell"  # as many as cells, never one for all
 
@@ -105,7 +105,7 @@ class Sound:
     def terms(self, u: Inputs, forced: bool = True) -> list[Term]:
         """All terms at inputs `u`; where these are `forced`, those of a run, all that say something of its ticks.
 
-        What the catalogue's effects say of regimes alone is sound and not asked for at each tick.
+        What our own effects say of regimes alone is sound and not asked for at each tick.
         """
         asked = (name for name in self.model.effects if not forced or self._in_ticks.get(name, True))
         return [term for name in asked for term in self.of(name, u, forced)]
@@ -113,7 +113,7 @@ class Sound:
     def of(self, name: str, u: Inputs, forced: bool = True) -> list[Term]:
         """Those of one effect."""
         terms, asked = self.model.terms_of(name, u, self.rig), Asked(u, self.rig, forced)
-        if CATALOGUE.get(name) is type(self.model.effects[name]):
+        if type(self.model.effects[name]).__module__.partition(".")[0] == OURS:
             self._in_ticks.setdefault(name, any(isinstance(term, OF_TICKS) for term in terms))
             return terms
         for wrong in unsound(terms, asked):

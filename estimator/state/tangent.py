@@ -70,14 +70,16 @@ class Moved:
 
     def network(self, which: Sequence[int] | None = None) -> Network:
         """Derivatives of the network of some regimes met so far, or of all."""
-        u, rig = self._forcing.regime_inputs(which), self._forcing.rig
+        rig = self._forcing.rig
+        u = self._model.inputs(self._forcing.regime_inputs(which), rig)
         terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
         moves = assemble.network_of(terms, self._forcing.place, len(u))
         return Network(**{key: slope(value) for key, value in vars(moves).items()})
 
     def ticks(self, drive: Drive) -> TicksTangent:
         """Derivatives of what the model makes of some ticks."""
-        u, rig, place = drive.inputs, self._forcing.rig, self._forcing.place
+        rig, place = self._forcing.rig, self._forcing.place
+        u = self._model.inputs(drive.inputs, rig)
         if not self.in_ticks:
             return TicksTangent.none(len(u), place.size, place.boundaries, len(rig.names))
         terms = [term for name in self.effects_in_ticks for term in self._model.terms_of(name, u, rig)]
@@ -147,7 +149,8 @@ class MovedApart:
     def tick(self, drive: Drive) -> tuple[Array, Array]:
         """Derivatives of heat (q, n) and offset (q, m), a row for each."""
         rig, place = self._forcing.rig, self._forcing.place
-        terms = [term for name in self._effects for term in self._model.terms_of(name, drive.inputs, rig)]
+        u = self._model.inputs(drive.inputs, rig)
+        terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
         heat = assemble.heat(terms, place, self._rows, drive.spread)
         return slope(heat), slope(assemble.offsets(terms, rig, self._rows))
 

@@ -100,6 +100,7 @@ def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
         "next_run": next_run_json(verdict.next_run),
         "input": None if wrong is None or suggestion.verdict != "input_error" else {
             "run": wrong.run, "signal": wrong.signal, "ratio": wrong.ratio, "shift_K": wrong.shift_K,
+            "shift_mm": wrong.shift_mm,
         },
         "where": _unknown(suggestion, rig),
         "pair": list(suggestion.pair),

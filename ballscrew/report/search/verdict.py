@@ -11,7 +11,7 @@ from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.missing_effect.stand_ins import Unknown, unknown_of
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.unexplained import Unexplained
-from estimator.missing_effect.wrong_input import Mislabel
+from estimator.missing_effect.wrong_input import ALL, Mislabel
 from estimator.rig import Rig
 
 ONE = "By one recording, from which nothing could be left out: make another to be sure."
@@ -50,9 +50,14 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
 
 def _wrong_input(wrong: Mislabel, far: bool) -> str:
     head = "First of all look at" if far else "Nothing is missing but in"
-    size = f"{wrong.ratio:.2f} times" if wrong.ratio != 1 else f"{wrong.shift_K:+.1f} K off"
+    head = head if not wrong.besides else "First of all look at"
+    where = "all recordings" if wrong.run == ALL else wrong.run
+    off = f"{wrong.shift_mm:+.0f} mm off" if wrong.shift_mm else f"{wrong.shift_K:+.1f} K off"
+    size = f"{wrong.ratio:.2f} times" if wrong.ratio != 1 else off
+    check = "check its zero and scale in rig.toml" if wrong.run == ALL else "check that run"
     rest = f" Set right it still leaves {wrong.judged.error.temperature_K:.3f} K: more is missing." if far else ""
-    return f"{head} {wrong.run}, where {wrong.signal} is {size} what it should be: check that run.{rest}"
+    rest = f" Beside it {wrong.besides[0]} stands out: search again with it set right.{rest}" if wrong.besides else rest
+    return f"{head} {where}, where {wrong.signal} is {size} what it should be: {check}.{rest}"
 
 
 def unknown_sentence(found: Unexplained, rig: Rig) -> str:

@@ -120,7 +120,10 @@ def test_a_wrong_input_needs_run_and_signal():
     assert right(case, Outcome("input_error", wrong=(run, "speed")))
     assert not right(case, Outcome("input_error", wrong=(run, "position")))
     assert not right(case, Outcome(EFFECT, ["churning"]))
-    assert right(Case("shifted", "healthy", 0), Outcome("input_error", wrong=("all", "position")))
+    shifted, told = Case("shifted", "healthy", 0), Outcome("input_error", wrong=("all", "position"), shift_mm=38.0)
+    assert right(shifted, told)
+    assert not right(shifted, replace(told, shift_mm=25.0))
+    assert not right(shifted, replace(told, wrong=("CS-20.blf", "position")))
 
 
 def test_a_thermometer_that_fails_is_named_and_no_heat():

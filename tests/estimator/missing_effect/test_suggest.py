@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from estimator.batch.trials import unjudged
 from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
 from estimator.hypotheses.ground import as_given
-from estimator.inputs.follower import REST, followers
+from estimator.inputs.follower import REST, TEMPERATURE, followers
 from estimator.missing_effect.improve import improve
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import Suggestion
@@ -125,3 +126,14 @@ def test_what_no_catalogue_has_is_placed_and_followed(plain, bar, lives):
     at = found.unexplained.candidate.at
     assert at["unknown_heat.at"] == pytest.approx(60.0, abs=30.0)
     assert at["unknown_heat.follows"] == follows
+
+
+def test_heat_that_grows_with_the_temperature_there_can_be_tried(plain, bar, lives):
+    """Its link conducts the wrong way, which no effect of a user's own may."""
+    follows = followers(bar).index(TEMPERATURE)
+    growing, steady = (
+        with_effect(plain, "unknown_heat", power=power, at=60.0, follows=follows) for power in (0.2, 0.0)
+    )
+    trial = unjudged(steady, bar, lives(plain)[0])
+    warmer = trial.pose(growing).run.lagged[-1] - trial.pose(steady).run.lagged[-1]
+    assert warmer[1] > 0.05
