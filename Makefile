@@ -1,4 +1,4 @@
-# make demo   recordings with a hidden effect: where the model fails, what is missing, the error after
+# make demo   a machine that is no longer as its model knows it: where the model fails, what is missing, the error after
 # make live   a simulated rig on a bus, sixty times as fast as it would be, and the monitor beside it
 # make test   everything that must hold
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
@@ -10,11 +10,11 @@ PEERS := $(VENV)/.peers
 FITTED := FS-20 FS-5 CS-10 ES-2.5
 TWELVE := FS-20 FS-10 FS-5 FS-2.5 CS-20 CS-10 CS-5 CS-2.5 ES-20 ES-10 ES-5 ES-2.5
 LOGS := $(TWELVE:%=recordings/%.blf)
-HIDDEN := recordings/hidden/amber
-MODEL := recordings/base.toml
+HIDDEN := recordings/machine-7
+MODEL := $(HIDDEN)/healthy.toml
 SHOWN := FS-20
 
-.PHONY: demo live review test check bench bench-engine bench-search bench-live bench-faults study-fit study-hidden study-machines pictures pictures-improve recordings model tuning tuning-test clean
+.PHONY: demo live review test check bench bench-engine bench-search bench-live bench-faults study-fit study-hidden study-machines pictures pictures-improve recordings model machine-7 tuning tuning-test clean
 
 demo: $(READY)
 	$(BIN)/ballscrew diagnose $(HIDDEN) --model $(MODEL)
@@ -89,6 +89,16 @@ recordings: $(LOGS)
 model: $(READY) $(FITTED:%=recordings/%.blf)
 	$(BIN)/ballscrew fit $(FITTED:%=recordings/%.blf) -o recordings/model.toml
 	$(BIN)/ballscrew tune $(FITTED:%=recordings/%.blf) -o recordings/model.toml
+
+# the machine of the demo while it is healthy, its model, and its recordings once its grease churns: some five minutes
+machine-7: $(READY)
+	mkdir -p recordings/machine-7/healthy recordings/machine-7/held-out
+	for run in $(FITTED); do $(BIN)/ballscrew simulate $$run --machine 7 --seed 7 -o recordings/machine-7/healthy/$$run.blf; done
+	$(BIN)/ballscrew fit recordings/machine-7/healthy -o recordings/machine-7/healthy.toml
+	$(BIN)/ballscrew tune recordings/machine-7/healthy --model recordings/machine-7/healthy.toml -o recordings/machine-7/healthy.toml
+	for run in FS-20 CS-10 ES-20 held-out/FS-10; do \
+	  $(BIN)/ballscrew simulate $$(basename $$run) --machine 7 --seed 8 --cycles 1 --plant churning -o recordings/machine-7/$$run.blf; \
+	done
 
 recordings/%.blf: | $(READY)
 	$(BIN)/ballscrew simulate $* -o $@

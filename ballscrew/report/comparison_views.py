@@ -93,7 +93,7 @@ def error_bars(errors: Sequence[tuple[str, Error, Error | None]]) -> list[Bars]:
 
 def felt_bars(found: AtTheTable) -> Bars:
     """The largest errors of the filter in cooldown, model by model."""
-    colours = {"seen": paths.CROSS_VALIDATED, "silent": paths.HELD_OUT}
+    colours = {"seen": paths.FILTER, "silent": paths.LEFT_OUT}
     series = [
         BarSeries(words, np.array([most(getattr(each, way)) for each in found.felt]), colours[way])
         for way, words in WAYS.items()

@@ -9,7 +9,7 @@ from estimator.next_run.plans import Plan
 from estimator.rig import Rig
 
 APART_SD = 3.0  # a run that sets rivals less apart does not tell
-NONE_TELLS = "no run of the patterns, speeds and levels seen would"
+NONE_TELLS = "No run of the patterns, speeds and levels seen would"
 
 
 def next_run_sentence(run: NextRun | None, rig: Rig) -> str:
@@ -58,9 +58,8 @@ def next_run_json(run: NextRun | None) -> dict[str, Any] | None:
 
 
 def _no_run(run: NextRun) -> str:
-    if run.why in ("tie", "unexplained"):
-        return f"{NONE_TELLS.capitalize()} tell {run.between[0]} from {run.between[1]}."
-    return f"{run.between[0]} may be, and is not proven; {NONE_TELLS} show it." if run.why == "not proven" else ""
+    """Said of rivals; an effect that no run tells from a change of the model's own parameters is not worth a word."""
+    return f"{NONE_TELLS} tell {run.between[0]} from {run.between[1]}." if run.why in ("tie", "unexplained") else ""
 
 
 def _least(run: NextRun) -> str:
