@@ -73,6 +73,20 @@ def test_of_several_the_two_that_are_told_worst_count(plain, bar, lives):
     assert (least.between, least.several) == (("churning", "again"), True)
 
 
+def test_a_parameter_is_known_afterwards_as_well_as_foretold(plain, bar, lives, made):
+    truth = with_effect(plain, "churning", share=0.3)
+    runs = Runs(bar, lives(truth)[:1])
+    wide, found = candidates(plain, bar, [CATALOGUE["churning"]])
+    trials, path = slow_trials_of(wide, runs), "churning.decay"
+    h = refined(Ground(plain, ()), trials, found, {"churning.share": 0.3})
+    run = best_of(plans(bar, runs.recordings), Question("badly known", (("churning", h),), path), runs, trials)
+    both = slow_trials_of(wide, Runs(bar, [*runs.recordings, made(run.plan, truth)]))
+    now = refined(h.ground, both, found, {"churning.share": 0.3})
+    assert run.between == (path,)
+    assert h.model[path] / run.separation_sd == pytest.approx(now.own()[path].sd, rel=0.3)
+    assert now.own()[path].sd < 0.8 * h.own()[path].sd
+
+
 def test_no_run_tells_radiation_from_still_air(plain, bar, lives, made):
     """That is foretold, and the run that would tell most tells nothing."""
     plain = plain.with_values({"still_air.h": replace(plain.values["still_air.h"], prior=Prior(8.0, 50.0))})
