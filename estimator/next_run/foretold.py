@@ -32,9 +32,7 @@ def planned(plan: Plan, rig: Rig, level: float) -> Recording:
 
 def _omega(plan: Plan, rig: Rig) -> float:
     """rad/s."""
-    if plan.speed_m_min is None:
-        return plan.levels["speed"] * RAD_S.get(rig.inputs["speed"].unit, 1.0) if "speed" in plan.levels else 0.0
-    return plan.speed_m_min / 60 / (rig.the_screw().lead_mm * 1e-3) * 2 * np.pi
+    return plan.levels["speed"] * RAD_S.get(rig.inputs["speed"].unit, 1.0) if "speed" in plan.levels else plan.omega
 
 
 def _coverage(plan: Plan, rig: Rig, driving: Array) -> Array:

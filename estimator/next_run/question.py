@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from estimator.batch.trials import Trials
-from estimator.hypotheses.candidates import Candidate
 from estimator.hypotheses.criterion import APART_SE, worth
 from estimator.hypotheses.hypothesis import Hypothesis, refined
-from estimator.missing_effect.stand_ins import unknown_of
+from estimator.missing_effect.stand_ins import Unknown, unknown_of
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.unexplained import Unexplained
-from estimator.rig import Rig
 
 ALONE = "the model alone"
 MOST = 4  # stand-ins that one run is asked to set apart
@@ -81,16 +80,18 @@ def _pair(found: Suggestion) -> Question:
 def _unknown(unknown: Unexplained, found: Suggestion, trials: Trials) -> Question | None:
     """The stand-in against others that explain as much, fitted in full; by one recording against none."""
     ground, rig = unknown.hypothesis.ground, trials[0].rig
-    best = (_words(unknown.candidate, rig), unknown.hypothesis)
-    rivals = [
-        (_words(rival.candidate, rig), refined(ground, trials, [rival.candidate], rival.first))
-        for rival in unknown.rivals[: MOST - 1]
-    ]
-    if rivals:
-        return Question("unexplained", (best, *rivals))
-    return Question("one recording", (best, (ALONE, found.before))) if found.one_recording else None
+    some = unknown.rivals[: MOST - 1]
+    seats = [unknown.candidate, *(rival.candidate for rival in some)]
+    best, *names = _words([unknown_of(seat, rig) for seat in seats])
+    if some:
+        fitted = [refined(ground, trials, [rival.candidate], rival.first) for rival in some]
+        return Question("unexplained", ((best, unknown.hypothesis), *zip(names, fitted, strict=True)))
+    alone = ((best, unknown.hypothesis), (ALONE, found.before))
+    return Question("one recording", alone) if found.one_recording else None
 
 
-def _words(candidate: Candidate, rig: Rig) -> str:
-    unknown = unknown_of(candidate, rig)
-    return f"{unknown.what} that follows {unknown.follower.words}"
+def _words(unknown: Sequence[Unknown]) -> list[str]:
+    """What each follows; with its place, where these are several."""
+    if len({one.what for one in unknown}) == 1 < len(unknown):
+        return [one.follower.words for one in unknown]
+    return [f"{one.what} that follows {one.follower.words}" for one in unknown]
