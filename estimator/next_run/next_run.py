@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import combinations
 
 import numpy as np
@@ -57,9 +58,9 @@ def next_run(found: Suggestion, runs: Runs) -> NextRun | None:
     tried = plans(runs.rig, runs.recordings)
     if not tried:
         return None
-    trials = slow_trials_of(found.as_given.model, runs)
-    open_ = question(found, trials)
-    return best_of(tried, open_, runs, trials) if open_ else None
+    ready = cache(lambda: slow_trials_of(found.as_given.model, runs))
+    open_ = question(found, runs.rig, ready)
+    return best_of(tried, open_, runs, ready()) if open_ else None
 
 
 def best_of(tried: Sequence[Plan], open_: Question, runs: Runs, trials: Trials) -> NextRun:

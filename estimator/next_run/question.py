@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from estimator.batch.trials import Trials
@@ -11,6 +11,7 @@ from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.missing_effect.stand_ins import Unknown, unknown_of
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.unexplained import Unexplained
+from estimator.rig import Rig
 
 ALONE = "the model alone"
 MOST = 4  # stand-ins that one run is asked to set apart
@@ -29,10 +30,10 @@ class Question:
     path: str = ""
 
 
-def question(found: Suggestion, trials: Trials) -> Question | None:
+def question(found: Suggestion, rig: Rig, ready: Callable[[], Trials]) -> Question | None:
     """What is open; None where nothing is, or where a run is to be checked first.
 
-    trials  the recordings that were searched in
+    ready  gives the recordings that were searched in, made ready
     """
     if found.verdict == "tie":
         tied = {h.names[0]: h for h in reversed(found.found) if h.names[0] in found.tie}
@@ -40,7 +41,7 @@ def question(found: Suggestion, trials: Trials) -> Question | None:
     if found.verdict == "effects":
         return _pair(found)
     if found.unexplained is not None and found.verdict == "nothing_in_catalogue":
-        return _unknown(found.unexplained, found, trials)
+        return _unknown(found.unexplained, found, rig, ready)
     if found.verdict == "input_error" or found.changed or not found.found:
         return None
     return _of_the_best(found)
@@ -77,13 +78,15 @@ def _pair(found: Suggestion) -> Question:
     return Question("pair", ((" and ".join(pair.names), pair), *(singles or [(ALONE, found.before)])))
 
 
-def _unknown(unknown: Unexplained, found: Suggestion, trials: Trials) -> Question | None:
+def _unknown(
+    unknown: Unexplained, found: Suggestion, rig: Rig, ready: Callable[[], Trials]
+) -> Question | None:  # fmt: skip
     """The stand-in against others that explain as much, fitted in full; by one recording against none."""
-    ground, rig = unknown.hypothesis.ground, trials[0].rig
     some = unknown.rivals[: MOST - 1]
     seats = [unknown.candidate, *(rival.candidate for rival in some)]
     best, *names = _words([unknown_of(seat, rig) for seat in seats])
     if some:
+        ground, trials = unknown.hypothesis.ground, ready()
         fitted = [refined(ground, trials, [rival.candidate], rival.first) for rival in some]
         return Question("unexplained", ((best, unknown.hypothesis), *zip(names, fitted, strict=True)))
     alone = ((best, unknown.hypothesis), (ALONE, found.before))

@@ -104,6 +104,7 @@ def test_a_stranger_has_a_place_and_what_it_follows():
     assert right(case, found)
     assert not right(case, replace(found, place_mm=at_mm + 61.0))
     assert not right(case, replace(found, follows="time"))
+    assert right(case, replace(found, follows="time", as_well=["drive", "speed"])), "tied with what is right"
 
 
 def test_an_event_is_told_within_ten_minutes():

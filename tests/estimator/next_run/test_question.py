@@ -39,13 +39,13 @@ def stub(plain):
 
 
 @pytest.fixture
-def asked(stub):
+def asked(stub, bar):
     """asked(verdict, *hypotheses, **more): why, and between whom."""
 
     def of(verdict: str, *found: Hypothesis, **more):
         plain = stub(1.0)
         suggestion = Suggestion(verdict, found, more.pop("tie", ()), plain, plain, plain, (), **more)
-        open_ = question(suggestion, trials=())
+        open_ = question(suggestion, bar, list)
         return open_ and (open_.why, [name for name, _ in open_.rivals])
 
     return of
