@@ -10,7 +10,7 @@ import click
 
 from ballscrew.options import model_output, output_file, search_options, view_option, workspace_options
 from ballscrew.own_effect.named import Named
-from ballscrew.report.felt_report import AtTheTable, at_the_table, felt_json, felt_sentence
+from ballscrew.report.felt_report import AtTheTable, at_the_table, felt_json, felt_section, felt_sentence
 from ballscrew.report.improvement_report import (
     Outcome,
     as_json,
@@ -119,5 +119,6 @@ def _drawn(
         figures += [views.felt_bars(one) for one in table[-1:]]
         pictures = views.write_pictures(md.with_suffix(""), runs, out.models, figures)
         md.write_text(report(out, pictures, workers))
-        views.write_views(rrd, runs, out.models, [steps_section(out)], figures)
+        first_page = [steps_section(out), *([felt_section(table)] if table else [])]
+        views.write_views(rrd, runs, out.models, first_page, figures)
     return out.said

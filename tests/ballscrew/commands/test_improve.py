@@ -113,7 +113,10 @@ def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(sea
     names = view_names(tmp_path / "b.rrd")
     assert "after: b.toml: heat missing, by place on the screw [W/m]" in names
     assert "Model alone, rms of temperatures [K]" in names
-    assert "+ churning" in fixed(tmp_path / "b.rrd", "/summary", "TextDocument:text")[0]
+    assert "Filter in cooldown, at most off [µm], used" in names
+    summary = fixed(tmp_path / "b.rrd", "/summary", "TextDocument:text")[0]
+    assert "+ churning" in summary
+    assert "What the axis feels" in summary
 
 
 def test_a_model_with_an_effect_of_ones_own_loads_again(searching, fs20_log, tmp_path) -> None:
