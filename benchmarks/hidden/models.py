@@ -21,7 +21,7 @@ from estimator.work import Runs
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = ("base", "model")
-SEARCHES = ("missing_effect", "missing_heat", "events")  # which no fit rests on
+SEARCHES = ("hypotheses", "missing_effect", "missing_heat", "events")  # which no fit rests on
 
 
 def model_of(case: Case, rig: Rig, seen: Sequence[Recording]) -> Model:

@@ -33,10 +33,10 @@ def events(model: Model, runs: Runs) -> list[Event]:
     return events_of(model, slow_trials_of(model, runs), runs)
 
 
-def events_of(model: Model, trials: Trials, runs: Runs) -> list[Event]:
+def events_of(model: Model, trials: Trials, runs: Runs, least: float = LEAST_GAIN) -> list[Event]:
     """The same of recordings that have been made ready for open-loop runs: by recording, and then by time."""
     seen = [each for each in trials.each(lambda trial: signature(model, trial)) if len(each.y) >= FEWEST]
-    found = _found(seen, trials.workers) if seen else []
+    found = _found(seen, trials.workers, least) if seen else []
     for use, trial in zip(trials.uses, trials, strict=bool(trials.uses)):
         found += of_readings(use, trial.recording, trial.rig)
     pairs = [event for some in runs.each(lambda one: list(exchanged(model, runs.rig, one))) for event in some]
@@ -46,9 +46,9 @@ def events_of(model: Model, trials: Trials, runs: Runs) -> list[Event]:
     return sorted(found, key=lambda event: (order[event.run], event.since_s))
 
 
-def _found(seen: Sequence[Signature], workers: Workers) -> list[Event]:
+def _found(seen: Sequence[Signature], workers: Workers, least: float) -> list[Event]:
     """Onsets within recordings, and what grows from one to the next."""
-    search = Search(seen, workers)
+    search = Search(seen, workers, least)
     grown = growing(seen, search.sizes)
     begun = [told(one, each) for each, some in zip(seen, search.onsets(), strict=True) for one in some]
     return single(begun, len(seen)) + grown
@@ -75,10 +75,13 @@ def alike(a: Event, b: Event) -> bool:
 
 
 class Search:
-    """Looks for onsets in some recordings together, which share a pattern; sizes: of its causes."""
+    """Looks for onsets in some recordings together, which share a pattern; sizes: of its causes.
 
-    def __init__(self, seen: Sequence[Signature], workers: Workers = map) -> None:
-        self._seen, self._workers = seen, workers
+    least  twice the log-likelihood that an onset adds
+    """
+
+    def __init__(self, seen: Sequence[Signature], workers: Workers = map, least: float = LEAST_GAIN) -> None:
+        self._seen, self._workers, self._least = seen, workers, least
         self._steps = [list(steps(each)) for each in seen]
         self._found: list[list[Onset]] = [[] for _ in seen]
         self.sizes = self._sized()
@@ -96,7 +99,7 @@ class Search:
 
     def _next(self, i: int) -> Onset | None:
         onset = best_onset(self._seen[i], self._measured(i), self.sizes, self._steps[i])
-        return onset if onset is not None and onset.gain > LEAST_GAIN else None
+        return onset if onset is not None and onset.gain > self._least else None
 
     def _apart(self, i: int, found: Sequence[Onset]) -> list[Onset]:
         """Those that began at other times, told anew by the pattern without them; what came with one belongs to it."""

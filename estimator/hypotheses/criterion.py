@@ -14,7 +14,7 @@ WORTH_K, WORTH_UM = 0.016, 0.12  # an effect takes at least so much off one of t
 GOOD = 1.3  # a misfit that is good enough not to look for what is unknown: what its own scatter over recordings allows
 
 
-def clearly(before: Explanation, after: Explanation, tried: int) -> bool:
+def clearly(before: Explanation, after: Explanation, tried: float) -> bool:
     """Whether the best of so many explanations leaves so much less that it is no chance.
 
         n / 2  ln(before / after)  >  ln(tried / CHANCE)

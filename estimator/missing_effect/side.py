@@ -13,6 +13,7 @@ from estimator.batch.trials import Trials
 from estimator.effect import Effect
 from estimator.hypotheses.candidates import Candidate, candidates
 from estimator.hypotheses.criterion import clearly, material
+from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.moments import Column
 from estimator.hypotheses.panel import Explanation, Panel
@@ -49,6 +50,12 @@ class Side:
     def best(self) -> Explanation:
         """What leaves least."""
         return self.pair.judged if self.pair else self.single
+
+    @property
+    def here(self) -> Ground:
+        """Around the model with what explains most, all that moves for it moving."""
+        best = self.pair or (self.missing[0] if self.missing else self.plain)
+        return replace(best.ground, model=best.model, paths=best.paths)
 
     @property
     def single(self) -> Explanation:

@@ -6,6 +6,7 @@ Every hypothesis is judged by the open-loop misfit on recordings left out, tempe
     one effect more, or two
     one of its own parameters of another value
     one input of one recording set right
+    something that began within one recording
     heat at some place, or an offset of a reading, that follows something (`unknown`)
 
 all of them on either ground: what an earlier fit knows of the model's parameters holds, or only tables do (`ground`).
@@ -16,21 +17,25 @@ Recordings held out are never looked at for this.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
 from estimator.accuracy.noise_floor import noise_floor
 from estimator.batch.trials import slow_trials_of
 from estimator.effect import Effect
-from estimator.hypotheses.criterion import GOOD, alike, clearly
+from estimator.hypotheses.criterion import GOOD, alike, clearly, nats
 from estimator.hypotheses.ground import as_given, of_tables, seen
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation
+from estimator.missing_effect.begun import Begun, begun
+from estimator.missing_effect.odd_run import odd_run
 from estimator.missing_effect.side import Side, each_once
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.unexplained import Unexplained, best_stand_in
 from estimator.missing_effect.wrong_always import inputs_in, told
-from estimator.missing_effect.wrong_input import Mislabel, mislabel
+from estimator.missing_effect.wrong_input import Mislabel, mislabel, signals
 from estimator.model import Model
 from estimator.sensitivity.objective import GOOD_K, GOOD_UM
 from estimator.work import Runs
@@ -56,12 +61,20 @@ class Search:
     """One search: the recordings made ready once, and hypotheses tried on them.
 
     as_given, again  the model without any effect more: as it is, give or take what its fit left open; fitted again
+    alone  whether one run is left out already
     """
 
     def __init__(
-        self, model: Model, runs: Runs, effects: Sequence[type[Effect]], loose: Collection[str], told: bool
+        self,
+        model: Model,
+        runs: Runs,
+        effects: Sequence[type[Effect]],
+        loose: Collection[str],
+        told: bool,
+        alone: bool = False,
     ) -> None:
-        self.model, self.runs, self.effects, self._told = model, runs, effects, told
+        self.model, self.runs, self.effects = model, runs, effects
+        self._loose, self._told, self._alone = loose, told, alone
         runs.progress("reading the misfit", 0.0)
         self.trials = slow_trials_of(model, runs)
         self.as_given = refined(as_given(model, runs, loose), self.trials, [])
@@ -70,13 +83,11 @@ class Search:
 
     def run(self) -> Suggestion:
         """All stages, and the verdict."""
-        sides = self._sides()
-        side = min(sides, key=lambda side: side.cost)
-        self.runs.progress("looking for a wrong input", 0.75)
-        wrong = self._wrong(side, side.best)
+        self.runs.progress("looking for what is wrong with one run", 0.7)
+        if (found := self._set_right()) is not None:
+            return found
         self.runs.progress("looking for something unknown", 0.85)
-        unexplained = self._unexplained(side, [wrong.judged] if wrong else [])
-        return self._verdict(sides, side, wrong, unexplained)
+        return self._verdict(self._unexplained(self.side))
 
     def _plains(self) -> list[Hypothesis]:
         """The model without effects on each ground that may hold.
@@ -87,7 +98,13 @@ class Search:
             return [self.as_given]
         return [self.again] if seen(self.model, self.runs) else [self.as_given, self.again]
 
-    def _sides(self) -> list[Side]:
+    @property
+    def side(self) -> Side:
+        """The ground that the recordings speak for."""
+        return min(self.sides, key=lambda side: side.cost)
+
+    @cached_property
+    def sides(self) -> list[Side]:
         """Each ground that may hold; none that falls short whatever is fitted on it."""
         self.runs.progress("screening the catalogue", 0.15)
         sides = sorted(
@@ -96,14 +113,37 @@ class Search:
         self.runs.progress("fitting the best effects", 0.4)
         return [side for side in sides if side is sides[0] or side.least < sides[0].cost]
 
-    def _wrong(self, side: Side, best: Explanation) -> Mislabel | None:
-        """A wrong input that explains clearly more than the model alone and than any effects."""
-        if best.misfit <= GOOD:
+    def _set_right(self) -> Suggestion | None:
+        """What is wrong with one run where that explains clearly more than all else, and what the others say.
+
+        The others alone are searched in for that: what is wrong with the one would have bent the answer.
+        """
+        at = None if self._alone else odd_run(self.side.here, self.trials)
+        if at is None:
             return None
-        found = mislabel(side.ground, self.runs, self.trials)
-        if found is None or not clearly(side.plain.judged, found.judged, side.tried):
+        some = [recording for i, recording in enumerate(self.runs.recordings) if i != at]
+        others = Search(self.model, replace(self.runs, recordings=some), self.effects, self._loose, self._told, True)
+        here, best = others.side.here, self.side.best
+        found = [mislabel(here, self.runs, self.trials, at), begun(here, self.runs, self.trials, at)]
+        sure = [one for one in found if one and clearly(best, one.judged, self._times(one))]
+        if not sure:
             return None
-        return found if clearly(best, found.judged, 1) else None
+        wrong = min(sure, key=lambda one: nats(one.judged, best) + np.log(self._times(one)))
+        unexplained = self._unexplained(self.side)
+        if unexplained is not None and unexplained.judged.misfit < wrong.judged.misfit:
+            return None
+        rest = replace(others.run(), uses=self.trials.uses)
+        if isinstance(wrong, Mislabel):
+            return replace(rest, verdict="input_error", besides=rest.verdict, wrong_input=wrong)
+        verdict = "nothing_in_catalogue" if rest.verdict == "nothing_missing" else rest.verdict
+        return replace(rest, verdict=verdict, besides=rest.verdict, events=wrong.events)
+
+    def _times(self, found: Mislabel | Begun) -> float:
+        """How many of its kind there are: inputs of each run, or effects that may begin in any ten minutes."""
+        if isinstance(found, Mislabel):
+            return float(len(self.runs.recordings) * len(signals(self.model, self.runs.rig)))
+        blocks = np.count_nonzero(self.side.plain.judged.blocks[0])
+        return float(self.side.tried * blocks) ** len(found.events)
 
     def _always(self, side: Side) -> Mislabel | None:
         """An input that is wrong in all recordings: what explains most, alone or as one of two."""
@@ -113,8 +153,8 @@ class Search:
         rivals = [h for h in side.missing if h is not best and len(best.names) == 1]
         return None if any(alike(h.judged, best.judged, side.tried) for h in rivals) else told(best)
 
-    def _unexplained(self, side: Side, also: Sequence[Explanation]) -> Unexplained | None:
-        """What explains clearly more than any one effect or a wrong input, and is in no catalogue.
+    def _unexplained(self, side: Side) -> Unexplained | None:
+        """What explains clearly more than any one effect, and is in no catalogue.
 
         Two effects may compose it: heat at a place while driving, and less there always, is heat at rest. Where the
         model is far off all the same, something is missing: the question is not whether, but what it is like.
@@ -126,16 +166,12 @@ class Search:
             return None
         if side.pair and clearly(found.judged, side.pair.judged, side.tried):
             return None
-        best = min([side.single, *also], key=lambda judged: judged.misfit)
-        tried = 1 if self._far(best) else found.tried
-        return found if clearly(best, found.judged, tried) else None
+        tried = 1 if self._far(side.single) else found.tried
+        return found if clearly(side.single, found.judged, tried) else None
 
-    def _verdict(
-        self, sides: Sequence[Side], side: Side, wrong: Mislabel | None, unexplained: Unexplained | None
-    ) -> Suggestion:
-        found = side.missing
-        wrong = None if unexplained is not None else wrong  # it leaves clearly more
-        wrong = wrong or (self._always(side) if unexplained is None else None)
+    def _verdict(self, unexplained: Unexplained | None) -> Suggestion:
+        side, found = self.side, self.side.missing
+        wrong = self._always(side) if unexplained is None else None
         far = self._far(wrong.judged if wrong else side.plain.judged)
         named = list(
             dict.fromkeys(h.names[0] for h in found if h is found[0] or alike(h.judged, found[0].judged, side.tried))
@@ -153,10 +189,11 @@ class Search:
             verdict = "tie" if len(named) > 1 else "effect"
         else:
             verdict = "nothing_in_catalogue" if far else "nothing_missing"
-        rest = sorted((h for one in sides for h in one.fitted if not _named(h, found)), key=lambda h: h.misfit)
+        rest = sorted((h for one in self.sides for h in one.fitted if not _named(h, found)), key=lambda h: h.misfit)
         return Suggestion(
             verdict, (*found, *each_once(rest)), tuple(named) if verdict == "tie" else (), self.as_given, self.again,
-            side.plain, self.trials.uses, changed, tuple(pair.names) if pair else (), wrong, unexplained, far,
+            side.plain, self.trials.uses, changed, tuple(pair.names) if pair else (),
+            wrong, unexplained, far=far,
         )  # fmt: skip
 
     def _far(self, judged: Explanation) -> bool:

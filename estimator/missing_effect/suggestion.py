@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from estimator.events.event import Event
 from estimator.faults.use import Use
 from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.missing_effect.unexplained import Unexplained
@@ -23,8 +24,10 @@ class Suggestion:
     before   whichever of these the verdict is held against
     changed  own parameter "effect.param" that alone explains it: of another value on this machine, or in these runs
     pair     two effects together, where they explain clearly more than one
+    wrong_input, events  of one run, or what began within it: all else is said of the other recordings
+    besides  the verdict on these
     uses     what was used of each recording
-    far      the model, with a wrong input set right, is so far off that something is missing
+    far      the model is so far off that something is missing
     """
 
     verdict: str
@@ -38,6 +41,8 @@ class Suggestion:
     pair: tuple[str, ...] = ()
     wrong_input: Mislabel | None = None
     unexplained: Unexplained | None = None
+    events: tuple[Event, ...] = ()
+    besides: str = ""
     far: bool = False
 
     @property

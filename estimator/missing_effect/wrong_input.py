@@ -1,7 +1,7 @@
 """Whether one recording among several has a wrong input: a speed in other units, a label, a shifted thermometer.
 
-The run that the model misses most, while it suits the others, is asked: is there a ratio of one of its inputs, or a
-shift of a temperature or of the position, with which the model suits this run as well?
+Of a run that the others miss (`odd_run`) it is asked: is there a ratio of one of its inputs, or a shift of a
+temperature or of the position, with which the model suits this run as well?
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from scipy.optimize import minimize_scalar
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials, slow_trial, unjudged
 from estimator.hypotheses.ground import Ground
-from estimator.hypotheses.moments import Column, moments, moments_of
+from estimator.hypotheses.moments import Column, moments_of
 from estimator.hypotheses.panel import Explanation, Panel
 from estimator.inputs.inputs import nothing
 from estimator.model import Model
@@ -24,8 +24,6 @@ from estimator.rig import Rig
 from estimator.terms import Link
 from estimator.work import Runs
 
-ODD = 3.0  # times the other runs' misfit makes a run odd ...
-BAD = 2.0  # ... if it is no good model either
 CLOSE = 5e-3  # of the widest
 DRIVE = ("speed", "position")
 ZERO = "zero of position"
@@ -61,25 +59,16 @@ class Mislabel:
     besides: tuple[str, ...] = ()
 
 
-def mislabel(ground: Ground, runs: Runs, trials: Trials) -> Mislabel | None:
-    """The wrong input of the oddest run that explains most; None where no run is odd, or none explains it."""
-    rig, recordings, model = runs.rig, runs.recordings, ground.model
-    if len(recordings) < 3:
-        return None
+def mislabel(ground: Ground, runs: Runs, trials: Trials, odd: int) -> Mislabel | None:
+    """The wrong input of an odd run that explains most, beside a model that suits the others; None if none does."""
+    rig, recording, model = runs.rig, runs.recordings[odd], ground.model
     free, known = [Column(model, path) for path in ground.paths], ground.belief(model, ground.paths)
-    found = moments(trials, model, free)
-    misfits = Panel(free, found, known).judge().runs
-    odd = int(misfits.argmax())
-    if misfits[odd] < max(BAD, ODD * float(np.median(np.delete(misfits, odd)))):
-        return None
-    recording, others = recordings[odd], [*found[:odd], *found[odd + 1 :]]
-    suited = Panel(free, others, known)
-    by_others = model.with_values(suited.values(suited.judge()))
-    heard, wrong = Trial(by_others, rig, recording).heard, list[Mislabel]()
+    others = [moments_of(trial, model, free) for i, trial in enumerate(trials) if i != odd]
+    heard, wrong = Trial(model, rig, recording).heard, list[Mislabel]()
     for signal in signals(model, rig):
         if signal in rig.inputs and not np.nan_to_num(recording.inputs[signal]).any():
             continue
-        size = _best(by_others, rig, heard, signal)
+        size = _best(model, rig, heard, signal)
         if abs(size) >= _scale(rig, signal).sure:
             right = slow_trial(model, rig, corrected(recording, rig, signal, size))
             judged = Panel(free, [*others, moments_of(right, model, free)], known).judge()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from ballscrew.began import events_json
 from ballscrew.report.search.next_run_words import next_run_json
 from ballscrew.report.search.verdict import sentence
 from ballscrew.report.sections import Section, cells
@@ -12,6 +13,7 @@ from ballscrew.report.use_report import recordings_json
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
 from estimator.accuracy.noise_floor import Error
+from estimator.events.event import Event
 from estimator.hypotheses.candidates import Candidate
 from estimator.hypotheses.criterion import behind
 from estimator.hypotheses.hypothesis import Hypothesis
@@ -103,14 +105,17 @@ def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
             "shift_mm": wrong.shift_mm,
         },
         "where": _unknown(suggestion, rig),
+        "events": events_json(suggestion.events),
         "pair": list(suggestion.pair),
         "sentence": sentence(verdict, rig),
     }  # fmt: skip
 
 
 def _unknown(suggestion: Suggestion, rig: Rig) -> dict[str, Any] | None:
-    if suggestion.unexplained is None or suggestion.verdict != "nothing_in_catalogue":
+    if suggestion.verdict != "nothing_in_catalogue":
         return None
+    if suggestion.unexplained is None:
+        return _since(suggestion.events[0]) if suggestion.events else None
     unknown = unknown_of(suggestion.unexplained.candidate, rig)
     others = [(unknown_of(rival.candidate, rig), rival.difference_se) for rival in suggestion.unexplained.rivals]
     at, follower = unknown.at_mm, unknown.follower
@@ -120,6 +125,14 @@ def _unknown(suggestion: Suggestion, rig: Rig) -> dict[str, Any] | None:
         "rivals": [
             {"what": other.place, "follows": other.follower.name, "difference_se": se} for other, se in others
         ],
+    }  # fmt: skip
+
+
+def _since(event: Event) -> dict[str, Any]:
+    node = event.name if event.from_mm is None else None
+    return {
+        "from_mm": event.from_mm, "to_mm": event.to_mm, "node": node, "phase": None, "follows": None,
+        "what": event.what, "rivals": [],
     }  # fmt: skip
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from ballscrew import began
 from ballscrew.report.search.next_run_words import next_run_sentence
 from ballscrew.search import Verdict
 from estimator.hypotheses.criterion import GOOD
@@ -11,7 +14,7 @@ from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.missing_effect.stand_ins import Unknown, unknown_of
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.unexplained import Unexplained
-from estimator.missing_effect.wrong_input import ALL, Mislabel
+from estimator.missing_effect.wrong_input import Mislabel
 from estimator.rig import Rig
 
 ONE = "By one recording, from which nothing could be left out: make another to be sure."
@@ -27,8 +30,10 @@ def sentence(verdict: Verdict, rig: Rig) -> str:
 
 def _sentence(verdict: Verdict, rig: Rig) -> str:
     suggestion = verdict.suggestion
+    if suggestion.besides:
+        return _of_one_run(verdict, rig)
     if suggestion.verdict == "input_error" and suggestion.wrong_input is not None:
-        return _wrong_input(suggestion.wrong_input, suggestion.far)
+        return _wrong_always(suggestion.wrong_input, suggestion.far)
     if suggestion.verdict == "nothing_in_catalogue" and suggestion.unexplained is not None:
         return unknown_sentence(suggestion.unexplained, rig)
     if suggestion.verdict == "nothing_in_catalogue":
@@ -48,16 +53,36 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
     return f"{best.names[0]} is missing: {_gain(suggestion.without(best), best)}.{more}"
 
 
-def _wrong_input(wrong: Mislabel, far: bool) -> str:
-    head = "First of all look at" if far else "Nothing is missing but in"
-    head = head if not wrong.besides else "First of all look at"
-    where = "all recordings" if wrong.run == ALL else wrong.run
+def _wrong_always(wrong: Mislabel, far: bool) -> str:
+    head = "First of all look at" if far or wrong.besides else "Nothing is missing but in"
+    rest = f" Set right it still leaves {wrong.judged.error.temperature_K:.3f} K: more is missing." if far else ""
+    more = f" Beside it {wrong.besides[0]} stands out: search again with it set right." if wrong.besides else ""
+    return f"{head} all recordings, where {_off(wrong)}: check its zero and scale in rig.toml.{more}{rest}"
+
+
+def _off(wrong: Mislabel) -> str:
+    """By how much an input is wrong."""
     off = f"{wrong.shift_mm:+.0f} mm off" if wrong.shift_mm else f"{wrong.shift_K:+.1f} K off"
     size = f"{wrong.ratio:.2f} times" if wrong.ratio != 1 else off
-    check = "check its zero and scale in rig.toml" if wrong.run == ALL else "check that run"
-    rest = f" Set right it still leaves {wrong.judged.error.temperature_K:.3f} K: more is missing." if far else ""
-    rest = f" Beside it {wrong.besides[0]} stands out: search again with it set right.{rest}" if wrong.besides else rest
-    return f"{head} {where}, where {wrong.signal} is {size} what it should be: {check}.{rest}"
+    return f"{wrong.signal} is {size} what it should be"
+
+
+def _of_one_run(verdict: Verdict, rig: Rig) -> str:
+    """What is wrong with one run, or began within it, and what the others say."""
+    suggestion, wrong = verdict.suggestion, verdict.suggestion.wrong_input
+    well = suggestion.besides == "nothing_missing" and not suggestion.changed
+    others = "" if well else f" By the other recordings: {_sentence(_rest_of(verdict), rig)}"
+    if wrong is not None:
+        head = "Nothing is missing but in" if well else "First of all look at"
+        return f"{head} {wrong.run}, where {_off(wrong)}: check that run.{others}"
+    head = "No effect is missing, but something began. " if well else ""
+    return head + " ".join(map(began.sentence, suggestion.events)) + others
+
+
+def _rest_of(verdict: Verdict) -> Verdict:
+    """What the other recordings say."""
+    rest = replace(verdict.suggestion, verdict=verdict.suggestion.besides, besides="")
+    return replace(verdict, suggestion=rest)
 
 
 def unknown_sentence(found: Unexplained, rig: Rig) -> str:

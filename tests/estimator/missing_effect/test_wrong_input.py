@@ -8,8 +8,9 @@ import pytest
 from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
 from estimator.hypotheses.ground import Ground
+from estimator.missing_effect.odd_run import odd_run
 from estimator.missing_effect.suggest import suggest
-from estimator.missing_effect.wrong_input import ZERO, corrected, mislabel
+from estimator.missing_effect.wrong_input import ZERO, corrected
 from estimator.work import Runs
 
 
@@ -33,4 +34,4 @@ def test_one_run_with_another_zero_of_the_position_is_named_with_its_size(plain,
 
 def test_no_run_is_odd_where_all_fit_alike(plain, bar, lives):
     runs = lives(plain)
-    assert mislabel(Ground(plain, ()), Runs(bar, runs), slow_trials_of(plain, Runs(bar, runs))) is None
+    assert odd_run(Ground(plain, ()), slow_trials_of(plain, Runs(bar, runs))) is None
