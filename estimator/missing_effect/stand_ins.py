@@ -32,8 +32,8 @@ class UnknownHeat(Effect):
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         follower, over = all_followers(rig)[round(p.follows.real)], spot(rig, p.at, p.width)
-        if "ambient" in u and _loses(follower, p.power):
-            yield Link(SCREW, "ambient", -p.power * over)
+        if "ambient" in u:
+            yield Link(SCREW, "ambient", -float(follower is TEMPERATURE) * p.power * over)
         yield Heat(SCREW, p.power * follower.values(u, rig), over=over)
 
 
@@ -51,14 +51,9 @@ class UnknownBodyHeat(Effect):
         follower = all_followers(rig)[round(p.follows.real)]
         for number, node in enumerate(rig.bodies):
             here = p.power * float(number == round(p.node.real))
-            if "ambient" in u and _loses(follower, p.power):
-                yield Link(node, "ambient", -here)
+            if "ambient" in u:
+                yield Link(node, "ambient", -here * float(follower is TEMPERATURE))
             yield Heat(node, here * follower.values(u, rig))
-
-
-def _loses(follower: Follower, power: complex) -> bool:
-    """Whether heat is lost by the warmth of the place itself; nothing gains by it."""
-    return follower is TEMPERATURE and power.real <= 0.0
 
 
 class UnknownReading(Effect):
