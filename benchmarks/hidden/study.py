@@ -22,7 +22,7 @@ from estimator.rig import Rig
 from estimator.work import Runs
 
 IMPROVED = ("two", "three")  # rows that ask `improve`; the others ask `suggest`
-TIMED = ("event", "none")  # rows that are asked what began within a run, as `diagnose` tells it
+TIMED = ("event", "none")  # rows that are asked what began within a run, by `diagnose` and by `suggest`
 PLACED = {"local_heat": "at", "local_heat_driving": "at", "channel_offset": "channel", "channel_gain": "channel"}
 
 
@@ -52,7 +52,8 @@ def _searched(case: Case) -> Outcome:
         out.before = _held_out(found.before.model, of, rig)
         out.after = _held_out(found.found[0].model, of, rig) if out.said else out.before
     if case.row in TIMED:
-        out.began = [(event.run, event.since_s, event.kind) for event in events(model, runs)]
+        told = [*events(model, runs), *found.events]
+        out.began = [(event.run, event.since_s, event.kind) for event in told]
     out.search_s, out.broken, out.happened = search_s, (of.odd, of.channel), (of.odd, of.onset_s)
     return out
 

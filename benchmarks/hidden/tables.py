@@ -30,7 +30,7 @@ TITLES = {
     "two": ("two effects: both found by improve", ">= 85 %"),
     "three": ("three effects: two at least found by improve", ">= 80 %"),
     "stranger": ("in no catalogue: said so, within 60 mm, right input", ">= 90 %"),
-    "event": ("an event within one run: told by diagnose, within 10 min", ">= 90 %"),
+    "event": ("an event within one run: told by diagnose or suggest, within 10 min", ">= 90 %"),
     "label": ("a wrong input of one run of six: run and signal named", ">= 95 %"),
     "sensor": ("a thermometer that fails in one run: named, and no heat", ">= 95 %"),
     "shifted": ("the position 40 mm off in all runs: named", ""),
