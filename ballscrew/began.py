@@ -9,21 +9,22 @@ from ballscrew.report.sections import Section, number
 from estimator.events.event import Event
 
 
-def clock(event: Event) -> str | None:
-    """Local time at which it began, to the second; None where the log's clock tells no date."""
+def clock(event: Event, since_s: float | None = None) -> str | None:
+    """Local time at which it began, or of another second, to the second; None where the log's clock tells no date."""
     if event.began_s is None:
         return None
-    return datetime.fromtimestamp(event.began_s + event.since_s).isoformat(" ", "seconds")
+    at_s = event.since_s if since_s is None else since_s
+    return datetime.fromtimestamp(event.began_s + at_s).isoformat(" ", "seconds")
 
 
 def sentence(event: Event) -> str:
     """What a person should know of it."""
-    return event.told((clock(event) or "")[11:16])
+    return event.told((clock(event) or "")[11:16], (clock(event, event.until_s) or "")[11:16])
 
 
 def events_section(events: Sequence[Event]) -> Section:
     """A row and a sentence for each."""
-    head = ["recording", "since, s", "sd", "place", "W", "sd"]
+    head = ["recording", "since, s", "until", "sd", "place", "W", "sd"]
     return Section("what began within a run", [sentence(event) for event in events], [head, *map(_row, events)])
 
 
@@ -31,7 +32,8 @@ def _row(event: Event) -> list[str]:
     place = " ".join(filter(None, (event.channel, event.name)))
     place = place or f"{event.from_mm:.0f} - {event.to_mm:.0f} mm"
     heat = ["", ""] if event.heat_W is None else [f"{event.heat_W:+.2f}", number(event.sd_W or 0.0)]
-    return [event.run, f"{event.since_s:.0f}", f"{event.sd_s:.0f}", place, *heat]
+    until = "" if event.until_s is None else f"{event.until_s:.0f}"
+    return [event.run, f"{event.since_s:.0f}", until, f"{event.sd_s:.0f}", place, *heat]
 
 
 def events_json(events: Sequence[Event]) -> list[dict[str, object]]:

@@ -18,7 +18,7 @@ from benchmarks.hidden.outcome import Outcome
 from benchmarks.hidden.plants import BY_LAW, OWN, STRANGERS, kind_of
 from drivers.virtual_rig.machine.heaters import local_place
 from drivers.virtual_rig.population.draw import machine
-from estimator.events.event import READING
+from estimator.events.event import LOOSE, READING
 from estimator.missing_effect.wrong_input import ALL
 
 NEAR_MM, NEAR_S, NEAR_SHIFT_MM = 60.0, 600.0, 10.0
@@ -108,7 +108,7 @@ def _stranger(case: Case, out: Outcome) -> bool:
 def _event(case: Case, out: Outcome) -> bool:
     """A time of heat: all that is planted so is."""
     run, onset_s = out.happened or ("", 0.0)
-    heats = [(name, when) for name, when, kind in out.began if kind != READING]
+    heats = [(name, when) for name, when, kind in out.began if kind not in (READING, LOOSE)]
     return any(name == run and abs(when - onset_s) <= NEAR_S for name, when in heats)
 
 

@@ -6,23 +6,26 @@ of the model's misfit sized again without it, and the next is looked for.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from estimator.batch.trials import Trials, slow_trials_of
-from estimator.events.event import Event
+from estimator.events.event import LOOSE, Event
 from estimator.events.exchanged import exchanged
 from estimator.events.growing import growing
 from estimator.events.kinds import told
 from estimator.events.onset import Onset, Solver, best_onset, steps
 from estimator.events.pattern import FIRST, pattern
 from estimator.events.readings import of_readings
-from estimator.events.signature import Signature, signature
+from estimator.events.signature import Signature, as_read, signature
 from estimator.missing_heat.causes import Averages, most_likely
 from estimator.model import Model
+from estimator.rig import Rig
+from estimator.sensitivity.objective import GOOD_K, GOOD_UM
 from estimator.work import Runs, Workers
 
 LEAST_GAIN = 50.0  # 43 was the most in 51 recordings of nine machines with nothing planted, all by machine 0's model
+SHOWS = 2.0  # times what a good model leaves, by which an event moves readings: less is not worth a person's look
 MOST = 3  # in one recording
 TOGETHER_S = 900.0  # what begins so soon after another belongs to it
 FEWEST = 40  # averages, below which a recording tells no times
@@ -37,13 +40,25 @@ def events_of(model: Model, trials: Trials, runs: Runs, least: float = LEAST_GAI
     """The same of recordings that have been made ready for open-loop runs: by recording, and then by time."""
     seen = [each for each in trials.each(lambda trial: signature(model, trial)) if len(each.y) >= FEWEST]
     found = _found(seen, trials.workers, least) if seen else []
-    for use, trial in zip(trials.uses, trials, strict=bool(trials.uses)):
-        found += of_readings(use, trial.recording, trial.rig)
-    pairs = [event for some in runs.each(lambda one: list(exchanged(model, runs.rig, one))) for event in some]
+    reads = runs.each(lambda one: as_read(model, runs.rig, one))
+    by_name = {read.recording.name: read for read in reads}
+    wrong = [event for use in trials.uses for event in of_readings(use, by_name[use.name])]
+    pairs = [event for read in reads for event in exchanged(read)]
     plugs = {(pair.run, channel) for pair in pairs for channel in (pair.channel, pair.name)}
-    found = [event for event in found if (event.run, event.channel) not in plugs] + pairs
+    loose = {str(event.channel) for event in (*found, *wrong) if event.kind == LOOSE}
+    heard = [event for event in found if not _shown_by(event, loose, runs.rig)] + wrong
+    found = [event for event in heard if (event.run, event.channel) not in plugs] + pairs
     order = {trial.recording.name: i for i, trial in enumerate(trials)}
     return sorted(found, key=lambda event: (order[event.run], event.since_s))
+
+
+def _shown_by(event: Event, loose: Collection[str], rig: Rig) -> bool:
+    """Whether heat seems to be where a thermometer has come loose in one of the recordings: it is no heat."""
+    places = [rig.channels[channel].at_mm for channel in loose]
+    from_mm, to_mm = event.from_mm, event.to_mm
+    if from_mm is None or to_mm is None:
+        return False
+    return any(x is not None and from_mm <= x <= to_mm for x in places)
 
 
 def _found(seen: Sequence[Signature], workers: Workers, least: float) -> list[Event]:
@@ -52,6 +67,18 @@ def _found(seen: Sequence[Signature], workers: Workers, least: float) -> list[Ev
     grown = growing(seen, search.sizes)
     begun = [told(one, each) for each, some in zip(seen, search.onsets(), strict=True) for one in some]
     return single(begun, len(seen)) + grown
+
+
+def worth(onset: Onset, seen: Signature) -> bool:
+    """Whether it moves the thermometers, or the displacement, by more than a good model leaves, rms over the run.
+
+    Of what is wrong with one thermometer that one alone counts.
+    """
+    moved = onset.size * onset.column
+    heat = seen.trial.rig.is_thermometer[seen.channel]
+    shown = heat if onset.step.carrier is not None else heat & (moved != 0)
+    families = ((shown, GOOD_K), (~heat, GOOD_UM))
+    return any(rows.any() and (moved[rows] ** 2).mean() > (SHOWS * good) ** 2 for rows, good in families)
 
 
 def single(begun: Sequence[Event], recordings: int) -> list[Event]:
@@ -99,7 +126,7 @@ class Search:
 
     def _next(self, i: int) -> Onset | None:
         onset = best_onset(self._seen[i], self._measured(i), self.sizes, self._steps[i])
-        return onset if onset is not None and onset.gain > self._least else None
+        return onset if onset is not None and onset.gain > self._least and worth(onset, self._seen[i]) else None
 
     def _apart(self, i: int, found: Sequence[Onset]) -> list[Onset]:
         """Those that began at other times, told anew by the pattern without them; what came with one belongs to it."""

@@ -7,23 +7,18 @@ from itertools import combinations
 
 import numpy as np
 
-from estimator.batch.open_loop import open_loop_misfit
-from estimator.batch.trials import unjudged
 from estimator.events.event import EXCHANGED, Event
-from estimator.model import Model
-from estimator.record import Array, Recording
-from estimator.rig import Rig
+from estimator.events.signature import AsRead
+from estimator.record import Array
 
 SHARE = 0.25  # of both misfits' squares, down to which exchanging the two has to bring them
 SHOWN_K = 0.3  # rms by which each of the two must be off before
 
 
-def exchanged(model: Model, rig: Rig, recording: Recording) -> Iterator[Event]:
-    """Pairs of thermometers of a recording, as it was read: nothing is refused, for both would be."""
-    trial = unjudged(model, rig, recording)
-    posed = trial.pose(model)
-    off = open_loop_misfit(trial, posed)
-    for one, other in _pairs(off, posed.run.lagged + posed.offset[1:], np.flatnonzero(trial.rig.is_thermometer)):
+def exchanged(read: AsRead) -> Iterator[Event]:
+    """Pairs of thermometers of a recording."""
+    rig, recording = read.rig, read.recording
+    for one, other in _pairs(read.off, read.alone, np.flatnonzero(rig.is_thermometer)):
         first, second = rig.names[one], rig.names[other]
         what = f"{first} and {second} show each other's temperature: exchange their plugs, or their signals in rig.toml"
         yield Event(

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.events.carriers import Carrier
-from estimator.events.event import DRIVING, PART, Event
+from estimator.events.event import DRIVING, LOOSE, PART, Event
 from estimator.events.onset import Onset
+from estimator.events.readings import loose_words
 from estimator.events.signature import Signature
 from estimator.faults.sentences import place_of
 
@@ -21,9 +22,14 @@ def told(onset: Onset, seen: Signature) -> Event:
     """The event of an onset."""
     trial, step = seen.trial, onset.step
     event = Event(
-        trial.recording.name, onset.since_s, onset.sd_s, step.kind, began_s=trial.recording.began_s, gain=onset.gain
-    )
-    if step.carrier is None:
+        trial.recording.name, onset.since_s, onset.sd_s, step.kind, onset.until_s, trial.recording.began_s,
+        gain=onset.gain,
+    )  # fmt: skip
+    if step.kind == LOOSE:
+        event = replace(event, channel=step.channel, share=onset.size)
+        rig = trial.rig
+        what = f"{place_of(rig, rig.index(str(step.channel)))} {loose_words(-onset.size)}"
+    elif step.carrier is None:
         event = replace(event, channel=step.channel, offset=onset.size)
         what = _reading(event, seen)
     else:
@@ -33,8 +39,9 @@ def told(onset: Onset, seen: Signature) -> Event:
 
 
 def _with_heat(event: Event, carrier: Carrier, onset: Onset, seen: Signature) -> Event:
-    after = seen.trial.rest.time_s >= onset.since_s
-    each_W = float(np.mean(carrier.heat_W[after])) if after.any() else 0.0
+    time_s = seen.trial.rest.time_s
+    during = (time_s >= onset.since_s) & (time_s < (onset.until_s or np.inf))
+    each_W = float(np.mean(carrier.heat_W[during])) if during.any() else 0.0
     zone = carrier.zone
     return replace(
         event,
@@ -52,14 +59,15 @@ def _heat(event: Event) -> str:
     place = f"in {event.name}" if event.name else f"at {((event.from_mm or 0.0) + (event.to_mm or 0.0)) / 2:.0f} mm"
     when = " while the screw turns" if event.kind == DRIVING else ""
     amount = f"{abs(heat):.2g} W +- {event.sd_W:.1g} too {'little' if heat > 0 else 'much'} {place}{when}"
-    return f"the model has {amount}, for the rest of the run; {HEATS if heat > 0 else COOLS}"
+    lasts = "for the rest of the run" if event.until_s is None else "and no more after that"
+    return f"the model has {amount}, {lasts}; {HEATS if heat > 0 else COOLS}"
 
 
 def _part(event: Event) -> str:
     share = event.share or 0.0
     more, percent = ("more" if share > 0 else "less"), f"{abs(100 * share):.0f} %"
     if event.name in LOSSES:
-        why = "opened" if share > 0 else "closed"
+        why = ("opened" if share > 0 else "closed") + (" meanwhile" if event.until_s else "")
         return f"the screw loses {percent} {more} heat to the air ({event.name}): a door or a lid was {why}"
     if event.name and event.name.endswith("friction"):
         what = event.name.removesuffix("_friction")

@@ -2,7 +2,8 @@
 
     gain = (c' S^-1 y)^2 / (c' S^-1 c),      size = c' S^-1 y / (c' S^-1 c)
 
-twice the log-likelihood that a step c from a time on adds to the pattern S that a model's misfit always has.
+twice the log-likelihood that a step c from a time on adds to the pattern S that a model's misfit always has. What ends
+again within the run is the difference of two steps.
 """
 
 from __future__ import annotations
@@ -14,14 +15,19 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from estimator.events.carriers import Carrier
-from estimator.events.event import DRIVING, HOT, READING
+from estimator.events.event import DRIVING, HOT, LOOSE, READING
+from estimator.events.readings import LEAST
 from estimator.events.signature import Signature, without_zeros
+from estimator.events.spans import Spans
 from estimator.missing_heat.causes import Averages
 from estimator.record import Array
 
 FINER = 5  # onsets that are tried within a span
 READS_WORSE = 1.5  # times the gain of any heat, from which on a reading is called wrong
 NEARLY = 0.9  # of the largest gain
+LASTS_S = 600.0  # at least; and so far from a start or a stop what begins or ends does not go with it
+ENDS = 50.0  # by how much more likely an end makes it: as much as an onset has to add
+LEAST_SEEN, LEAST_SHARE = 1e-9, 1e-3  # curvature of what moves no reading; of a step's, of what begins and ends at once
 SLACK_S = 100.0  # sd of the sharpest onset: on simulated machines these were off by 70 s (rms), up to 280 s
 
 
@@ -38,7 +44,10 @@ class Step:
 
 @dataclass(frozen=True)
 class Onset:
-    """The most likely onset of a step: when, how large, and how much it adds; `column` (N,) by 1 of it."""
+    """The most likely onset of a step: when, how large, and how much it adds; `column` (N,) by 1 of it.
+
+    until_s  when it ended; None: not within the run
+    """
 
     step: Step
     since_s: float
@@ -47,6 +56,7 @@ class Onset:
     sd: float
     gain: float
     column: Array
+    until_s: float | None = None
 
 
 def steps(seen: Signature) -> Iterator[Step]:
@@ -63,6 +73,8 @@ def steps(seen: Signature) -> Iterator[Step]:
         zeroed = [np.flatnonzero(own.any(axis=1))] if channel in seen.trial.floating else []
         moves = without_zeros(own.astype(float), zeroed, np.ones(len(own)))
         yield _step(READING, None, moves, seen.trial.rig.names[channel])
+        if seen.trial.rig.is_thermometer[channel]:
+            yield _step(LOOSE, None, own * seen.rise[:, None], seen.trial.rig.names[channel])
 
 
 def _step(kind: str, carrier: Carrier | None, moves: Array, channel: str | None = None) -> Step:
@@ -73,11 +85,13 @@ def _step(kind: str, carrier: Carrier | None, moves: Array, channel: str | None 
 def best_onset(seen: Signature, measured: Averages, sizes: Mapping[str, float], tried: Sequence[Step]) -> Onset | None:
     """Of all steps; a reading only where no heat explains nearly as much. None where nothing can have begun."""
     solver = Solver(measured, sizes)
-    found = [(gain, step) for step in tried for gain in [solver.gains(step)]]
-    heat = max(((g.max(), s) for g, s in found if s.kind != READING), default=(0.0, None), key=lambda pair: pair[0])
-    reads = max(((g.max(), s) for g, s in found if s.kind == READING), default=(0.0, None), key=lambda pair: pair[0])
-    step = reads[1] if reads[0] > READS_WORSE * heat[0] else heat[1]
-    return solver.onset(seen, step) if step is not None else None
+    found = [(solver.gain(seen, step), step) for step in tried]
+    heat, reads = (
+        max((one for one in found if (one[1].carrier is None) is of_readings), default=None, key=lambda one: one[0])
+        for of_readings in (False, True)
+    )
+    best = heat if reads is None or (heat and reads[0] <= READS_WORSE * heat[0]) else reads
+    return solver.onset(seen, best[1]) if best and best[0] > 0.0 else None
 
 
 class Solver:
@@ -90,33 +104,77 @@ class Solver:
         self._factor = cho_factor(S)
         self._pull = cho_solve(self._factor, measured.y)
 
-    def gains(self, step: Step) -> Array:
-        """Of the onsets with each span, (B,); with the first in which it acts nothing begins: it always was there."""
-        gain = self.judged(step.columns)[0]
-        first = int(np.flatnonzero(step.acts)[0]) if step.acts.any() else len(gain)
-        return np.where(step.acts & (np.arange(len(gain)) > first), gain, 0.0)
+    def gain(self, seen: Signature, step: Step) -> float:
+        """The most that any onset of a step adds, less what an end must add where that makes it more."""
+        once, ended = self.gains(seen, step)
+        return float(max(once.max(), ended.max() - ENDS))
+
+    def gains(self, seen: Signature, step: Step) -> tuple[Array, Array]:
+        """Of onsets with each span to the end, (B,), and until another span, (B, B).
+
+        With the first in which it acts nothing begins: it always was there. Heat may end; a thermometer stays
+        wrong, and what acts in drives alone ends with each.
+        """
+        slope, K = self._products(step.columns)
+        own, spans = np.diag(K), np.arange(len(slope))
+        may = step.acts & (spans > (np.flatnonzero(step.acts)[0] if step.acts.any() else len(spans)))
+        if step.kind == LOOSE:
+            may &= slope < -LEAST * own
+        once = np.where(may, _over(slope, own), 0.0)
+        apart, both = slope[:, None] - slope, own[:, None] + own - 2.0 * K
+        ends = may[:, None] & _may_end(seen.spans) & (step.carrier is not None and step.acts.all())
+        return once, np.where(ends & (both > LEAST_SHARE * own[:, None]), _over(apart, both), 0.0)
 
     def onset(self, seen: Signature, step: Step) -> Onset:
         """The onset of a step: among whole spans, then to the minute within those beside the best of them."""
-        by_span, from_s = self.gains(step), seen.spans.from_s
-        best = likely(by_span, step)
+        by_span, ended = self.gains(seen, step)
+        end = None
+        if ended.max() - ENDS > by_span.max():
+            end = int(ended.max(axis=0).argmax())
+            by_span = ended[:, end]
+        best, from_s = likely(by_span, step), seen.spans.from_s
         weight = np.exp((by_span - by_span[best]) / 2.0)
         spread = np.sqrt(weight @ (from_s - weight @ from_s / weight.sum()) ** 2 / weight.sum())
-        times, columns = _finer(seen, step, best)
-        gain, size, sd = self.judged(columns)
-        at = int(np.argmax(gain))
-        return Onset(
-            step, float(times[at]), float(np.hypot(spread, SLACK_S)), float(size[at]), float(sd[at]),
-            float(by_span[best]), columns[:, at],
-        )  # fmt: skip
+        after = step.columns[:, end] if end is not None else 0.0
+        since_s, column = self._finest(*_finer(seen, step, best), -after)
+        until_s = None
+        if end is not None:
+            until_s, column = self._finest(*_finer(seen, step, end), -(column + after), -1.0)
+        _, size, sd = (float(values[0]) for values in self.judged(column[:, None]))
+        sd_s, gain = float(np.hypot(spread, SLACK_S)), float(by_span[best])
+        return Onset(step, since_s, sd_s, size, sd, gain, column, until_s)
+
+    def _finest(self, times: Array, columns: Array, beside: Array | float, sign: float = 1.0) -> tuple[float, Array]:
+        """The time at which a step adds most, beside what began or ended at another; and sign times both."""
+        both = sign * (columns + np.reshape(beside, (-1, 1)))
+        at = int(np.argmax(self.judged(both)[0]))
+        return float(times[at]), both[:, at]
 
     def judged(self, columns: Array) -> tuple[Array, Array, Array]:
         """Gain, size and sd of each column, (k,)."""
-        curvature = np.einsum("nk,nk->k", columns, cho_solve(self._factor, columns))
-        slope = columns.T @ self._pull
-        seen = curvature > 1e-9
-        curvature = np.where(seen, curvature, 1.0)
-        return np.where(seen, slope**2 / curvature, 0.0), np.where(seen, slope / curvature, 0.0), curvature**-0.5
+        slope, K = self._products(columns)
+        curvature = np.where(np.diag(K) > LEAST_SEEN, np.diag(K), 1.0)
+        seen = np.diag(K) > LEAST_SEEN
+        return _over(slope, np.diag(K)), np.where(seen, slope / curvature, 0.0), curvature**-0.5
+
+    def _products(self, columns: Array) -> tuple[Array, Array]:
+        """c' S^-1 y, (k,), and c' S^-1 c, (k, k), of columns (N, k)."""
+        return columns.T @ self._pull, columns.T @ cho_solve(self._factor, columns)
+
+
+def _may_end(spans: Spans) -> Array:
+    """What may begin with a span and end with another, (B, B): it lasts, and does not go with the motion.
+
+    Heat from some start to some stop is the model's.
+    """
+    from_s, turned = spans.from_s, spans.from_s[1:][np.diff(spans.drive)]
+    near = np.array([np.abs(turned - at).min(initial=np.inf) < LASTS_S for at in from_s])
+    return np.asarray((from_s - from_s[:, None] >= LASTS_S) & ~(near & near[:, None]))
+
+
+def _over(slope: Array, curvature: Array) -> Array:
+    """Gains; none of what moves no reading."""
+    return np.divide(slope**2, curvature, out=np.zeros_like(slope), where=curvature > LEAST_SEEN)
 
 
 def likely(gains: Array, step: Step) -> int:

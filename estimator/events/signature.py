@@ -14,11 +14,13 @@ import numpy as np
 
 from estimator.batch.open_loop import open_loop_misfit
 from estimator.batch.trial import Posed, Trial
+from estimator.batch.trials import unjudged
 from estimator.events.carriers import Carrier, carriers
 from estimator.events.spans import Spans, spans
 from estimator.missing_heat.misfit import spikes
 from estimator.model import Model
-from estimator.record import Array
+from estimator.record import Array, Recording
+from estimator.rig import Rig
 from estimator.sensitivity.sensitivity import nominal_column
 from estimator.sensitivity.tangent import tangent
 
@@ -110,3 +112,25 @@ def _moves(posed: Posed, found: Sequence[Carrier], cut: Spans, averaged: Average
         read = np.flatnonzero(averaged.row[t] >= 0)
         total[averaged.row[t, read], begun] += rows[read] @ x[:, begun]
     return (total / averaged.count[:, None]).reshape(-1, len(cut), C)
+
+
+@dataclass(frozen=True)
+class AsRead:
+    """One recording as it was read, at a tick that serves for slow heat: nothing is refused, for why is asked.
+
+    off, alone  (T, m) misfit, and what the channels would read by the model alone
+    """
+
+    rig: Rig
+    recording: Recording
+    time_s: Array
+    off: Array
+    alone: Array
+
+
+def as_read(model: Model, rig: Rig, recording: Recording) -> AsRead:
+    """Run the model alone beside a recording."""
+    trial = unjudged(model, rig, recording)
+    posed = trial.pose(model)
+    alone = posed.run.lagged + posed.offset[1:]
+    return AsRead(rig, recording, trial.rest.time_s, open_loop_misfit(trial, posed), alone)

@@ -23,12 +23,14 @@ TICK_S, ONSET_S = 15, 2400.0
 
 
 class Kindled(Effect):
-    """A heater that somebody switches on."""
+    """A heater that somebody switches on, and may switch off again."""
 
     power = Param(3.0, "W", lo=-50.0, hi=50.0)
+    until = Param(1e6, "s", fixed=True)
 
     def terms(self, p, u, rig):
-        yield Heat(SCREW, p.power * (u.motion.time_s > ONSET_S), over=rig.screw.overlap(50.0, 100.0) / 5)
+        on = (u.motion.time_s > ONSET_S) & (u.motion.time_s < p.until)
+        yield Heat(SCREW, p.power * on, over=rig.screw.overlap(50.0, 100.0) / 5)
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +71,21 @@ def test_a_heater_that_is_switched_on_is_told_with_time_and_place(told, small_mo
     assert "too little at" in event.told()
 
 
+@pytest.mark.parametrize("lasts_s", [900.0, 1500.0])
+def test_a_heater_that_is_switched_off_again_is_told_with_its_end(told, small_model, lasts_s):
+    (event,) = told((small_model + Kindled).with_values({"kindled.until": ONSET_S + lasts_s, "kindled.power": 6.0}))
+    assert event.since_s == pytest.approx(ONSET_S, abs=300.0)
+    assert event.until_s == pytest.approx(ONSET_S + lasts_s, abs=300.0)
+    assert event.heat_W == pytest.approx(6.0, rel=0.4)
+    assert "and no more after that" in event.told()
+
+
+def test_what_is_not_worth_having_is_not_told(told, small_model):
+    """However surely it is there: sensors of no scatter show a hundredth of a watt."""
+    few = (small_model + Kindled).with_values({"kindled.power": 0.02})
+    assert told(few) == []
+
+
 def test_what_cools_is_too_much_in_the_model(told, small_model):
     cooled = (small_model + Kindled).with_values({"kindled.power": -3.0})
     (event,) = told(cooled)
@@ -102,6 +119,19 @@ def test_a_thermometer_that_shifts_is_no_heat(told, small_model):
     assert event.channel is not None
     assert event.offset == pytest.approx(0.5, abs=0.1)
     assert event.since_s == pytest.approx(ONSET_S, abs=300.0)
+
+
+def test_a_thermometer_that_comes_loose_follows_the_screw_less(told, small_model):
+    def loosen(recording):
+        channels = recording.channels.copy()
+        channels[recording.time_s > 900.0, 1] -= 0.3 * (channels[recording.time_s > 900.0, 1] - 22.0)
+        return replace(recording, channels=channels)
+
+    (event,) = told(small_model, loosen)
+    assert (event.kind, event.channel) == ("loose", "T2")
+    assert event.share == pytest.approx(-0.3, abs=0.06)
+    assert event.since_s == pytest.approx(900.0, abs=300.0)
+    assert "as a thermometer that has come loose does" in event.told()
 
 
 def test_two_plugs_that_are_exchanged_are_named_and_nothing_else(told, small_model):
@@ -150,8 +180,13 @@ def test_what_begins_in_most_recordings_is_the_models():
 
 def test_the_clock_is_told_where_it_is_known():
     event = Event("CS-10.blf", 4310.0, 120.0, "heat", what="it heats")
-    assert event.told() == "CS-10.blf: from 4310 s on (+- 2 min) it heats."
+    assert event.told() == "CS-10.blf: from 1 h 12 min after its start on (4310 s, +- 2 min) it heats."
     assert event.told("13:42") == "CS-10.blf: from 13:42 on (4310 s, +- 2 min) it heats."
+    ended = replace(event, until_s=5000.0)
+    assert (
+        ended.told() == "CS-10.blf: from 1 h 12 min to 1 h 23 min after its start (4310 - 5000 s, +- 2 min) it heats."
+    )
+    assert ended.told("13:42", "13:53") == "CS-10.blf: from 13:42 to 13:53 (4310 - 5000 s, +- 2 min) it heats."
 
 
 def test_runs_are_made_ready(runs, live, small_model):
