@@ -9,7 +9,7 @@ from typing import Any
 
 from ballscrew.report.comparison_report import sections
 from ballscrew.report.felt_report import AtTheTable, felt_section
-from ballscrew.report.search.verdict import sentence
+from ballscrew.report.search.verdict import apart_sentence, sentence
 from ballscrew.report.sections import Section, cells, markdown
 from ballscrew.report.use_report import left_out, recordings_json
 from ballscrew.search import Verdict
@@ -23,6 +23,7 @@ from estimator.work import Workers
 ALSO_CHOSEN = "cross-validated: each recording left out once, but all of them were also used for choosing"
 ONE = "not cross-validated: one recording, none left out, also used for choosing"
 ONE_HELD_OUT = "not cross-validated: one recording, none left out; held out: never used to choose or fit"
+WORSE = 1.05  # times an error held out, from which on a step is said to have made it worse
 HELD_OUT = "cross-validated: each recording left out once; held out: never used to choose or fit"
 
 
@@ -52,7 +53,8 @@ class Outcome:
     def said(self) -> str:
         """The last verdict in words."""
         last = self.improvement.steps[-1]
-        words = sentence(self.verdict, self.work.rig)
+        apart = [f"{one.apart} is left out. {apart_sentence(one)}" for one in self.improvement.apart]
+        words = " ".join([*apart, sentence(self.verdict, self.work.rig)])
         return f"Before all was fitted again: {words}" if len(self.improvement.steps) > 1 and not last.added else words
 
 
@@ -90,6 +92,21 @@ def print_steps(terminal: Terminal, improvement: Improvement) -> None:
     rows = steps_table(improvement.steps)
     terminal.table(rows, prose=len(rows[0]) - 1)
     terminal.say(f"({note(improvement)})")
+    for words in worse_held_out(improvement.steps):
+        terminal.warn(words)
+
+
+def worse_held_out(steps: Sequence[ImprovedModel]) -> list[str]:
+    """Steps after which recordings that nothing was chosen by are foretold worse: what they add is not proven."""
+    found = []
+    for before, after, title in zip(steps, steps[1:], titles(steps)[1:], strict=False):
+        if before.held_out is None or after.held_out is None:
+            continue
+        for key, unit in (("temperature_K", "K"), ("elongation_um", "um")):
+            was, now = getattr(before.held_out, key), getattr(after.held_out, key)
+            if now > WORSE * was:
+                found.append(f"{title}: held out {was:.3f} -> {now:.3f} {unit}, worse: do not use it without more runs")
+    return found
 
 
 def note(improvement: Improvement) -> str:
@@ -107,6 +124,7 @@ def steps_section(out: Outcome) -> Section:
     said = [
         f"Added: {', '.join(filter(None, added(steps))) or 'nothing'}.",
         out.said,
+        *worse_held_out(steps),
         f"Model alone (open loop), rms; {of_what}{note(out.improvement)}.",
     ]
     return Section(f"{out.after.name}: {out.before.name} improved", said, steps_table(steps))
@@ -123,7 +141,8 @@ def as_json(improvement: Improvement) -> dict[str, Any]:
         for new, step in zip(added(improvement.steps), improvement.steps, strict=True)
     ]
     verdict = improvement.last.verdict if improvement.last else "stopped"
-    return {"steps": steps, "verdict": verdict, "recordings": recordings_json(improvement.uses)}
+    apart = [{"run": one.apart, "sentence": apart_sentence(one)} for one in improvement.apart]
+    return {"steps": steps, "verdict": verdict, "apart": apart, "recordings": recordings_json(improvement.uses)}
 
 
 def report(out: Outcome, pictures: dict[str, Path], workers: Workers) -> str:

@@ -3,7 +3,8 @@
 Each step searches (`suggest`), adds what the verdict names, and begins again from that model; what earlier steps added
 is fitted again with it, for it was found while the rest was missing. Of effects that these
 recordings cannot tell apart the best is added, and its rivals are named. At the end all free parameters are fitted
-again, where that predicts recordings left out better.
+again, where that predicts recordings left out better. A run with a wrong input, or within which something began, is
+left out from there on.
 """
 
 from __future__ import annotations
@@ -48,12 +49,14 @@ class ImprovedModel:
 class Improvement:
     """All steps, from the model as given to the best, and the last verdict; None: stopped by Ctrl-C before it.
 
-    uses  what was used of each recording, those held out too, by the model as given
+    uses   what was used of each recording, those held out too, by the model as given
+    apart  what is wrong with a run that was left out, or began within it, for each of them
     """
 
     steps: tuple[ImprovedModel, ...]
     last: Suggestion | None
     uses: tuple[Use, ...]
+    apart: tuple[Suggestion, ...] = ()
 
     @property
     def model(self) -> Model:
@@ -65,10 +68,14 @@ def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Eff
     """Improve a model. Ctrl-C keeps the best so far."""
     trials, held = slow_trials_of(model, runs), trials_of(model, held_out)
     uses, steps = trials.uses + held.uses, [_step((), (), refined(Ground(model, ()), trials, []), held)]
-    added = list[str]()
+    added, apart = list[str](), list[Suggestion]()
     try:
         while True:
             found = suggest(model, _heard(runs, len(steps)), effects, added)
+            if found.besides:
+                apart.append(found)
+                runs, found = _without(runs, found.apart), found.others
+                steps = _judged_anew(steps, runs)
             if found.verdict not in ("effect", "tie", "effects") or inputs_in(found.tie) or len(steps) > MOST:
                 break
             best = found.found[0]
@@ -78,8 +85,19 @@ def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Eff
         if last is not None:
             steps.append(_step((), (), last, held))
     except KeyboardInterrupt:
-        return Improvement(tuple(steps), None, uses)
-    return Improvement(tuple(steps), found, uses)
+        return Improvement(tuple(steps), None, uses, tuple(apart))
+    return Improvement(tuple(steps), found, uses, tuple(apart))
+
+
+def _without(runs: Runs, name: str) -> Runs:
+    return replace(runs, recordings=[recording for recording in runs.recordings if recording.name != name])
+
+
+def _judged_anew(steps: Sequence[ImprovedModel], runs: Runs) -> list[ImprovedModel]:
+    """The steps so far, by the recordings that are left: or what leaves one out would look like what helps."""
+    trials = slow_trials_of(steps[0].model, runs)
+    errors = [refined(Ground(step.model, ()), trials, []).judged.error for step in steps]
+    return [replace(step, cross_validated=error) for step, error in zip(steps, errors, strict=True)]
 
 
 def _onwards(h: Hypothesis, runs: Runs) -> Model:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from estimator.events.event import Event
 from estimator.faults.use import Use
@@ -44,6 +44,18 @@ class Suggestion:
     events: tuple[Event, ...] = ()
     besides: str = ""
     far: bool = False
+
+    @property
+    def apart(self) -> str:
+        """The one recording with which something is wrong, that is none of the rest's; "" where there is none."""
+        if not self.besides:
+            return ""
+        return self.wrong_input.run if self.wrong_input is not None else self.events[0].run
+
+    @property
+    def others(self) -> Suggestion:
+        """What the other recordings say."""
+        return replace(self, verdict=self.besides, besides="", wrong_input=None, events=())
 
     @property
     def one_recording(self) -> bool:

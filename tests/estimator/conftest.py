@@ -7,11 +7,13 @@ from dataclasses import replace
 
 import pytest
 
+from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
 from estimator.missing_effect.stand_ins import UnknownHeat
 from estimator.model import Model, Prior
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
+from estimator.terms import SCREW, Heat
 
 DRIVES = (  # rad/s, stroke mm, from s, to s
     (174.5, (0, 100), (20, 400)),
@@ -58,3 +60,14 @@ def lives(bar, live, driven) -> Lives:
 def with_effect(model: Model, name: str, **values: float) -> Model:
     wider = model + (UnknownHeat if name == "unknown_heat" else CATALOGUE[name])
     return wider.with_values({f"{name}.{key}": value for key, value in values.items()})
+
+
+class Chips(Effect):
+    """Hot chips lie on the screw from some time on."""
+
+    since_s = 500.0
+    power = Param(3.0, "W", lo=-20.0, hi=20.0)
+
+    def terms(self, p, u, rig):
+        over = rig.screw.overlap(120.0, 160.0)
+        yield Heat(SCREW, p.power * (u.motion.time_s >= Chips.since_s), over=over / over.sum())

@@ -69,20 +69,19 @@ def _off(wrong: Mislabel) -> str:
 
 def _of_one_run(verdict: Verdict, rig: Rig) -> str:
     """What is wrong with one run, or began within it, and what the others say."""
-    suggestion, wrong = verdict.suggestion, verdict.suggestion.wrong_input
-    well = suggestion.besides == "nothing_missing" and not suggestion.changed
-    others = "" if well else f" By the other recordings: {_sentence(_rest_of(verdict), rig)}"
+    suggestion = verdict.suggestion
+    if suggestion.besides == "nothing_missing" and not suggestion.changed:
+        return f"Nothing is missing but in {suggestion.apart}. {apart_sentence(suggestion)}"
+    others = _sentence(replace(verdict, suggestion=suggestion.others), rig)
+    return f"First of all look at {suggestion.apart}. {apart_sentence(suggestion)} By the other recordings: {others}"
+
+
+def apart_sentence(suggestion: Suggestion) -> str:
+    """What is wrong with one run, or began within it."""
+    wrong = suggestion.wrong_input
     if wrong is not None:
-        head = "Nothing is missing but in" if well else "First of all look at"
-        return f"{head} {wrong.run}, where {_off(wrong)}: check that run.{others}"
-    head = "No effect is missing, but something began. " if well else ""
-    return head + " ".join(map(began.sentence, suggestion.events)) + others
-
-
-def _rest_of(verdict: Verdict) -> Verdict:
-    """What the other recordings say."""
-    rest = replace(verdict.suggestion, verdict=verdict.suggestion.besides, besides="")
-    return replace(verdict, suggestion=rest)
+        return f"There {_off(wrong)}: check that run."
+    return " ".join(map(began.sentence, suggestion.events))
 
 
 def unknown_sentence(found: Unexplained, rig: Rig) -> str:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from ballscrew.report.improvement_report import worse_held_out
 from ballscrew.search import effects_to_try
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import Workspace
@@ -17,6 +19,7 @@ from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.hypotheses.panel import Explanation
 from estimator.missing_effect import improve as search
+from estimator.missing_effect.improve import ImprovedModel
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.rig_folder.model_toml import load_model
@@ -190,3 +193,12 @@ def test_diagnose_saves_the_one_model(fs20_log, tmp_path) -> None:
     assert status == 0, err
     assert "| good enough alone |" in fixed(tmp_path / "d.rrd", "/summary", "TextDocument:text")[0]
     assert "base.toml: heat missing, by place on the screw [W/m]" in view_names(tmp_path / "d.rrd")
+
+
+def test_a_step_that_makes_held_out_worse_is_said():
+    model = load_model(PAPER / "base.toml")
+    errors = (Error(0.05, 0.12), Error(0.045, 0.20), Error(0.04, 0.19))
+    steps = [ImprovedModel(name, (), model, Error(0.1, 1.0), one) for name, one in zip(("", "x", "y"), errors)]
+    (said,) = worse_held_out(steps)
+    assert "held out 0.120 -> 0.200 um, worse" in said
+    assert not worse_held_out([replace(step, held_out=None) for step in steps])

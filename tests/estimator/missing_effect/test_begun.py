@@ -8,26 +8,12 @@ import numpy as np
 import pytest
 
 from estimator.batch.trials import slow_trials_of
-from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
 from estimator.events.event import HOT, READING, Event
 from estimator.events.taken_out import taken_out
 from estimator.missing_effect.suggest import suggest
-from estimator.terms import SCREW, Heat
 from estimator.work import Runs
-from tests.estimator.conftest import with_effect
-
-ONSET_S = 500.0
-
-
-class Chips(Effect):
-    """Hot chips lie on the screw from some time on."""
-
-    power = Param(3.0, "W", lo=-20.0, hi=20.0)
-
-    def terms(self, p, u, rig):
-        over = rig.screw.overlap(120.0, 160.0)
-        yield Heat(SCREW, p.power * (u.motion.time_s >= ONSET_S), over=over / over.sum())
+from tests.estimator.conftest import Chips, with_effect
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +27,7 @@ def test_what_began_is_told_and_nothing_else(plain, bar, with_chips):
     found = suggest(plain, Runs(bar, with_chips), CATALOGUE.values())
     (event,) = found.events
     assert (event.run, event.kind) == ("run 1", HOT)
-    assert event.since_s == pytest.approx(ONSET_S, abs=150.0)
+    assert event.since_s == pytest.approx(Chips.since_s, abs=150.0)
     assert event.heat_W == pytest.approx(3.0, rel=0.3)
     assert (found.verdict, found.besides, found.wrong_input) == ("nothing_in_catalogue", "nothing_missing", None)
 
@@ -58,12 +44,12 @@ def test_an_effect_is_found_beside_what_began(plain, bar, lives):
 def test_a_recording_without_its_event_is_what_it_would_have_been(plain, bar, lives, with_chips):
     clean, runs = lives(plain)[1], Runs(bar, [with_chips[1]])
     (trial,) = slow_trials_of(plain, runs)
-    chips = Event("run 1", ONSET_S, 60.0, HOT, from_mm=100.0, to_mm=150.0, heat_W=1.5)
+    chips = Event("run 1", Chips.since_s, 60.0, HOT, from_mm=100.0, to_mm=150.0, heat_W=1.5)
     without = taken_out(runs.recordings[0], trial, plain, [chips, replace(chips, from_mm=150.0, to_mm=200.0)])
     before = np.nanstd(runs.recordings[0].channels - clean.channels)
     assert np.nanstd(without.channels - clean.channels) < 0.25 * before
-    high = Event("run 1", ONSET_S, 60.0, READING, channel="T2", offset=0.3)
+    high = Event("run 1", Chips.since_s, 60.0, READING, channel="T2", offset=0.3)
     lowered = clean.channels - taken_out(clean, trial, plain, [high]).channels
     at = bar.index("T2")
     assert np.nanmax(np.abs(np.delete(lowered, at, axis=1))) == 0.0
-    np.testing.assert_allclose(np.nan_to_num(lowered[:, at], nan=0.3)[clean.time_s > ONSET_S + 10], 0.3)
+    np.testing.assert_allclose(np.nan_to_num(lowered[:, at], nan=0.3)[clean.time_s > Chips.since_s + 10], 0.3)

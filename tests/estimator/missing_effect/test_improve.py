@@ -13,7 +13,7 @@ from estimator.hypotheses.screening import screening
 from estimator.missing_effect.improve import improve
 from estimator.missing_effect.suggest import suggest
 from estimator.work import Runs
-from tests.estimator.conftest import with_effect
+from tests.estimator.conftest import Chips, with_effect
 
 
 def test_improve_adds_both_of_two(plain, bar, lives):
@@ -41,3 +41,16 @@ def test_what_an_earlier_step_added_moves_with_the_next(plain, bar, lives):
     found = suggest(bent, runs, [CATALOGUE["local_heat"]], loose=["churning"])
     assert found.as_given.paths == ("churning.share", "churning.decay", "churning.recovery")
     assert found.as_given.misfit < refined(Ground(bent, ()), trials, []).misfit
+
+
+def test_a_run_within_which_something_began_is_left_out(plain, bar, lives):
+    """All steps are judged by the others, so that leaving it out is not what makes the model look better."""
+    truth = with_effect(plain, "churning", share=0.5)
+    runs = lives(truth)
+    runs[1] = lives(truth + Chips)[1]
+    found = improve(plain, Runs(bar, runs), Runs(bar, []), list(CATALOGUE.values()))
+    assert [one.apart for one in found.apart] == ["run 1"]
+    assert [step.added for step in found.steps][:2] == ["", "churning"]
+    others = Runs(bar, [run for run in runs if run.name != "run 1"])
+    alone = refined(Ground(plain, ()), slow_trials_of(plain, others), [])
+    assert found.steps[0].cross_validated == alone.judged.error
