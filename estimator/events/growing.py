@@ -27,8 +27,12 @@ def growing(seen: Sequence[Signature], sizes: Mapping[str, float]) -> list[Event
         return []
     solvers = [Solver(pattern(each), sizes) for each in dated]
     names = [carrier.name for carrier in dated[0].carriers if carrier.kind == PART]
-    judged = [(_chance(shares), name, shares) for name in names for shares in [_shares(name, dated, solvers)]]
-    chance, name, shares = min(judged, default=(1.0, "", np.zeros(2)), key=lambda one: one[0])
+    parts = [(name, *_shares(name, dated, solvers)) for name in names]
+    if not parts:
+        return []
+    scatter = np.sqrt(np.mean([_left(shares, sd) for _, shares, sd in parts]))
+    freedom = len(parts) * (len(dated) - 2)
+    chance, name, shares = min((_chance(shares, scatter * sd, freedom), name, shares) for name, shares, sd in parts)
     rise = float(shares[-1] - shares[0])
     if chance * len(names) > CHANCE or abs(rise) < LEAST_SHARE:
         return []
@@ -42,22 +46,33 @@ def growing(seen: Sequence[Signature], sizes: Mapping[str, float]) -> list[Event
     return [Event(last.name, 0.0, 0.0, GROWING, began_s=last.began_s, name=name, share=rise, what=what)]
 
 
-def _shares(name: str, seen: Sequence[Signature], solvers: Sequence[Solver]) -> np.ndarray:
-    """By which share of itself the part differs from the model, in each recording, (R,)."""
+def _shares(
+    name: str, seen: Sequence[Signature], solvers: Sequence[Solver]
+) -> tuple[tuple[float, ...], np.ndarray]:  # fmt: skip
+    """By which share of itself the part differs from the model in each recording, and its sd, R each."""
     found = []
     for each, solver in zip(seen, solvers, strict=True):
         column = sum(each.moves[:, :, c].sum(axis=1) for c, one in enumerate(each.carriers) if one.name == name)
-        found.append(float(solver.judged(np.reshape(column, (-1, 1)))[1][0]))
-    return np.array(found)
+        _, share, sd = solver.judged(np.reshape(column, (-1, 1)))
+        found.append((float(share[0]), float(sd[0])))
+    return tuple(share for share, _ in found), np.array([sd for _, sd in found])
 
 
-def _chance(shares: np.ndarray) -> float:
-    """That a line through R values is so steep, beside their scatter; 1 where not each is beyond the one before."""
+def _left(shares: Sequence[float], sd: np.ndarray) -> float:
+    """Mean square of what a line leaves of R shares, in sd, by degree of freedom.
+
+    Parts together tell it: how recordings of other patterns and speeds differ is no part's own.
+    """
+    order = np.arange(len(shares))
+    left = np.array(shares) - np.polyval(np.polyfit(order, shares, 1), order)
+    return float(((left / sd) ** 2).sum() / (len(shares) - 2))
+
+
+def _chance(shares: Sequence[float], sd: np.ndarray, freedom: int) -> float:
+    """That a line through R shares is so steep; 1 where not each is beyond the one before."""
     steps = np.diff(shares)
     if abs(np.sign(steps).sum()) < len(steps):
         return 1.0
     order = np.arange(len(shares)) - (len(shares) - 1) / 2
-    slope = order @ shares / (order @ order)
-    left = shares - shares.mean() - slope * order
-    sd = np.sqrt(left @ left / (len(shares) - 2) / (order @ order))
-    return float(2 * stdtr(len(shares) - 2, -abs(slope) / max(sd, 1e-12)))
+    of_slope = np.sqrt((order**2 * sd**2).sum())
+    return float(2 * stdtr(freedom, -abs(order @ np.array(shares)) / max(of_slope, 1e-12)))
