@@ -53,7 +53,7 @@ class Outcome:
     def said(self) -> str:
         """The last verdict in words."""
         last = self.improvement.steps[-1]
-        apart = [f"{one.apart} is left out. {apart_sentence(one)}" for one in self.improvement.apart]
+        apart = [f"{one.apart} is left out: {apart_sentence(one)}" for one in self.improvement.apart]
         words = " ".join([*apart, sentence(self.verdict, self.work.rig)])
         return f"Before all was fitted again: {words}" if len(self.improvement.steps) > 1 and not last.added else words
 

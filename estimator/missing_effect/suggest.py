@@ -123,20 +123,21 @@ class Search:
             return None
         some = [recording for i, recording in enumerate(self.runs.recordings) if i != at]
         others = Search(self.model, replace(self.runs, recordings=some), self.effects, self._loose, self._told, True)
-        here, best = others.side.here, self.side.best
+        side, here = self.side, others.side.here
         found = [mislabel(here, self.runs, self.trials, at), begun(here, self.runs, self.trials, at)]
-        sure = [one for one in found if one and clearly(best, one.judged, self._times(one))]
+        sure = [one for one in found if one and clearly(side.best, one.judged, self._times(one))]
         if not sure:
             return None
-        wrong = min(sure, key=lambda one: nats(one.judged, best) + np.log(self._times(one)))
-        unexplained = self._unexplained(self.side)
-        if unexplained is not None and unexplained.judged.misfit < wrong.judged.misfit:
+        best, *rest = sorted(sure, key=lambda one: nats(one.judged, side.best) + np.log(self._times(one)))
+        unexplained = self._unexplained(side)
+        if unexplained is not None and unexplained.judged.misfit < best.judged.misfit:
             return None
-        rest = replace(others.run(), uses=self.trials.uses)
-        if isinstance(wrong, Mislabel):
-            return replace(rest, verdict="input_error", besides=rest.verdict, wrong_input=wrong)
-        verdict = "nothing_in_catalogue" if rest.verdict == "nothing_missing" else rest.verdict
-        return replace(rest, verdict=verdict, besides=rest.verdict, events=wrong.events)
+        either = [best, *(one for one in rest if alike(one.judged, best.judged, 1))]
+        said = replace(others.run(), uses=self.trials.uses)
+        for one in either:
+            said = replace(said, wrong_input=one) if isinstance(one, Mislabel) else replace(said, events=one.events)
+        known = said.verdict if said.verdict != "nothing_missing" else "nothing_in_catalogue"
+        return replace(said, verdict="input_error" if best is said.wrong_input else known, besides=said.verdict)
 
     def _times(self, found: Mislabel | Begun) -> float:
         """How many of its kind there are: inputs of each run, or effects that may begin in any ten minutes."""

@@ -24,7 +24,7 @@ class Suggestion:
     before   whichever of these the verdict is held against
     changed  own parameter "effect.param" that alone explains it: of another value on this machine, or in these runs
     pair     two effects together, where they explain clearly more than one
-    wrong_input, events  of one run, or what began within it: all else is said of the other recordings
+    wrong_input, events  of one run, or what began within it, or either: all else is said of the other recordings
     besides  the verdict on these
     uses     what was used of each recording
     far      the model is so far off that something is missing

@@ -121,7 +121,7 @@ def test_a_wrong_heater_names_run_and_signal(coupled, tmp_path, run, heater):
     assert found["verdict"] == "input_error"
     assert (found["input"]["run"], found["input"]["signal"]) == (run, heater)
     assert found["input"]["ratio"] == pytest.approx(1.1, abs=0.03)
-    assert found["sentence"].startswith(f"Nothing is missing but in {run}")
+    assert found["sentence"].startswith(f"Nothing is missing, but in {run} ")
 
 
 def test_an_effect_in_no_file_is_a_body_and_an_input_and_can_be_begun(tmp_path, monkeypatch):

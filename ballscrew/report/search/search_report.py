@@ -37,6 +37,7 @@ def section_of(verdict: Verdict, rig: Rig) -> Section:
     head = ["open loop, rms", "K", "um", *(["held out, K", "um"] if verdict.held_out else []), "fitted", "value"]
     rows = [_row(*one) for one in ranked(verdict)] + _stand_ins(verdict.suggestion, rig, bool(verdict.held_out))
     once = "one recording: none left out" if verdict.suggestion.one_recording else "each recording left out once"
+    once = f"without {verdict.suggestion.apart}, {once}" if verdict.suggestion.apart else once
     note = f"{once}; {'held out: never looked at; ' if verdict.held_out else ''}best first"
     return Section(
         "What is missing",
@@ -100,7 +101,7 @@ def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
         ],
         "tie": list(suggestion.tie),
         "next_run": next_run_json(verdict.next_run),
-        "input": None if wrong is None or suggestion.verdict != "input_error" else {
+        "input": None if wrong is None else {
             "run": wrong.run, "signal": wrong.signal, "ratio": wrong.ratio, "shift_K": wrong.shift_K,
             "shift_mm": wrong.shift_mm,
         },

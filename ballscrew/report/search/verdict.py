@@ -70,18 +70,19 @@ def _off(wrong: Mislabel) -> str:
 def _of_one_run(verdict: Verdict, rig: Rig) -> str:
     """What is wrong with one run, or began within it, and what the others say."""
     suggestion = verdict.suggestion
-    if suggestion.besides == "nothing_missing" and not suggestion.changed:
-        return f"Nothing is missing but in {suggestion.apart}. {apart_sentence(suggestion)}"
-    others = _sentence(replace(verdict, suggestion=suggestion.others), rig)
-    return f"First of all look at {suggestion.apart}. {apart_sentence(suggestion)} By the other recordings: {others}"
+    well = suggestion.besides == "nothing_missing" and not suggestion.changed
+    head = "Nothing is missing, but" if well else "First of all:"
+    others = "" if well else _sentence(replace(verdict, suggestion=suggestion.others), rig)
+    return f"{head} {apart_sentence(suggestion)}{others and f' By the other recordings: {others}'}"
 
 
 def apart_sentence(suggestion: Suggestion) -> str:
-    """What is wrong with one run, or began within it."""
+    """What is wrong with one run, or began within it; either, where both explain it."""
     wrong = suggestion.wrong_input
-    if wrong is not None:
-        return f"There {_off(wrong)}: check that run."
-    return " ".join(map(began.sentence, suggestion.events))
+    began_ = f"something began. {' '.join(map(began.sentence, suggestion.events))}" if suggestion.events else ""
+    off = f"in {wrong.run} {_off(wrong)}: check that run." if wrong is not None else ""
+    both = [off, began_] if suggestion.verdict == "input_error" else [began_, off]
+    return " Or ".join(filter(None, both))
 
 
 def unknown_sentence(found: Unexplained, rig: Rig) -> str:
