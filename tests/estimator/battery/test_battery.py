@@ -235,8 +235,8 @@ def test_what_does_not_fit_the_rig_is_not_checked_further(full, rig):
 
 
 def test_a_link_of_the_catalogue_that_conducts_backwards_is_found(full, rig, monkeypatch):
-    """Of others it is found with the first terms that they yield."""
-    monkeypatch.setitem(CATALOGUE, "backwards", Backwards)
+    """Of a user's own it is found with the first terms that they yield."""
+    monkeypatch.setattr(Backwards, "__module__", "estimator.effects.local")
     (found,) = (finding for finding in battery(Backwards, full, rig) if finding.check == "heat is kept")
     assert found.detail == "a link conducts backwards: its g is below 0"
 

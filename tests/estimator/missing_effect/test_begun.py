@@ -13,7 +13,7 @@ from estimator.events.event import HOT, READING, Event
 from estimator.events.taken_out import taken_out
 from estimator.missing_effect.suggest import suggest
 from estimator.work import Runs
-from tests.estimator.conftest import Chips, with_effect
+from tests.estimator.conftest import Chips
 
 
 @pytest.fixture(scope="module")
@@ -30,15 +30,6 @@ def test_what_began_is_told_and_nothing_else(plain, bar, with_chips):
     assert event.since_s == pytest.approx(Chips.since_s, abs=150.0)
     assert event.heat_W == pytest.approx(3.0, rel=0.3)
     assert (found.verdict, found.besides, found.wrong_input) == ("nothing_in_catalogue", "nothing_missing", None)
-
-
-def test_an_effect_is_found_beside_what_began(plain, bar, lives):
-    truth = with_effect(plain, "churning", share=0.5)
-    runs = lives(truth)
-    runs[1] = lives(truth + Chips)[1]
-    found = suggest(plain, Runs(bar, runs), CATALOGUE.values())
-    assert (found.verdict, found.found[0].names) == ("effect", ("churning",))
-    assert [event.run for event in found.events] == ["run 1"]
 
 
 def test_a_recording_without_its_event_is_what_it_would_have_been(plain, bar, lives, with_chips):
