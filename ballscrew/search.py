@@ -50,7 +50,7 @@ def effects_to_try(work: Workspace, own: Sequence[str]) -> list[Named]:
 def verdict_of(suggestion: Suggestion, runs: Runs, held_out: Runs) -> Verdict:
     """What was found, with the run that settles what is open and the recordings held out."""
     runs.progress("looking for the run to make next", 0.95)
-    run = next_run(suggestion, runs)
+    run = next_run(suggestion.others, suggestion.kept(runs))
     held = trials_of(suggestion.as_given.model, held_out)
     listed = (suggestion.as_given, suggestion.again, *suggestion.found) if len(held) else ()
     errors = [open_loop_error(h.model, held) for h in listed]

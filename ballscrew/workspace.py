@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -177,10 +178,19 @@ def load(logs: Sequence[Path], rig: Rig, terminal: Terminal, join: bool = False)
                 failed.append(str(error))
     for message in failed:
         terminal.error(message)
+    _name_apart(loaded)
     for one in loaded:
         for note in (note for note in one.recording.notes if ": no " in note):
             terminal.warn(f"{one.path.name}: {note}")
     return loaded, failed
+
+
+def _name_apart(loaded: Sequence[Loaded]) -> None:
+    """Name recordings of one name, as two days may have them, with their folders too."""
+    named = Counter(one.recording.name for one in loaded)
+    for one in loaded:
+        if named[one.recording.name] > 1:
+            one.recording = replace(one.recording, name=f"{one.recording.name} ({one.path.parent})")
 
 
 def _read(parts: Sequence[Path], rig: Rig, progress: Progress) -> Loaded:

@@ -109,7 +109,9 @@ def _drawn(
 
     assert improvement.last is not None
     with work.terminal.progress("drawing before and after", None), threads() as workers:
-        verdict = verdict_of(improvement.last, runs_of(work.rig, work.loaded, workers), runs_of(work.rig, []))
+        apart = {one.apart for one in improvement.apart}
+        kept = [one for one in work.loaded if one.recording.name not in apart]
+        verdict = verdict_of(improvement.last, runs_of(work.rig, kept, workers), runs_of(work.rig, []))
         out = Outcome(improvement, verdict, improvement.steps[0].model, after, table, work, own)
         runs = views.compared(work.rig, out.models, [*work.loaded, *work.held_out], workers)
         used = len(work.loaded)

@@ -17,6 +17,7 @@ from estimator.events.spans import SPAN_S
 from estimator.faults.fault import Fault
 from estimator.faults.sentences import place_of
 from estimator.faults.use import Use
+from estimator.record import Array
 from estimator.rig import Rig
 
 LEAST = 0.05  # of its rise, that a loose thermometer does not show: sensors differ from each other by 2 to 3 %
@@ -73,14 +74,14 @@ def loose_words(share: float) -> str:
     return f"shows {100 * share:.0f} % less of its rise, as a thermometer that has come loose does: fix it again"
 
 
-def _around(read: AsRead, at: int, place: float) -> np.ndarray:
+def _around(read: AsRead, at: int, place: float) -> Array:
     """Mean misfit of the nearest thermometers to either side, (T,)."""
     others = {i: c.at_mm - place for i, c in enumerate(read.rig.channels.values()) if c.at_mm is not None and i != at}
     sides = [{i: abs(x) for i, x in others.items() if (x > 0) is side} for side in (True, False)]
     return np.asarray(np.mean([read.off[:, min(side, key=side.__getitem__)] for side in sides if side], axis=0))
 
 
-def _fitted(off: np.ndarray, column: np.ndarray) -> tuple[float, float]:
+def _fitted(off: Array, column: Array) -> tuple[float, float]:
     """How much of a column is in some values, and the square of what it leaves."""
     size = float(column @ off / max(column @ column, 1e-12))
     return size, float(((off - size * column) ** 2).sum())

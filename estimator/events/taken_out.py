@@ -15,7 +15,7 @@ import numpy as np
 from estimator.batch.kernels import coast
 from estimator.batch.trial import Trial
 from estimator.events.carriers import Carrier, carriers
-from estimator.events.event import DRIVING, PART, Event
+from estimator.events.event import DRIVING, LOOSE, PART, Event
 from estimator.inputs.phase import turns
 from estimator.model import Model
 from estimator.record import Array, Recording
@@ -37,12 +37,14 @@ def response(trial: Trial, model: Model, event: Event) -> Array:
     lasts = trial.rest.time_s >= event.since_s
     if event.until_s is not None:
         lasts &= trial.rest.time_s < event.until_s
+    posed = trial.pose(model)
     if event.channel is not None:
         own = np.arange(len(trial.rig.names)) == trial.rig.index(event.channel)
-        return np.outer(lasts, own) * (event.offset or 0.0)
+        rise = posed.run.lagged - posed.run.spot[:1]
+        made = (event.share or 0.0) * rise if event.kind == LOOSE else event.offset or 0.0
+        return np.asarray(np.outer(lasts, own) * made)
     if event.kind == DRIVING:
         lasts &= turns(trial.rest.omega)
-    posed = trial.pose(model)
     (carrier,) = (each for each in carriers(trial, posed, model) if _carries(each, event))
     size = event.share if event.kind == PART else event.heat_W
     push = carrier.push * (lasts * (size or 0.0))[:, None]

@@ -40,6 +40,5 @@ def begun(ground: Ground, runs: Runs, trials: Trials, odd: int) -> Begun | None:
 
 
 def _moves(event: Event) -> bool:
-    """Whether an event is one whose part in the readings is known."""
-    size = event.heat_W if event.channel is None else event.offset
-    return event.gain > 0 and event.kind not in (EXCHANGED, GROWING) and size is not None
+    """Whether an event is one whose part in the readings is known: an onset."""
+    return event.gain > 0 and event.kind not in (EXCHANGED, GROWING)

@@ -26,7 +26,7 @@ from estimator.missing_effect.wrong_always import inputs_in
 from estimator.model import Model
 from estimator.work import Runs
 
-MOST = 6
+MOST = 6  # steps: no machine of the studies lacked so much
 
 
 @dataclass(frozen=True)
@@ -72,9 +72,9 @@ def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Eff
     try:
         while True:
             found = suggest(model, _heard(runs, len(steps)), effects, added)
-            if found.besides:
+            if found.apart:
                 apart.append(found)
-                runs, found = _without(runs, found.apart), found.others
+                runs, found = found.kept(runs), found.others
                 steps = _judged_anew(steps, runs)
             if found.verdict not in ("effect", "tie", "effects") or inputs_in(found.tie) or len(steps) > MOST:
                 break
@@ -87,10 +87,6 @@ def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Eff
     except KeyboardInterrupt:
         return Improvement(tuple(steps), None, uses, tuple(apart))
     return Improvement(tuple(steps), found, uses, tuple(apart))
-
-
-def _without(runs: Runs, name: str) -> Runs:
-    return replace(runs, recordings=[recording for recording in runs.recordings if recording.name != name])
 
 
 def _judged_anew(steps: Sequence[ImprovedModel], runs: Runs) -> list[ImprovedModel]:

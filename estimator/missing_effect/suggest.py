@@ -5,7 +5,7 @@ Every hypothesis is judged by the open-loop misfit on recordings left out, tempe
     the model alone
     one effect more, or two
     one of its own parameters of another value
-    one input of one recording set right
+    one input set right, in one recording or in all
     something that began within one recording
     heat at some place, or an offset of a reading, that follows something (`unknown`)
 
@@ -121,23 +121,28 @@ class Search:
         at = None if self._alone else odd_run(self.side.here, self.trials)
         if at is None:
             return None
-        some = [recording for i, recording in enumerate(self.runs.recordings) if i != at]
-        others = Search(self.model, replace(self.runs, recordings=some), self.effects, self._loose, self._told, True)
-        side, here = self.side, others.side.here
+        others = self._without(at)
+        here, best = others.side.here, self.side.best
         found = [mislabel(here, self.runs, self.trials, at), begun(here, self.runs, self.trials, at)]
-        sure = [one for one in found if one and clearly(side.best, one.judged, self._times(one))]
+        sure = [one for one in found if one and clearly(best, one.judged, self._times(one))]
         if not sure:
             return None
-        best, *rest = sorted(sure, key=lambda one: nats(one.judged, side.best) + np.log(self._times(one)))
-        unexplained = self._unexplained(side)
-        if unexplained is not None and unexplained.judged.misfit < best.judged.misfit:
+        first, *rest = sorted(sure, key=lambda one: nats(one.judged, best) + np.log(self._times(one)))
+        unexplained = self._unexplained(self.side)
+        if unexplained is not None and unexplained.judged.misfit < first.judged.misfit:
             return None
-        either = [best, *(one for one in rest if alike(one.judged, best.judged, 1))]
         said = replace(others.run(), uses=self.trials.uses)
-        for one in either:
-            said = replace(said, wrong_input=one) if isinstance(one, Mislabel) else replace(said, events=one.events)
-        known = said.verdict if said.verdict != "nothing_missing" else "nothing_in_catalogue"
-        return replace(said, verdict="input_error" if best is said.wrong_input else known, besides=said.verdict)
+        return _set_apart(said, [first, *(one for one in rest if alike(one.judged, first.judged, 1))])
+
+    def _without(self, at: int) -> Search:
+        """The same search in the other recordings."""
+        some = [recording for i, recording in enumerate(self.runs.recordings) if i != at]
+
+        def heard(stage: str, done: float) -> None:
+            self.runs.progress(f"the other runs: {stage}", 0.7 + 0.15 * done)
+
+        runs = replace(self.runs, recordings=some, progress=heard)
+        return Search(self.model, runs, self.effects, self._loose, self._told, alone=True)
 
     def _times(self, found: Mislabel | Begun) -> float:
         """How many of its kind there are: inputs of each run, or effects that may begin in any ten minutes."""
@@ -202,6 +207,15 @@ class Search:
         floor = noise_floor(self.model, self.trials[0])
         heat, length = np.fmax(GOOD_K, floor.temperature_K), np.fmax(GOOD_UM, floor.elongation_um)
         return bool(judged.error.temperature_K > FAR * heat or judged.read_um > FAR * length)
+
+
+def _set_apart(said: Suggestion, found: Sequence[Mislabel | Begun]) -> Suggestion:
+    """What the other recordings say, with what may be wrong with the one, the likeliest first."""
+    by_others, wrong = said.verdict, isinstance(found[0], Mislabel)
+    verdict = "nothing_in_catalogue" if by_others == "nothing_missing" else by_others
+    for one in found:
+        said = replace(said, wrong_input=one) if isinstance(one, Mislabel) else replace(said, events=one.events)
+    return replace(said, verdict="input_error" if wrong else verdict, by_others=by_others)
 
 
 def _named(h: Hypothesis, found: Sequence[Hypothesis]) -> bool:

@@ -9,6 +9,7 @@ from estimator.faults.use import Use
 from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.missing_effect.unexplained import Unexplained
 from estimator.missing_effect.wrong_input import Mislabel
+from estimator.work import Runs
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Suggestion:
     changed  own parameter "effect.param" that alone explains it: of another value on this machine, or in these runs
     pair     two effects together, where they explain clearly more than one
     wrong_input, events  of one run, or what began within it, or either: all else is said of the other recordings
-    besides  the verdict on these
+    by_others  the verdict on these
     uses     what was used of each recording
     far      the model is so far off that something is missing
     """
@@ -42,20 +43,26 @@ class Suggestion:
     wrong_input: Mislabel | None = None
     unexplained: Unexplained | None = None
     events: tuple[Event, ...] = ()
-    besides: str = ""
+    by_others: str = ""
     far: bool = False
 
     @property
     def apart(self) -> str:
         """The one recording with which something is wrong, that is none of the rest's; "" where there is none."""
-        if not self.besides:
+        if not self.by_others:
             return ""
         return self.wrong_input.run if self.wrong_input is not None else self.events[0].run
 
     @property
     def others(self) -> Suggestion:
-        """What the other recordings say."""
-        return replace(self, verdict=self.besides, besides="", wrong_input=None, events=())
+        """What the recordings say but for the one apart; all of them, where there is none."""
+        if not self.by_others:
+            return self
+        return replace(self, verdict=self.by_others, by_others="", wrong_input=None, events=())
+
+    def kept(self, runs: Runs) -> Runs:
+        """The runs but for the one apart."""
+        return replace(runs, recordings=[each for each in runs.recordings if each.name != self.apart])
 
     @property
     def one_recording(self) -> bool:

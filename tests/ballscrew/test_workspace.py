@@ -119,6 +119,15 @@ def test_a_folder_means_its_recordings_and_never_the_truth(folder):
     assert "FS-20.truth.csv: the truth of a simulated recording, not a recording" in err
 
 
+def test_recordings_of_one_name_are_named_with_their_folders(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    shutil.copytree("logs", "tuesday")
+    status, out, _ = run("review", "logs", "tuesday", "--json")
+    assert status == 0
+    names = [r["name"] for r in json.loads(out)["recordings"]]
+    assert names == ["FS-20.log (logs)", "FS-20.log (tuesday)"]
+
+
 def test_wrong_rig_and_model_end_with_2(folder):
     log = folder / "logs" / "FS-20.log"
     (folder / "model.toml").write_text("[nut_friction]\npowr = 3\n")

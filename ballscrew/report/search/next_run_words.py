@@ -10,6 +10,15 @@ from estimator.rig import Rig
 
 APART_SD = 3.0  # a run that sets rivals less apart does not tell
 NONE_TELLS = "No run of the patterns, speeds and levels seen would"
+SAID = {  # what a run would do about each question
+    "tie": "{plan} sets them {sd} apart{least}.",
+    "unexplained": "{plan} sets these {sd} apart{least}.",
+    "pair": "{plan} sets both {sd} apart from {other}.",
+    "badly known": "{best} is badly known; {small} would tell it from nothing by {sd}.",
+    "not proven": "{best} may be, and is not proven; {small} would show it by {sd}.",
+    "partly": "Of what was tried {best} leaves least; {small} would show it by {sd}.",
+    "one recording": "{plan} would show it by {sd}.",
+}
 
 
 def next_run_sentence(run: NextRun | None, rig: Rig) -> str:
@@ -18,20 +27,13 @@ def next_run_sentence(run: NextRun | None, rig: Rig) -> str:
         return ""
     if run.separation_sd < APART_SD:
         return _no_run(run)
-    plan, sd = plan_words(run.plan, rig), f"{run.separation_sd:.0f} sd"
-    if run.why == "tie":
-        return f"{plan} sets them {sd} apart{_least(run)}."
-    if run.why == "unexplained":
-        return f"{plan} sets these {sd} apart{_least(run)}."
-    if run.why == "pair":
-        return f"{plan} sets both {sd} apart from {run.between[1]}."
-    if run.why == "badly known":
-        return f"{run.between[0]} is badly known; {_small(plan)} would tell it from nothing by {sd}."
-    if run.why == "not proven":
-        return f"{run.between[0]} may be, and is not proven; {_small(plan)} would show it by {sd}."
-    if run.why == "partly":
-        return f"Of what was tried {run.between[0]} leaves least; {_small(plan)} would show it by {sd}."
-    return f"{plan} would show it by {sd}."
+    best, *others = run.between
+    plan = plan_words(run.plan, rig)
+    least = f" or more, {best} and {others[0]} least" if run.several else ""
+    small = plan[0].lower() + plan[1:]
+    return SAID[run.why].format(
+        best=best, other="".join(others[:1]), plan=plan, small=small, least=least, sd=f"{run.separation_sd:.0f} sd"
+    )
 
 
 def plan_words(plan: Plan, rig: Rig) -> str:
@@ -60,11 +62,3 @@ def next_run_json(run: NextRun | None) -> dict[str, Any] | None:
 def _no_run(run: NextRun) -> str:
     """Said of rivals; an effect that no run tells from a change of the model's own parameters is not worth a word."""
     return f"{NONE_TELLS} tell {run.between[0]} from {run.between[1]}." if run.why in ("tie", "unexplained") else ""
-
-
-def _least(run: NextRun) -> str:
-    return f" or more, {run.between[0]} and {run.between[1]} least" if run.several else ""
-
-
-def _small(plan: str) -> str:
-    return plan[0].lower() + plan[1:]

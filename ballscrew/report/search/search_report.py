@@ -70,7 +70,7 @@ def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
 def _stand_ins(suggestion: Suggestion, rig: Rig, held_out: bool) -> list[list[str]]:
     """Rows of something unknown, and of what explains as much."""
     found = suggestion.unexplained
-    if found is None or suggestion.verdict != "nothing_in_catalogue":
+    if found is None or suggestion.others.verdict != "nothing_in_catalogue":
         return []
     blank = ["", ""] if held_out else []
     fitted = "all" if found.hypothesis.refit else "it alone"
@@ -113,10 +113,9 @@ def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
 
 
 def _unknown(suggestion: Suggestion, rig: Rig) -> dict[str, Any] | None:
-    if suggestion.verdict != "nothing_in_catalogue":
-        return None
-    if suggestion.unexplained is None:
-        return _since(suggestion.events[0]) if suggestion.events else None
+    if suggestion.unexplained is None or suggestion.others.verdict != "nothing_in_catalogue":
+        began = suggestion.events if suggestion.verdict == "nothing_in_catalogue" else ()
+        return _since(began[0]) if began else None
     unknown = unknown_of(suggestion.unexplained.candidate, rig)
     others = [(unknown_of(rival.candidate, rig), rival.difference_se) for rival in suggestion.unexplained.rivals]
     at, follower = unknown.at_mm, unknown.follower

@@ -24,13 +24,18 @@ NAMED = 3  # rivals of something unknown, the rest counted
 def sentence(verdict: Verdict, rig: Rig) -> str:
     """The verdict in words, and how far it can be trusted."""
     once = ONE if verdict.suggestion.one_recording else ""
-    parts = [_sentence(verdict, rig), once, next_run_sentence(verdict.next_run, rig), _begin(verdict.suggestion, rig)]
+    parts = [
+        _sentence(verdict, rig),
+        once,
+        next_run_sentence(verdict.next_run, rig),
+        _begin(verdict.suggestion.others, rig),
+    ]
     return " ".join(filter(None, parts))
 
 
 def _sentence(verdict: Verdict, rig: Rig) -> str:
     suggestion = verdict.suggestion
-    if suggestion.besides:
+    if suggestion.apart:
         return _of_one_run(verdict, rig)
     if suggestion.verdict == "input_error" and suggestion.wrong_input is not None:
         return _wrong_always(suggestion.wrong_input, suggestion.far)
@@ -70,7 +75,7 @@ def _off(wrong: Mislabel) -> str:
 def _of_one_run(verdict: Verdict, rig: Rig) -> str:
     """What is wrong with one run, or began within it, and what the others say."""
     suggestion = verdict.suggestion
-    well = suggestion.besides == "nothing_missing" and not suggestion.changed
+    well = suggestion.by_others == "nothing_missing" and not suggestion.changed
     head = "Nothing is missing, but" if well else "First of all:"
     others = "" if well else _sentence(replace(verdict, suggestion=suggestion.others), rig)
     return f"{head} {apart_sentence(suggestion)}{others and f' By the other recordings: {others}'}"

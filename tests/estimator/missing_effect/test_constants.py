@@ -11,8 +11,9 @@ from estimator.effects import CATALOGUE
 from estimator.hypotheses import criterion
 from estimator.hypotheses.ground import Ground
 from estimator.inputs.follower import REST, followers
-from estimator.missing_effect import begun, odd_run, side, suggest
+from estimator.missing_effect import begun, odd_run, side, suggest, wrong_input
 from estimator.missing_effect.suggest import Search
+from estimator.missing_effect.wrong_input import ZERO
 from estimator.model import Prior
 from estimator.work import Runs
 from tests.estimator.conftest import Chips, with_effect
@@ -78,3 +79,17 @@ def test_the_same_run_is_unlike_the_others(name, share, plain, bar, lives, monke
     assert odd_run.odd_run(ground, slow_trials_of(plain, Runs(bar, clean))) is None
     if name == "LEAST_GAIN":
         assert begun.begun(ground, runs, trials, 1).events
+
+
+@pytest.mark.parametrize("share", SHARES)
+@pytest.mark.parametrize(
+    ("scale", "signal", "size"), [("LOG", "speed", 0.18), ("KELVIN", "ambient", 3.0), ("MM", ZERO, 30.0)]
+)
+def test_the_same_input_is_wrong(scale, signal, size, share, plain, bar, lives, monkeypatch):
+    sure = getattr(wrong_input, scale)
+    monkeypatch.setattr(wrong_input, scale, replace(sure, sure=share * sure.sure))
+    runs = lives(plain)
+    runs[1] = wrong_input.corrected(runs[1], bar, signal, -size)
+    runs = Runs(bar, runs)
+    found = wrong_input.mislabel(Ground(plain, ()), runs, slow_trials_of(plain, runs), 1)
+    assert found.signal == ("position" if signal == ZERO else signal)

@@ -50,7 +50,7 @@ def test_a_run_within_which_something_began_is_left_out(plain, bar, lives):
     runs[1] = lives(truth + Chips)[1]
     found = improve(plain, Runs(bar, runs), Runs(bar, []), list(CATALOGUE.values()))
     (apart,) = found.apart
-    assert (apart.apart, apart.verdict, apart.besides) == ("run 1", "effect", "effect")
+    assert (apart.apart, apart.verdict, apart.by_others) == ("run 1", "effect", "effect")
     assert [event.run for event in apart.events] == ["run 1"]
     assert [step.added for step in found.steps][:2] == ["", "churning"]
     others = Runs(bar, [run for run in runs if run.name != "run 1"])
