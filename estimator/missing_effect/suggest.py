@@ -23,7 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from estimator.accuracy.noise_floor import noise_floor
-from estimator.batch.trials import slow_trials_of
+from estimator.batch.trials import Trials, slow_trials_of
 from estimator.effect import Effect
 from estimator.hypotheses.criterion import GOOD, alike, clearly, nats
 from estimator.hypotheses.ground import as_given, of_tables, seen
@@ -61,7 +61,7 @@ class Search:
     """One search: the recordings made ready once, and hypotheses tried on them.
 
     as_given, again  the model without any effect more: as it is, give or take what its fit left open; fitted again
-    alone  whether one run is left out already
+    others  the recordings made ready, where one more is left out already
     """
 
     def __init__(
@@ -71,12 +71,12 @@ class Search:
         effects: Sequence[type[Effect]],
         loose: Collection[str],
         told: bool,
-        alone: bool = False,
+        others: Trials | None = None,
     ) -> None:
         self.model, self.runs, self.effects = model, runs, effects
-        self._loose, self._told, self._alone = loose, told, alone
+        self._loose, self._told, self._alone = loose, told, others is not None
         runs.progress("reading the misfit", 0.0)
-        self.trials = slow_trials_of(model, runs)
+        self.trials = others or slow_trials_of(model, runs)
         self.as_given = refined(as_given(model, runs, loose), self.trials, [])
         runs.progress("fitting the model again", 0.05)
         self.again = refined(of_tables(model), self.trials, [])
@@ -128,7 +128,7 @@ class Search:
         if not sure:
             return None
         first, *rest = sorted(sure, key=lambda one: nats(one.judged, best) + np.log(self._times(one)))
-        unexplained = self._unexplained(self.side)
+        unexplained = self._unexplained(self.side) if first.judged.misfit > GOOD else None
         if unexplained is not None and unexplained.judged.misfit < first.judged.misfit:
             return None
         said = replace(others.run(), uses=self.trials.uses)
@@ -142,7 +142,10 @@ class Search:
             self.runs.progress(f"the other runs: {stage}", 0.7 + 0.15 * done)
 
         runs = replace(self.runs, recordings=some, progress=heard)
-        return Search(self.model, runs, self.effects, self._loose, self._told, alone=True)
+        ready = [trial for i, trial in enumerate(self.trials) if i != at]
+        uses = tuple(use for i, use in enumerate(self.trials.uses) if i != at)
+        others = Trials(ready, runs.workers, uses)
+        return Search(self.model, runs, self.effects, self._loose, self._told, others)
 
     def _times(self, found: Mislabel | Begun) -> float:
         """How many of its kind there are: inputs of each run, or effects that may begin in any ten minutes."""

@@ -25,6 +25,7 @@ from estimator.terms import Link
 from estimator.work import Runs
 
 CLOSE = 5e-3  # of the widest
+JUDGED = 2  # of the signals, that are judged with the model's own parameters moving
 DRIVE = ("speed", "position")
 ZERO = "zero of position"
 ALL = "all"
@@ -64,16 +65,23 @@ def mislabel(ground: Ground, runs: Runs, trials: Trials, odd: int) -> Mislabel |
     rig, recording, model = runs.rig, runs.recordings[odd], ground.model
     free, known = [Column(model, path) for path in ground.paths], ground.belief(model, ground.paths)
     others = [moments_of(trial, model, free) for i, trial in enumerate(trials) if i != odd]
-    heard, wrong = Trial(model, rig, recording).heard, list[Mislabel]()
-    for signal in signals(model, rig):
-        if signal in rig.inputs and not np.nan_to_num(recording.inputs[signal]).any():
-            continue
-        size = _best(model, rig, heard, signal)
-        if abs(size) >= _scale(rig, signal).sure:
-            right = slow_trial(model, rig, corrected(recording, rig, signal, size))
-            judged = Panel(free, [*others, moments_of(right, model, free)], known).judge()
-            wrong.append(_mislabel(recording.name, rig, signal, size, judged))
+    wrong = list[Mislabel]()
+    for signal, size in _likely(model, rig, Trial(model, rig, recording).heard)[:JUDGED]:
+        right = slow_trial(model, rig, corrected(recording, rig, signal, size))
+        judged = Panel(free, [*others, moments_of(right, model, free)], known).judge()
+        wrong.append(_mislabel(recording.name, rig, signal, size, judged))
     return min(wrong, key=lambda m: m.judged.misfit, default=None)
+
+
+def _likely(model: Model, rig: Rig, recording: Recording) -> list[tuple[str, float]]:
+    """Signals that may be wrong, each with the size that leaves the model least, best first."""
+    told = [name for name in signals(model, rig) if name not in rig.inputs or _read(recording.inputs[name])]
+    found = [(*_best(model, rig, recording, name), name) for name in told]
+    return [(name, size) for left, size, name in sorted(found) if abs(size) >= _scale(rig, name).sure]
+
+
+def _read(column: Array) -> bool:
+    return bool(np.nan_to_num(column).any())
 
 
 def _mislabel(run: str, rig: Rig, signal: str, size: float, judged: Explanation) -> Mislabel:
@@ -130,17 +138,16 @@ def moved(coverage: Array, rig: Rig, share: Any = 1.0, shift_mm: Any = 0.0) -> A
     return np.asarray(told * np.divide(total, now, out=np.ones_like(now), where=now.real > 0))
 
 
-def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> float:
-    """Logarithm of the ratio, or shift in K, with which a model suits a run best."""
+def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> tuple[float, float]:
+    """What a model leaves of a run at the least, and the logarithm of the ratio, or the shift in K or mm, for that."""
 
     def misfit(size: float) -> float:
         trial = unjudged(model, rig, corrected(recording, rig, signal, size))
         return Panel([], [moments_of(trial, model, [])]).cost
 
     widest = _scale(rig, signal).widest
-    return float(
-        minimize_scalar(misfit, bounds=(-widest, widest), method="bounded", options={"xatol": CLOSE * widest}).x
-    )
+    found = minimize_scalar(misfit, bounds=(-widest, widest), method="bounded", options={"xatol": CLOSE * widest})
+    return float(found.fun), float(found.x)
 
 
 def _scale(rig: Rig, signal: str) -> Scale:
