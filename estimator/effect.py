@@ -17,7 +17,7 @@ from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import Term
 
-OVER = ("", "place", "channel", "follower", "node", "reading")  # the last three: what a search tries for itself
+OVER = ("", "place", "channel", "follower", "node", "spread", "reading")  # from the fourth on a search tries them
 MOST = 1e12  # no parameter is larger; bounds may be infinite
 
 

@@ -29,6 +29,7 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "fit missing_heat",
         "events",
         "hypotheses",
+        "unknown",
         "missing_effect",
         "next_run",
     ),
@@ -43,6 +44,7 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
 }
 MOST_FILES = {"commands": 15}  # in a folder; 12 elsewhere
 SAID = {"estimator.inputs.phase", "estimator.faults.fault"}  # what the machine was doing, what is wrong with a channel
+RUNS_ITS_OWN_TEXT = ROOT / "estimator" / "unknown" / "composed.py"  # an effect as a user gets it, never a user's
 FILES = sorted(path for top in OURS for path in (ROOT / top).rglob("*.py"))
 
 
@@ -136,7 +138,8 @@ def test_the_estimator_has_no_clock_thread_or_print(path):
     worldly = {"time", "datetime", "threading", "asyncio", "multiprocessing", "subprocess", "socket", "logging"}
     assert not {top(module) for module in imported(path)} & worldly
     calls = [node.func for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)]
-    assert not [call for call in calls if isinstance(call, ast.Name) and call.id in ("print", "input", "exec", "eval")]
+    barred = {"print", "input", "exec", "eval"} - ({"exec"} if path == RUNS_ITS_OWN_TEXT else set())
+    assert not [call for call in calls if isinstance(call, ast.Name) and call.id in barred]
 
 
 @pytest.mark.parametrize("path", files("drivers", "virtual_rig"), ids=name)

@@ -9,7 +9,7 @@ import click
 
 from ballscrew.options import output_file, rig_option, terminal_options
 from ballscrew.own_effect.class_file import with_class
-from ballscrew.own_effect.own_effect import ALL, VOCABULARY, Wanted, effect_text
+from estimator.unknown.effect_text import ALL, VOCABULARY, Wanted, effect_text
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_rig
 from estimator.effects import CATALOGUE
@@ -45,7 +45,7 @@ def command(
     """
     rig = open_rig([out], rig_path, terminal)
     cls, place = _class_name(name), _place(at, reading, rig)
-    wanted = Wanted(cls, _follower(follows, rig), *place, _channel(reading, rig))
+    wanted = Wanted(cls, _follower(follows, rig), *place, reading=_channel(reading, rig))
     text = out.read_text() if out.is_file() else HEAD
     out.write_text(with_class(text, effect_text(wanted, rig), VOCABULARY, out))
     use = f"{out}:{wanted.cls}"

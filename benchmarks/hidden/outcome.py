@@ -9,7 +9,7 @@ from benchmarks.hidden.plants import OWN
 from estimator.accuracy.noise_floor import Error
 from estimator.faults.use import Use
 from estimator.missing_effect.improve import Improvement
-from estimator.missing_effect.stand_ins import unknown_of
+from estimator.unknown.stand_ins import unknown_of
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.rig import Rig

@@ -114,6 +114,7 @@ SEATS: Mapping[str, Callable[[Rig], Sequence[float]]] = {
     "place": places,
     "channel": lambda rig: range(1, len(rig.thermometers) + 1),
     "reading": lambda rig: range(len(rig.names) + 1),
+    "spread": lambda rig: range((rig.screw is not None) + (rig.nut is not None)),
     "node": lambda rig: range(len(rig.bodies)),
     "follower": lambda rig: range(len(followers(rig))),
 }

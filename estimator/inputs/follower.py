@@ -29,6 +29,7 @@ class Follower:
     unit     of a value; "" for a number
     typical  how large a value gets, in this unit
     phase    of the machine, outside which it is zero; None where there is no one such
+    loss     heat that follows it is lost to the air: P times this, times (T_air - T) there
     """
 
     name: str
@@ -40,6 +41,7 @@ class Follower:
     unit: str = ""
     typical: float = 1.0
     phase: str | None = None
+    loss: bool = False
 
 
 def _fading(u: Inputs) -> Array:
@@ -82,7 +84,11 @@ TIME = Follower(
 )  # fmt: skip
 TEMPERATURE = Follower(  # where something acts: part of the state, and nothing that is known beforehand
     "temperature", "the temperature there", "in step with the temperature", "",
-    "0.0", lambda u, rig: np.zeros_like(u.omega),
+    "1.0", lambda u, rig: np.ones_like(u.omega), loss=True,
+)  # fmt: skip
+LOSS_TURNING = replace(
+    SPEED, name="temperature_speed", words="the temperature there, times the speed",
+    when="in step with the temperature and the speed", loss=True,
 )  # fmt: skip
 RATE = replace(TEMPERATURE, name="rate", words="how fast the temperature there changes", when="while that changes")
 
@@ -107,6 +113,18 @@ SLOW_STOP = Follower(
     f"{RESTING} * np.exp(-u.motion.since_s / {6 * FADING_S})",
     lambda u, rig: REST.values(u, rig) * np.exp(-u.motion.since_s / (6 * FADING_S)),
 )  # fmt: skip
+LATE_REST = Follower(
+    "late_rest", "the rest, coming in its first quarter of an hour", "ever more while the screw stands after a drive",
+    f" (1 - exp(-t / {3 * FADING_S:.0f} s)), t s after a stop, else 0",
+    f"{RESTING} * (1.0 - np.exp(-u.motion.since_s / {3 * FADING_S}))",
+    lambda u, rig: REST.values(u, rig) * (1.0 - np.exp(-u.motion.since_s / (3 * FADING_S))),
+)  # fmt: skip
+LATE_DRIVE = Follower(
+    "late_drive", "the drive, coming in its first quarter of an hour", "ever more while the screw turns",
+    f" (1 - exp(-t / {3 * FADING_S:.0f} s)), t s after a drive began, else 0",
+    f"u.motion.turning * (1.0 - np.exp(-u.motion.since_s / {3 * FADING_S}))",
+    lambda u, rig: u.motion.turning * (1.0 - np.exp(-u.motion.since_s / (3 * FADING_S))), phase="drive",
+)  # fmt: skip
 MOTION = (DRIVE, REST, EARLY_DRIVE, EARLY_STOP, SPEED, SPEED_SQUARED)  # which take a speed
 PRODUCTS = (
     SPEED_ROOT,
@@ -114,7 +132,8 @@ PRODUCTS = (
     _fading_speed(FADING_S, "speed_early_drive", "first minutes"),
     _fading_speed(3 * FADING_S, "speed_fading", "first quarter of an hour"),
 )
-NAMES = tuple(follower.name for follower in (ALWAYS, *MOTION, TIME, TEMPERATURE, *PRODUCTS))
+COMING = (LATE_DRIVE, LATE_REST, LOSS_TURNING)  # asked only where a search has found something
+NAMES = tuple(follower.name for follower in (ALWAYS, *MOTION, TIME, TEMPERATURE, *PRODUCTS, *COMING))
 
 
 def followers(rig: Rig) -> tuple[Follower, ...]:
@@ -128,8 +147,9 @@ def followers(rig: Rig) -> tuple[Follower, ...]:
 
 
 def all_followers(rig: Rig) -> tuple[Follower, ...]:
-    """What a search tries, and behind it what is asked where it has found something: other laws, and products."""
-    return (*followers(rig), *products(rig))
+    """What a search tries, and behind it what is asked where it has found something: other laws, products, losses."""
+    more = products(rig)
+    return (*followers(rig), *more, *(COMING if more else ()))
 
 
 def products(rig: Rig) -> tuple[Follower, ...]:

@@ -33,7 +33,7 @@ from estimator.missing_effect.begun import Begun, begun
 from estimator.missing_effect.odd_run import odd_run
 from estimator.missing_effect.side import Side, each_once
 from estimator.missing_effect.suggestion import Suggestion
-from estimator.missing_effect.unexplained import Unexplained, best_stand_in
+from estimator.unknown.unexplained import Unexplained, best_stand_in
 from estimator.missing_effect.wrong_always import inputs_in, told
 from estimator.missing_effect.wrong_input import Mislabel, mislabel, signals
 from estimator.model import Model

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from estimator.events.event import Event
 from estimator.faults.use import Use
 from estimator.hypotheses.hypothesis import Hypothesis
-from estimator.missing_effect.unexplained import Unexplained
+from estimator.unknown.unexplained import Unexplained
 from estimator.missing_effect.wrong_input import Mislabel
 from estimator.work import Runs
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from estimator.batch.trials import Trials
 from estimator.hypotheses.criterion import APART_SE, worth
 from estimator.hypotheses.hypothesis import Hypothesis, refined
-from estimator.missing_effect.stand_ins import Unknown, unknown_of
+from estimator.unknown.stand_ins import Unknown, unknown_of
 from estimator.missing_effect.suggestion import Suggestion
-from estimator.missing_effect.unexplained import Unexplained
+from estimator.unknown.unexplained import Unexplained
 from estimator.rig import Rig
 
 ALONE = "the model alone"

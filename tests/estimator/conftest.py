@@ -9,7 +9,7 @@ import pytest
 
 from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
-from estimator.missing_effect.stand_ins import UnknownHeat
+from estimator.unknown.stand_ins import UnknownHeat
 from estimator.model import Model, Prior
 from estimator.record import Recording
 from estimator.rig import Rig, Signal

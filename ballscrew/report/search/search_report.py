@@ -17,7 +17,7 @@ from estimator.events.event import Event
 from estimator.hypotheses.candidates import Candidate
 from estimator.hypotheses.criterion import behind
 from estimator.hypotheses.hypothesis import Hypothesis
-from estimator.missing_effect.stand_ins import unknown_of
+from estimator.unknown.stand_ins import unknown_of
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.rig import Rig
 

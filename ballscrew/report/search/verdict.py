@@ -11,9 +11,9 @@ from ballscrew.report.search.next_run_words import next_run_sentence
 from ballscrew.search import Verdict
 from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.hypothesis import Hypothesis
-from estimator.missing_effect.stand_ins import Unknown, unknown_of
+from estimator.unknown.stand_ins import Unknown, unknown_of
 from estimator.missing_effect.suggestion import Suggestion
-from estimator.missing_effect.unexplained import Unexplained
+from estimator.unknown.unexplained import Unexplained
 from estimator.missing_effect.wrong_input import Mislabel
 from estimator.rig import Rig
 

@@ -91,6 +91,11 @@ def lines(folder: Path) -> list[dict]:
     return [json.loads(line) for line in whole.splitlines()]
 
 
+def final(folder: Path) -> list[dict]:
+    """Lines of ticks that are complete: on a busy machine many are said before."""
+    return [line for line in lines(folder) if not line["provisional"]]
+
+
 def recorded(folder: Path) -> list[tuple[int, bytes]]:
     (log,) = (folder / "rec").glob("*.log")
     table, _ = read_candump(log, Tally(), Budget())
@@ -102,7 +107,7 @@ def test_two_processes_record_estimate_and_publish(frames, tmp_path):
     with hub_running() as port, live(port, tmp_path, "--speed-up", str(SPEED_UP), "--publish") as process:
         said(tmp_path, "listening on can0")
         heard = send(port, frames)
-        until(lambda: len(lines(tmp_path)) >= 89, "no estimate of the last tick")
+        until(lambda: len(final(tmp_path)) >= 89, "no estimate of the last tick")
         process.send_signal(signal.SIGTERM)
         assert process.wait(PATIENCE_S) == 0
     assert recorded(tmp_path) == [(f.id, f.data) for f in frames]
@@ -110,7 +115,7 @@ def test_two_processes_record_estimate_and_publish(frames, tmp_path):
     assert json.loads(log.with_suffix(".json").read_text())["closed"] is True
     rig = load_rig(RECORDINGS)
     track = replay(load_model(RECORDINGS / "model.toml"), rig, read_recording(log, rig))
-    told = [line for line in lines(tmp_path) if not line["provisional"]]
+    told = final(tmp_path)
     assert len(told) == len(track)
     same = np.array([line["elongation_um"] for line in told], dtype=float)
     np.testing.assert_allclose(same, track.elongation_um, atol=1e-9)

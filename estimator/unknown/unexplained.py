@@ -19,7 +19,7 @@ from estimator.hypotheses.panel import Explanation, Panel
 from estimator.hypotheses.screening import Screened, screening
 from estimator.inputs.follower import all_followers
 from estimator.inputs.reach import reaches
-from estimator.missing_effect.stand_ins import STAND_INS, UnknownHeat, unknown_of
+from estimator.unknown.stand_ins import STAND_INS, UnknownHeat, unknown_of
 from estimator.model import Model, Value
 from estimator.rig import Rig
 

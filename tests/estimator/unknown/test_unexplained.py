@@ -10,8 +10,8 @@ from ballscrew.report.search.verdict import unknown_sentence
 from estimator.batch.trials import slow_trials_of
 from estimator.hypotheses.ground import as_given
 from estimator.inputs.follower import SPEED, SPEED_ROOT, all_followers
-from estimator.missing_effect.stand_ins import unknown_of
-from estimator.missing_effect.unexplained import NEAR_MM, Unexplained, best_stand_in
+from estimator.unknown.stand_ins import unknown_of
+from estimator.unknown.unexplained import NEAR_MM, Unexplained, best_stand_in
 from estimator.work import Runs
 from tests.estimator.conftest import with_effect
 
