@@ -171,4 +171,8 @@ search_options = stacked(
         "--effects", "own", multiple=True, metavar="FILE.py[:Class]",
         help="Effects of your own to try as well. The file is Python, and runs.",
     ),
+    output_file(
+        "--compose", metavar="FILE.py",
+        help="Write what no catalogue has into this file, as an effect, after what is there.",
+    ),
 )  # fmt: skip

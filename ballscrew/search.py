@@ -25,12 +25,14 @@ class Verdict:
 
     held_out  open-loop error of the model as given, fitted again, then of all `found`; empty without such recordings
     uses      what was used of each recording, those held out too
+    composed_held_out  of the model with the composed effect
     """
 
     suggestion: Suggestion
     held_out: Sequence[Error]
     next_run: NextRun | None
     uses: Sequence[Use]
+    composed_held_out: Error | None = None
 
 
 def effects_to_try(work: Workspace, own: Sequence[str]) -> list[Named]:
@@ -54,4 +56,6 @@ def verdict_of(suggestion: Suggestion, runs: Runs, held_out: Runs) -> Verdict:
     held = trials_of(suggestion.as_given.model, held_out)
     listed = (suggestion.as_given, suggestion.again, *suggestion.found) if len(held) else ()
     errors = [open_loop_error(h.model, held) for h in listed]
-    return Verdict(suggestion, errors, run, suggestion.uses + held.uses)
+    made = suggestion.composed
+    composed = open_loop_error(made.hypothesis.model, held) if made is not None and len(held) else None
+    return Verdict(suggestion, errors, run, suggestion.uses + held.uses, composed)

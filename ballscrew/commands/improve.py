@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from ballscrew.options import model_output, output_file, search_options, view_option, workspace_options
+from ballscrew.own_effect.composed_file import taken_in, write_composed
 from ballscrew.own_effect.named import Named
 from ballscrew.report.felt_report import AtTheTable, at_the_table, felt_json, felt_section, felt_sentence
 from ballscrew.report.improvement_report import (
@@ -43,26 +44,30 @@ from estimator.rig_folder.model_toml import save_model
 @view_option
 @workspace_options
 def command(
-    work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], out: Path, md: Path | None, rrd: Path | None,
-    view: bool,
+    work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], compose: Path | None, out: Path, md: Path | None,
+    rrd: Path | None, view: bool,
 ) -> int:  # fmt: skip
     """Add the effects that are missing from the model, one at a time, until none makes all LOGs clearly better.
 
     Each step is judged by recordings left out; --held-out ones are never looked at, only reported. Writes the model, a
-    report with pictures, and views before and after. Ctrl-C ends the search; the best model so far is written.
+    report with pictures, and views before and after. With --compose what no catalogue has is written down as an effect
+    and added too, up to three of them. Ctrl-C ends the search; the best model so far is written.
     """
     effects = effects_to_try(work, own)
+    taken = taken_in(compose) if compose is not None else None
     work.read(held_out)
     with work.runs("improving") as runs:
         kept_apart = runs_of(work.rig, work.held_out, runs.workers)
-        improvement = improve(work.model, runs, kept_apart, [one.effect for one in effects])
+        improvement = improve(work.model, runs, kept_apart, [one.effect for one in effects], taken)
+    if compose is not None:
+        effects += write_composed(improvement.composed, compose)
     after = _kept(improvement, effects, work, out.name)
     save_model(after, out)
     print_use(work.terminal, improvement.uses, work.rig)
-    print_steps(work.terminal, improvement)
+    print_steps(work.terminal, improvement, compose)
     work.terminal.say(f"model: {out}")
     table = _felt(work, improvement, after)
-    work.terminal.json({**as_json(improvement), "felt": felt_json(table), "model": str(out)})
+    work.terminal.json({**as_json(improvement, compose), "felt": felt_json(table), "model": str(out)})
     if improvement.last is None:
         work.terminal.say("stopped by Ctrl-C: the best so far was kept; no report")
         return INTERRUPTED

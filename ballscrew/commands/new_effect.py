@@ -8,23 +8,24 @@ from pathlib import Path
 import click
 
 from ballscrew.options import output_file, rig_option, terminal_options
-from ballscrew.own_effect.class_file import with_class
-from estimator.unknown.effect_text import ALL, VOCABULARY, Wanted, effect_text
+from ballscrew.own_effect.class_file import HEAD, with_class
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_rig
 from estimator.effects import CATALOGUE
 from estimator.errors import SetupError, nearest
 from estimator.inputs.follower import NAMES, Follower, known_followers
 from estimator.rig import Rig
+from estimator.unknown.effect_text import ALL, VOCABULARY, Wanted, effect_text
 
-HEAD = '"""Effects of this rig that the catalogue does not have."""\n'
+UNDER_NUT = "under-nut"
 
 
 @click.command("new-effect")
 @click.argument("name")
 @click.option(
-    "--at", metavar="350mm|BODY", help="Heat around this place, or into this body; default: all along the screw."
-)
+    "--at", metavar="350mm|BODY|under-nut",
+    help="Heat around this place, into this body, or into what the nut covers; default: all along the screw.",
+)  # fmt: skip
 @click.option(
     "--follows", default="always", metavar="WORD",
     help=f"{', '.join(NAMES)}, or an input of the rig, of which it follows the rise; default: always.",
@@ -65,17 +66,20 @@ def _class_name(name: str) -> str:
     return cls
 
 
-def _place(at: str | None, reading: str | None, rig: Rig) -> tuple[float | None, str | None]:
-    """A place in mm, or a body; neither: all along the screw."""
+def _place(at: str | None, reading: str | None, rig: Rig) -> tuple[float | None, str | None, bool]:
+    """A place in mm, a body, or whether it is under the nut; none of them: all along the screw."""
     known = ", ".join(rig.bodies)
     if at is None:
         if rig.screw is None and reading is None:
             raise SetupError(f"{rig.name} has no screw; say with --at which body is heated: {known}")
-        return None, None
+        return None, None, False
     if reading is not None:
         raise SetupError("--at is where heat goes, --reading shifts a reading: leave one of them out")
     if at in rig.bodies:
-        return None, at
+        return None, at, False
+    if at == UNDER_NUT:
+        rig.the_nut()
+        return None, None, True
     if rig.screw is None:
         raise SetupError(f"--at {at}: {rig.name} has no screw, and no thermometer in such a body; known: {known}")
     number = re.fullmatch(r"([-+]?\d+(?:\.\d*)?) ?(?:mm)?", at.strip())
@@ -84,7 +88,7 @@ def _place(at: str | None, reading: str | None, rig: Rig) -> tuple[float | None,
     place, screw = float(number[1]), rig.the_screw()
     if not screw.from_mm <= place <= screw.to_mm:
         raise SetupError(f"--at {at}: outside the screw, {screw.from_mm:g} ... {screw.to_mm:g} mm")
-    return place, None
+    return place, None, False
 
 
 def _follower(word: str, rig: Rig) -> Follower:

@@ -8,11 +8,14 @@ from pathlib import Path
 import click
 
 from ballscrew.options import PATH, save_option, search_options, workspace_options
+from ballscrew.own_effect.composed_file import taken_in, write_composed
+from ballscrew.own_effect.named import Named
 from ballscrew.report.search.search_report import as_json, print_verdict, ranked, section_of
 from ballscrew.report.use_report import print_use
 from ballscrew.search import Verdict, effects_to_try, verdict_of
 from ballscrew.workspace import Workspace, runs_of
 from estimator.missing_effect.suggest import suggest
+from estimator.missing_effect.suggestion import Suggestion
 
 
 @click.command("suggest")
@@ -25,27 +28,37 @@ from estimator.missing_effect.suggest import suggest
 @save_option
 @workspace_options
 def command(
-    work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], healthy: tuple[Path, ...], rrd: Path | None
-) -> int:
+    work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], compose: Path | None, healthy: tuple[Path, ...],
+    rrd: Path | None,
+) -> int:  # fmt: skip
     """Say which effect is missing from the model, as judged by all LOGs: each is left out once.
 
     The verdict is an effect; a tie, with the run that would decide; a wrong input of one recording; nothing in the
-    catalogue, with the place and what it follows; or nothing missing. A truth file is never opened. The views show the
-    model, and beside it the one with the best effect.
+    catalogue, with the place, what it follows, and an effect composed of these; or nothing missing. A truth file is
+    never opened. The views show the model, and beside it the one with the best effect.
     """
     effects = [one.effect for one in effects_to_try(work, own)]
+    taken = taken_in(compose) if compose is not None else []
     work.read(held_out)
     before = work.read_besides(healthy) if healthy else []
     with work.runs("looking for what is missing") as runs:
         known = runs_of(work.rig, before, runs.workers) if before else None
-        found = suggest(work.model, runs, effects, healthy=known)
+        found = suggest(work.model, runs, effects, healthy=known, taken=taken)
         verdict = verdict_of(found, runs, runs_of(work.rig, work.held_out, runs.workers))
     print_use(work.terminal, verdict.uses, work.rig)
     print_verdict(work.terminal, verdict, work.rig)
-    work.terminal.json(as_json(verdict, work.rig))
+    written = _written(found, compose)
+    for one in written:
+        work.terminal.say(f"{one.file}: {one.effect.__name__} written; next: ballscrew effects {one.use} --check")
+    work.terminal.json(as_json(verdict, work.rig, compose if written else None))
     if rrd is not None:
         _save(rrd, work, verdict)
     return work.status
+
+
+def _written(found: Suggestion, file: Path | None) -> list[Named]:
+    """The composed effect in its file, where there is one and that was asked for."""
+    return write_composed([found.composed], file) if file is not None and found.composed is not None else []
 
 
 def _save(path: Path, work: Workspace, verdict: Verdict) -> None:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from estimator.errors import SetupError
 
+HEAD = '"""Effects of this rig that the catalogue does not have."""\n'  # of a new file
+
 
 def with_class(text: str, added: str, vocabulary: Mapping[str, str], path: Path) -> str:
     """A file's text with the class `added`; `vocabulary`: the module of each name that may have to be imported."""

@@ -9,6 +9,7 @@ from typing import Any
 
 from ballscrew.report.comparison_report import sections
 from ballscrew.report.felt_report import AtTheTable, felt_section
+from ballscrew.report.search.composed_words import composed_json, composed_sentence
 from ballscrew.report.search.verdict import apart_sentence, sentence
 from ballscrew.report.sections import Section, cells, markdown
 from ballscrew.report.use_report import left_out, recordings_json
@@ -16,8 +17,10 @@ from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import Loaded, Workspace, runs_of
 from estimator.accuracy.compare import compare
+from estimator.accuracy.noise_floor import Error
 from estimator.missing_effect.improve import ImprovedModel, Improvement
 from estimator.model import Model
+from estimator.unknown.composed import Composed
 from estimator.work import Workers
 
 ALSO_CHOSEN = "cross-validated: each recording left out once, but all of them were also used for choosing"
@@ -87,13 +90,15 @@ def steps_table(steps: Sequence[ImprovedModel]) -> list[list[str]]:
     return [head, *rows]
 
 
-def print_steps(terminal: Terminal, improvement: Improvement) -> None:
-    """The table of steps, and what its errors were taken on."""
+def print_steps(terminal: Terminal, improvement: Improvement, file: Path | None) -> None:
+    """The table of steps, what its errors were taken on, and effects that were composed and written into a file."""
     rows = steps_table(improvement.steps)
     terminal.table(rows, prose=len(rows[0]) - 1)
     terminal.say(f"({note(improvement)})")
     for words in worse_held_out(improvement.steps):
         terminal.warn(words)
+    for made in improvement.composed:
+        terminal.say(f"\n{made.effect.name}: {composed_sentence(made)}\n({file}: {made.effect.__name__} written)\n")
 
 
 def worse_held_out(steps: Sequence[ImprovedModel]) -> list[str]:
@@ -130,8 +135,8 @@ def steps_section(out: Outcome) -> Section:
     return Section(f"{out.after.name}: {out.before.name} improved", said, steps_table(steps))
 
 
-def as_json(improvement: Improvement) -> dict[str, Any]:
-    """The steps for programs; a step that adds nothing has no `added`."""
+def as_json(improvement: Improvement, file: Path | None) -> dict[str, Any]:
+    """The steps for programs; a step that adds nothing has no `added`. `file`: where composed effects were written."""
     steps = [
         {
             "added": new or None,
@@ -142,7 +147,15 @@ def as_json(improvement: Improvement) -> dict[str, Any]:
     ]
     verdict = improvement.last.verdict if improvement.last else "stopped"
     apart = [{"run": one.apart, "sentence": apart_sentence(one)} for one in improvement.apart]
-    return {"steps": steps, "verdict": verdict, "apart": apart, "recordings": recordings_json(improvement.uses)}
+    made = [composed_json(one, *_held_out(improvement, one), file) for one in improvement.composed]
+    uses = recordings_json(improvement.uses)
+    return {"steps": steps, "verdict": verdict, "apart": apart, "composed": made, "recordings": uses}
+
+
+def _held_out(improvement: Improvement, made: Composed) -> tuple[Error | None, Error | None]:
+    """Errors held out before a composed effect and with it."""
+    at = next(i for i, step in enumerate(improvement.steps) if step.added == made.effect.name)
+    return improvement.steps[at - 1].held_out, improvement.steps[at].held_out
 
 
 def report(out: Outcome, pictures: dict[str, Path], workers: Workers) -> str:
@@ -151,7 +164,9 @@ def report(out: Outcome, pictures: dict[str, Path], workers: Workers) -> str:
     text += [markdown([felt_section(out.felt)], 2)] if out.felt else []
     failed = left_out(out.improvement.uses, out.work.rig)
     failing = [Section("Sensors that failed", (), failed)] if failed else []
-    text += [markdown([_given(out), *failing, _effects(out), _parameters(out.before, out.after)], 2)]
+    text += [markdown([_given(out), *failing, _effects(out)], 2)]
+    text += [line for made in out.improvement.composed for line in _composed(made)]
+    text += [markdown([_parameters(out.before, out.after)], 2)]
     text += ["## Where it fails", "", *_shown(pictures, "residuals", "Measured minus the model alone")]
     text += _shown(pictures, "missing-heat", "Heat that the model alone lacks")
     for what, some in (("used", out.work.loaded), ("held out", out.work.held_out)):
@@ -184,6 +199,11 @@ def _effects(out: Outcome) -> Section:
     if not rows:
         return Section("Effects added", ["none"])
     return Section("Effects added", (), [["effect", "what it is", "as good, by these recordings"], *rows])
+
+
+def _composed(made: Composed) -> list[str]:
+    """What no catalogue has, with the class that it is, as lines of Markdown."""
+    return [f"### {made.effect.name}, composed", "", composed_sentence(made), "", "```python", made.text + "```", ""]
 
 
 def _names(some: Sequence[Loaded]) -> str:

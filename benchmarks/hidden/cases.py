@@ -90,9 +90,10 @@ ROWS = {
     "label": Row(21, 2, lambda n: WRONG[n % len(WRONG)]),
     "sensor": Row(20, 2, lambda n: Hidden(fault=list(FAILURES)[n % len(FAILURES)])),
     "shifted": Row(20, 1, lambda n: Hidden(shift_mm=40.0)),
+    "drawn": Row(40, 2, lambda n: _effects(["drawn_heat"])),
 }
 MOVED_ON = 7  # from road to road, so that the smaller study meets every effect on one of them
-HELD_OUT = ("one", "half", "double", "two", "three")  # where the error afterwards is a matter
+HELD_OUT = ("one", "half", "double", "two", "three", "drawn")  # where the error afterwards is a matter
 SIX = "label"  # is told by the other runs, and there are six
 
 

@@ -15,7 +15,8 @@ from collections.abc import Callable, Mapping
 
 from benchmarks.hidden.cases import ODD, Case
 from benchmarks.hidden.outcome import Outcome
-from benchmarks.hidden.plants import BY_LAW, OWN, STRANGERS, kind_of
+from benchmarks.hidden.plants import BY_LAW, DRAWN, OWN, STRANGERS, kind_of
+from drivers.virtual_rig.machine.drawn import drawn
 from drivers.virtual_rig.machine.heaters import local_place
 from drivers.virtual_rig.population.draw import machine
 from estimator.events.event import LOOSE, READING
@@ -105,6 +106,16 @@ def _stranger(case: Case, out: Outcome) -> bool:
     return out.verdict == "nothing_in_catalogue" and near and bool(follows)
 
 
+def _drawn(case: Case, out: Outcome) -> bool:
+    """Composed where it is: what it follows is judged apart (`follows_drawn`)."""
+    return bool(out.composed) and out.place_mm is not None and abs(out.place_mm - drawn(case.seed).place_mm) <= NEAR_MM
+
+
+def follows_drawn(case: Case, out: Outcome) -> bool:
+    """Whether a composed effect is right, and follows what it should, or may as well."""
+    return _drawn(case, out) and bool({out.follows, *out.as_well} & {*DRAWN[drawn(case.seed).kind]})
+
+
 def _event(case: Case, out: Outcome) -> bool:
     """A time of heat: all that is planted so is."""
     run, onset_s = out.happened or ("", 0.0)
@@ -139,6 +150,7 @@ RULES: Mapping[str, Callable[[Case, Outcome], bool]] = {
     "two": _several(2),
     "three": _several(2),
     "stranger": _stranger,
+    "drawn": _drawn,
     "event": _event,
     "label": _label,
     "sensor": _sensor,

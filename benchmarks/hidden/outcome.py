@@ -9,10 +9,10 @@ from benchmarks.hidden.plants import OWN
 from estimator.accuracy.noise_floor import Error
 from estimator.faults.use import Use
 from estimator.missing_effect.improve import Improvement
-from estimator.unknown.stand_ins import unknown_of
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.rig import Rig
+from estimator.unknown.stand_ins import unknown_of
 
 PATHS = sorted({path for paths in OWN.values() for path in paths})
 NAMING = ("effect", "tie", "effects")  # verdicts that name effects
@@ -28,6 +28,7 @@ class Outcome:
               leaves: those with what is said, or the model without any effect more
     held      values of such parameters that the model has fixed, or has not (0)
     place_mm, follows, channel  of what is in no catalogue;   as_well: what it may follow as well
+    composed  names of effects that were composed of it
     wrong     (run, signal) of an input that is said to be wrong;   shift_mm: by which a position is
     faulty    (run, channel) of thermometers that are said to be broken or suspected
     began     (run, s since its first sample, kind) of what is told to begin within a run
@@ -46,6 +47,7 @@ class Outcome:
     follows: str = ""
     channel: str = ""
     as_well: Sequence[str] = ()
+    composed: Sequence[str] = ()
     wrong: Sequence[str] = ()
     shift_mm: float = 0.0
     faulty: Sequence[Sequence[str]] = ()
@@ -78,6 +80,8 @@ def of_suggestion(found: Suggestion, model: Model, rig: Rig) -> Outcome:
         out.place_mm, out.follows, out.channel = unknown.at_mm, unknown.follower.name, unknown.channel or ""
         rivals = [unknown_of(rival.candidate, rig) for rival in found.unexplained.rivals]
         out.as_well = [rival.follower.name for rival in rivals if rival.at_mm == unknown.at_mm]
+    if found.composed is not None:
+        out.composed = [found.composed.effect.name]
     return out
 
 
@@ -88,6 +92,11 @@ def of_improvement(done: Improvement, model: Model) -> Outcome:
     out = Outcome(verdict, said, own, _values([done.model]), _held(model), faulty=_faulty(done.uses))
     held = [figures(step.held_out) for step in done.steps if step.held_out is not None]
     out.before, out.after = (held[0], held[-1]) if held else ((), ())
+    if done.composed:
+        out.composed = [one.effect.name for one in done.composed]
+        first = next((one for one in done.composed if one.unknown.at_mm is not None), done.composed[0])
+        out.place_mm, out.follows = first.unknown.at_mm, first.unknown.follower.name
+        out.as_well = [rival.follower.name for rival in first.rivals]
     return out
 
 

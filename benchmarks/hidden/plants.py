@@ -34,6 +34,14 @@ STRANGERS = {  # in no catalogue, of shapes in place or time that no stand-in ha
     "start_surge": ("early_drive", "speed_early_drive"),
     "slow_soak": ("rest",),
 }
+DRAWN = {  # what a composed effect may follow, by the kind of law that was drawn (virtual_rig.machine.drawn)
+    "power": ("drive", "speed_root", "speed", "speed2"),
+    "gate": ("drive", "speed_root", "speed", "speed2"),
+    "surge": ("early_drive", "speed_early_drive", "speed_fading"),
+    "blast": ("early_stop", "slow_stop"),
+    "soak": ("late_rest", "rest"),
+    "two": ("always", "drive", "rest"),
+}
 EVENTS = (  # what begins within a run: the nut greased anew, coolant, a lid opened, a bearing that is worn
     {"nut_friction": 1.3}, {"local_heat": -4.0}, {"still_air": 2.5}, {"anchor_friction": 1.6},
 )  # fmt: skip

@@ -9,7 +9,9 @@ from benchmarks.hidden.cases import Case
 from benchmarks.hidden.models import model_of
 from benchmarks.hidden.outcome import Outcome, figures, of_improvement, of_suggestion
 from benchmarks.hidden.recorded import Recorded, recorded
+from benchmarks.hidden.true_law import true_law
 from benchmarks.measure import timed
+from drivers.virtual_rig.machine.drawn import DRAWN, drawn
 from estimator.accuracy.horizon import open_loop_error
 from estimator.batch.trials import trials_of
 from estimator.effects import CATALOGUE
@@ -21,7 +23,8 @@ from estimator.model import Model
 from estimator.rig import Rig
 from estimator.work import Runs
 
-IMPROVED = ("two", "three")  # rows that ask `improve`; the others ask `suggest`
+COMPOSED = ("drawn",)  # rows that ask `improve --compose`
+IMPROVED = ("two", "three", *COMPOSED)  # rows that ask `improve`; the others ask `suggest`
 TIMED = ("event", "none")  # rows that are asked what began within a run, by `diagnose` and by `suggest`
 PLACED = {"local_heat": "at", "local_heat_driving": "at", "channel_offset": "channel", "channel_gain": "channel"}
 
@@ -43,7 +46,8 @@ def _searched(case: Case) -> Outcome:
     model = model_of(case, rig, of.seen)
     runs, effects = Runs(rig, of.seen), list(CATALOGUE.values())
     if case.row in IMPROVED:
-        done, search_s, _ = timed(lambda: improve(model, runs, Runs(rig, of.held_out), effects))
+        compose = () if case.row in COMPOSED else None
+        done, search_s, _ = timed(lambda: improve(model, runs, Runs(rig, of.held_out), effects, compose))
         out = of_improvement(done, model)
         out.knowing = _held_out(knowing(case, model, of, rig), of, rig)
     else:
@@ -60,8 +64,9 @@ def _searched(case: Case) -> Outcome:
 
 def knowing(case: Case, model: Model, of: Recorded, rig: Rig) -> Model:
     """The model with what is planted added where it sits, all its free parameters fitted."""
+    known_laws = {**CATALOGUE, DRAWN: true_law(drawn(case.seed))}
     for name in case.hidden.names:
-        model = model + CATALOGUE[name] if name not in model.effects else model
+        model = model + known_laws[name] if name not in model.effects else model
     at = {f"{name}.{PLACED[name]}": place for name, place in of.places.items() if name in PLACED}
     known = model.with_values(at)
     return follow(known, Runs(rig, of.seen), known.free()).model

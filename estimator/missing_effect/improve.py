@@ -4,12 +4,12 @@ Each step searches (`suggest`), adds what the verdict names, and begins again fr
 is fitted again with it, for it was found while the rest was missing. Of effects that these
 recordings cannot tell apart the best is added, and its rivals are named. At the end all free parameters are fitted
 again, where that predicts recordings left out better. A run with a wrong input, or within which something began, is
-left out from there on.
+left out from there on. What no catalogue has is composed where that is asked for, and added like any effect.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from estimator.accuracy.horizon import open_loop_error
@@ -24,9 +24,11 @@ from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.wrong_always import inputs_in
 from estimator.model import Model
+from estimator.unknown.composed import Composed
 from estimator.work import Runs
 
 MOST = 6  # steps: no machine of the studies lacked so much
+MOST_COMPOSED = 3  # of them that add what no catalogue has
 
 
 @dataclass(frozen=True)
@@ -51,12 +53,14 @@ class Improvement:
 
     uses   what was used of each recording, those held out too, by the model as given
     apart  what is wrong with a run that was left out, or began within it, for each of them
+    composed  effects that no catalogue has, in the order in which they were added
     """
 
     steps: tuple[ImprovedModel, ...]
     last: Suggestion | None
     uses: tuple[Use, ...]
     apart: tuple[Suggestion, ...] = ()
+    composed: tuple[Composed, ...] = ()
 
     @property
     def model(self) -> Model:
@@ -64,29 +68,49 @@ class Improvement:
         return self.steps[-1].model
 
 
-def improve(model: Model, runs: Runs, held_out: Runs, effects: Sequence[type[Effect]]) -> Improvement:
-    """Improve a model. Ctrl-C keeps the best so far."""
+def improve(
+    model: Model,
+    runs: Runs,
+    held_out: Runs,
+    effects: Sequence[type[Effect]],
+    compose: Collection[str] | None = None,
+) -> Improvement:
+    """Improve a model. Ctrl-C keeps the best so far.
+
+    compose  names of effects that an effect that no catalogue has must not get; None: none is composed
+    """
     trials, held = slow_trials_of(model, runs), trials_of(model, held_out)
     uses, steps = trials.uses + held.uses, [_step((), (), refined(Ground(model, ()), trials, []), held)]
-    added, apart = list[str](), list[Suggestion]()
+    added, apart, made = list[str](), list[Suggestion](), list[Composed]()
     try:
         while True:
-            found = suggest(model, _heard(runs, len(steps)), effects, added)
+            found = suggest(model, _heard(runs, len(steps)), effects, added, taken=compose or ())
             if found.apart:
                 apart.append(found)
                 runs, found = found.kept(runs), found.others
                 steps = _judged_anew(steps, runs)
-            if found.verdict not in ("effect", "tie", "effects") or inputs_in(found.tie) or len(steps) > MOST:
+            best = _next(found, compose is not None and len(made) < MOST_COMPOSED)
+            if best is None or len(steps) > MOST:
                 break
-            best = found.found[0]
+            if found.composed is not None and found.composed.hypothesis is best:
+                made.append(found.composed)
             steps.append(_step(best.names, tuple(n for n in found.tie if n not in best.names), best, held))
             model, added = _onwards(best, runs), [*added, *best.names]
         last = _fitted(found)
         if last is not None:
             steps.append(_step((), (), last, held))
     except KeyboardInterrupt:
-        return Improvement(tuple(steps), None, uses, tuple(apart))
-    return Improvement(tuple(steps), found, uses, tuple(apart))
+        return Improvement(tuple(steps), None, uses, tuple(apart), tuple(made))
+    return Improvement(tuple(steps), found, uses, tuple(apart), tuple(made))
+
+
+def _next(found: Suggestion, compose: bool) -> Hypothesis | None:
+    """What a verdict adds to the model; None where nothing is to be added."""
+    if found.verdict in ("effect", "tie", "effects"):
+        return None if inputs_in(found.tie) else found.found[0]
+    if compose and found.verdict == "nothing_in_catalogue" and found.composed is not None:
+        return found.composed.hypothesis
+    return None
 
 
 def _judged_anew(steps: Sequence[ImprovedModel], runs: Runs) -> list[ImprovedModel]:

@@ -33,28 +33,35 @@ from estimator.missing_effect.begun import Begun, begun
 from estimator.missing_effect.odd_run import odd_run
 from estimator.missing_effect.side import Side, each_once
 from estimator.missing_effect.suggestion import Suggestion
-from estimator.unknown.unexplained import Unexplained, best_stand_in
 from estimator.missing_effect.wrong_always import inputs_in, told
 from estimator.missing_effect.wrong_input import Mislabel, mislabel, signals
 from estimator.model import Model
 from estimator.sensitivity.objective import GOOD_K, GOOD_UM
+from estimator.unknown.composed import Composed, composed
+from estimator.unknown.unexplained import Unexplained, best_stand_in
 from estimator.work import Runs
 
 FAR = 5.0  # times what a good model or the sensors leave, from which on something is missing, explained or not
 
 
 def suggest(
-    model: Model, runs: Runs, effects: Iterable[type[Effect]], loose: Collection[str] = (), healthy: Runs | None = None
+    model: Model,
+    runs: Runs,
+    effects: Iterable[type[Effect]],
+    loose: Collection[str] = (),
+    healthy: Runs | None = None,
+    taken: Collection[str] = (),
 ) -> Suggestion:
     """Look for what is missing.
 
     loose    effects of the model whose parameters were found from these recordings: what is missing has bent them
     healthy  recordings of the same machine in which nothing is missing: the model is fitted to them first, so that the
              question is what has changed since
+    taken    names that an effect which no catalogue has must not get
     """
     if healthy is not None:
         model = refined(of_tables(model), slow_trials_of(model, healthy), []).known()
-    return Search(model, runs, list(effects), loose, told=healthy is not None).run()
+    return Search(model, runs, list(effects), loose, told=healthy is not None, taken=taken).run()
 
 
 class Search:
@@ -72,9 +79,10 @@ class Search:
         loose: Collection[str],
         told: bool,
         others: Trials | None = None,
+        taken: Collection[str] = (),
     ) -> None:
         self.model, self.runs, self.effects = model, runs, effects
-        self._loose, self._told, self._alone = loose, told, others is not None
+        self._loose, self._told, self._alone, self._taken = loose, told, others is not None, taken
         runs.progress("reading the misfit", 0.0)
         self.trials = others or slow_trials_of(model, runs)
         self.as_given = refined(as_given(model, runs, loose), self.trials, [])
@@ -145,7 +153,7 @@ class Search:
         ready = [trial for i, trial in enumerate(self.trials) if i != at]
         uses = tuple(use for i, use in enumerate(self.trials.uses) if i != at)
         others = Trials(ready, runs.workers, uses)
-        return Search(self.model, runs, self.effects, self._loose, self._told, others)
+        return Search(self.model, runs, self.effects, self._loose, self._told, others, self._taken)
 
     def _times(self, found: Mislabel | Begun) -> float:
         """How many of its kind there are: inputs of each run, or effects that may begin in any ten minutes."""
@@ -175,8 +183,19 @@ class Search:
             return None
         if side.pair and clearly(found.judged, side.pair.judged, side.tried):
             return None
-        tried = 1 if self._far(side.single) else found.tried
-        return found if clearly(side.single, found.judged, tried) else None
+        return found if clearly(side.single, found.judged, self._chosen_from(found)) else None
+
+    def _chosen_from(self, found: Unexplained) -> int:
+        """How many stand-ins it must stand out from; none where something must be missing."""
+        return 1 if self._far(self.side.single) else found.tried
+
+    def _composed(self, found: Unexplained) -> Composed | None:
+        """The effect that something unknown is, if it explains clearly more than any other, all its numbers open."""
+        self.runs.progress("composing an effect", 0.9)
+        made = composed(found, self.side.plain.judged, self.trials, [*self.model.effects, *self._taken])
+        if made is None or not clearly(self.side.single, made.hypothesis.judged, self._chosen_from(found)):
+            return None
+        return made
 
     def _verdict(self, unexplained: Unexplained | None) -> Suggestion:
         side, found = self.side, self.side.missing
@@ -202,7 +221,7 @@ class Search:
         return Suggestion(
             verdict, (*found, *each_once(rest)), tuple(named) if verdict == "tie" else (), self.as_given, self.again,
             side.plain, self.trials.uses, changed, tuple(pair.names) if pair else (),
-            wrong, unexplained, far=far,
+            wrong, unexplained, self._composed(unexplained) if unexplained else None, far=far,
         )  # fmt: skip
 
     def _far(self, judged: Explanation) -> bool:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from estimator.events.event import Event
 from estimator.faults.use import Use
 from estimator.hypotheses.hypothesis import Hypothesis
-from estimator.unknown.unexplained import Unexplained
 from estimator.missing_effect.wrong_input import Mislabel
+from estimator.unknown.composed import Composed
+from estimator.unknown.unexplained import Unexplained
 from estimator.work import Runs
 
 
@@ -27,6 +28,7 @@ class Suggestion:
     pair     two effects together, where they explain clearly more than one
     wrong_input, events  of one run, or what began within it, or either: all else is said of the other recordings
     by_others  the verdict on these
+    composed   the effect that something unknown is, fitted in full, where that could be told
     uses     what was used of each recording
     far      the model is so far off that something is missing
     """
@@ -42,6 +44,7 @@ class Suggestion:
     pair: tuple[str, ...] = ()
     wrong_input: Mislabel | None = None
     unexplained: Unexplained | None = None
+    composed: Composed | None = None
     events: tuple[Event, ...] = ()
     by_others: str = ""
     far: bool = False

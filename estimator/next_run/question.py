@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from estimator.batch.trials import Trials
 from estimator.hypotheses.criterion import APART_SE, worth
 from estimator.hypotheses.hypothesis import Hypothesis, refined
-from estimator.unknown.stand_ins import Unknown, unknown_of
 from estimator.missing_effect.suggestion import Suggestion
-from estimator.unknown.unexplained import Unexplained
 from estimator.rig import Rig
+from estimator.unknown.stand_ins import Unknown, unknown_of
+from estimator.unknown.unexplained import Unexplained
 
 ALONE = "the model alone"
 MOST = 4  # stand-ins that one run is asked to set apart

@@ -141,9 +141,7 @@ def _place(wanted: Wanted, rig: Rig) -> str:
         float(wanted.at_mm or 0.0), "mm", screw.from_mm, screw.to_mm, fixed=True, source="where it is mounted",
         over="place",
     )  # fmt: skip
-    width = Param(
-        30.0, "mm", 5.0, 300.0, fixed=True, sd=40.0, source="the length that it acts on, a guess"
-    )
+    width = Param(30.0, "mm", 5.0, 300.0, fixed=True, sd=40.0, source="the length that it acts on, a guess")
     return f"\n    at = {wanted.param('at', at)}\n    width = {wanted.param('width', width)}"
 
 

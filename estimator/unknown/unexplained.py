@@ -19,9 +19,9 @@ from estimator.hypotheses.panel import Explanation, Panel
 from estimator.hypotheses.screening import Screened, screening
 from estimator.inputs.follower import all_followers
 from estimator.inputs.reach import reaches
-from estimator.unknown.stand_ins import STAND_INS, UnknownHeat, unknown_of
 from estimator.model import Model, Value
 from estimator.rig import Rig
+from estimator.unknown.stand_ins import STAND_INS, UnknownHeat, unknown_of
 
 SEATS = 30  # of each stand-in, that are judged: whatever may be a rival
 NEAR_MM = 2 * APART_MM  # what is nearer is the same place

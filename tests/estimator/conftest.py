@@ -9,11 +9,11 @@ import pytest
 
 from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
-from estimator.unknown.stand_ins import UnknownHeat
 from estimator.model import Model, Prior
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
 from estimator.terms import SCREW, Heat
+from estimator.unknown.stand_ins import UnknownHeat
 
 DRIVES = (  # rad/s, stroke mm, from s, to s
     (174.5, (0, 100), (20, 400)),

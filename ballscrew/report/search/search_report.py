@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from ballscrew.began import events_json
+from ballscrew.report.search.composed_words import composed_json
 from ballscrew.report.search.next_run_words import next_run_json
 from ballscrew.report.search.verdict import sentence
 from ballscrew.report.sections import Section, cells
@@ -17,9 +19,9 @@ from estimator.events.event import Event
 from estimator.hypotheses.candidates import Candidate
 from estimator.hypotheses.criterion import behind
 from estimator.hypotheses.hypothesis import Hypothesis
-from estimator.unknown.stand_ins import unknown_of
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.rig import Rig
+from estimator.unknown.stand_ins import unknown_of
 
 SHOWN = 6  # effects in the ranking
 
@@ -28,14 +30,14 @@ def print_verdict(terminal: Terminal, verdict: Verdict, rig: Rig) -> None:
     """The ranking as a table, and the verdict."""
     section = section_of(verdict, rig)
     terminal.table(section.rows, prose=len(section.rows[0]) - 1)
-    verdict, note = section.said
-    terminal.say(f"({note})\n\n{verdict}")
+    said, note = section.said
+    terminal.say(f"({note})\n\n{said}")
 
 
 def section_of(verdict: Verdict, rig: Rig) -> Section:
     """The verdict, what errors were taken on, and the ranking of hypotheses."""
     head = ["open loop, rms", "K", "um", *(["held out, K", "um"] if verdict.held_out else []), "fitted", "value"]
-    rows = [_row(*one) for one in ranked(verdict)] + _stand_ins(verdict.suggestion, rig, bool(verdict.held_out))
+    rows = [_row(*one) for one in ranked(verdict)] + _stand_ins(verdict, rig)
     once = "one recording: none left out" if verdict.suggestion.one_recording else "each recording left out once"
     once = f"without {verdict.suggestion.apart}, {once}" if verdict.suggestion.apart else once
     note = f"{once}; {'held out: never looked at; ' if verdict.held_out else ''}best first"
@@ -67,15 +69,19 @@ def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
     return [title, *cells(errors), "all" if h.refit else "it alone" if h.names else "", values]
 
 
-def _stand_ins(suggestion: Suggestion, rig: Rig, held_out: bool) -> list[list[str]]:
-    """Rows of something unknown, and of what explains as much."""
+def _stand_ins(verdict: Verdict, rig: Rig) -> list[list[str]]:
+    """Rows of something unknown, of the effect that it is, and of what explains as much."""
+    suggestion = verdict.suggestion
     found = suggestion.unexplained
     if found is None or suggestion.others.verdict != "nothing_in_catalogue":
         return []
-    blank = ["", ""] if held_out else []
+    blank = ["", ""] if verdict.held_out else []
     fitted = "all" if found.hypothesis.refit else "it alone"
     value = ", ".join(f"{v.value:.3g} +- {v.sd:.1g} {key}" for key, v in found.strength().items())
     rows = [[_title(found.candidate, rig), *cells([found.judged.error]), *blank, fitted, value]]
+    if suggestion.composed is not None:
+        made = suggestion.composed
+        rows.append(_row(f"+ {made.effect.name}, composed", made.hypothesis, verdict.composed_held_out))
     for rival in found.rivals[:SHOWN]:
         behind_by = f"{rival.difference_se:.1f} standard errors behind"
         rows.append([_title(rival.candidate, rig), *cells([rival.judged.error]), *blank, "screened", behind_by])
@@ -87,10 +93,11 @@ def _title(candidate: Candidate, rig: Rig) -> str:
     return f"{unknown.what}, with {unknown.follower.name}"
 
 
-def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
-    """The verdict for programs."""
-    suggestion = verdict.suggestion
+def as_json(verdict: Verdict, rig: Rig, file: Path | None = None) -> dict[str, Any]:
+    """The verdict for programs; `file`: where a composed effect was written."""
+    suggestion, made = verdict.suggestion, verdict.suggestion.composed
     held = list(verdict.held_out)
+    held_before = held[made.hypothesis.refit] if made is not None and held else None
     wrong = suggestion.wrong_input
     return {
         "recordings": recordings_json(verdict.uses),
@@ -106,6 +113,7 @@ def as_json(verdict: Verdict, rig: Rig) -> dict[str, Any]:
             "shift_mm": wrong.shift_mm,
         },
         "where": _unknown(suggestion, rig),
+        "composed": composed_json(made, held_before, verdict.composed_held_out, file),
         "events": events_json(suggestion.events),
         "pair": list(suggestion.pair),
         "sentence": sentence(verdict, rig),

@@ -7,15 +7,16 @@ from dataclasses import replace
 import numpy as np
 
 from ballscrew import began
+from ballscrew.report.search.composed_words import composed_sentence
 from ballscrew.report.search.next_run_words import next_run_sentence
 from ballscrew.search import Verdict
 from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.hypothesis import Hypothesis
-from estimator.unknown.stand_ins import Unknown, unknown_of
 from estimator.missing_effect.suggestion import Suggestion
-from estimator.unknown.unexplained import Unexplained
 from estimator.missing_effect.wrong_input import Mislabel
 from estimator.rig import Rig
+from estimator.unknown.stand_ins import Unknown, unknown_of
+from estimator.unknown.unexplained import Unexplained
 
 ONE = "By one recording, from which nothing could be left out: make another to be sure."
 NAMED = 3  # rivals of something unknown, the rest counted
@@ -24,8 +25,10 @@ NAMED = 3  # rivals of something unknown, the rest counted
 def sentence(verdict: Verdict, rig: Rig) -> str:
     """The verdict in words, and how far it can be trusted."""
     once = ONE if verdict.suggestion.one_recording else ""
+    made = verdict.suggestion.composed
     parts = [
         _sentence(verdict, rig),
+        composed_sentence(made) if made is not None else "",
         once,
         next_run_sentence(verdict.next_run, rig),
         _begin(verdict.suggestion.others, rig),
@@ -103,15 +106,17 @@ def unknown_sentence(found: Unexplained, rig: Rig) -> str:
 
 def _instead(rival: Unknown, best: Unknown) -> str:
     """What a rival is, beside the best: another follower there, or another place."""
-    if (rival.at_mm, rival.node, rival.channel) == (best.at_mm, best.node, best.channel):
+    if replace(rival, follower=best.follower) == best:
         return rival.follower.words
     return f"{rival.what} that follows {rival.follower.words}"
 
 
 def _begin(suggestion: Suggestion, rig: Rig) -> str:
-    """The command that writes an effect file to start from, where something is unknown; "" where not."""
+    """The command that writes an effect file, where something is unknown; "" where not."""
     if suggestion.unexplained is None or suggestion.verdict != "nothing_in_catalogue":
         return ""
+    if suggestion.composed is not None:
+        return "ballscrew improve with --compose effects.py writes it down, adds it and goes on."
     return f"Begin with: {_new_effect(unknown_of(suggestion.unexplained.candidate, rig))}"
 
 
@@ -119,8 +124,10 @@ def _new_effect(unknown: Unknown) -> str:
     follows = f"--follows {unknown.follower.name}"
     if unknown.channel is not None:
         return f"ballscrew new-effect my_reading --reading {unknown.channel or 'all'} {follows}"
-    at = unknown.node if unknown.at_mm is None else f"{unknown.at_mm:.0f}mm"
-    return f"ballscrew new-effect my_heat --at {at} {follows}"
+    at = unknown.node or ("under-nut" if unknown.under_nut else "")
+    if unknown.at_mm is not None:
+        at = f"{unknown.at_mm:.0f}mm"
+    return f"ballscrew new-effect my_heat {at and f'--at {at} '}{follows}"
 
 
 def _nothing(suggestion: Suggestion) -> str:

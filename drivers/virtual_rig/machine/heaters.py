@@ -8,7 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from drivers.virtual_rig.dice import dice
-from drivers.virtual_rig.machine.geometry import OMEGA_20, SCREW_MM
+from drivers.virtual_rig.machine.drawn import DRAWN, Drawn, drawn
+from drivers.virtual_rig.machine.geometry import SCREW_MM
+from drivers.virtual_rig.machine.pace import Pace
 from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.screw import CELL_MM, overlap
 from drivers.virtual_rig.population.constants import Sources
@@ -16,34 +18,6 @@ from drivers.virtual_rig.population.constants import Sources
 MOTOR_W = 15.0  # through the coupling into the end of the screw, while driving
 WEDGE_MM = 160.0  # of a place that is strongest at its motor end and fades towards the other
 LOCAL_RANGE_MM = (150.0, 780.0)
-
-
-class Pace(NamedTuple):
-    """How the table moves in a tick.
-
-    omega         speeds of its steps, rad/s;   share: of the steps in motion
-    since_stop_s  since it last moved, negative: it never has;   since_start_s: since it set off, 0 at rest
-    fading_s      of the air after a stop, the machine's
-    """
-
-    omega: np.ndarray
-    share: float
-    since_stop_s: float
-    since_start_s: float
-    fading_s: float
-
-    @property
-    def rested(self) -> float:
-        """Share of the tick at rest after a motion."""
-        return (1.0 - self.share) * (self.since_stop_s >= 0.0)
-
-    def power(self, exponent: float) -> float:
-        """Mean of (omega / omega at 20 m/min)^exponent."""
-        return float(((self.omega / OMEGA_20) ** exponent).mean())
-
-    def fading(self, seconds: float) -> float:
-        """At rest, 1 just after the stop."""
-        return self.rested * math.exp(-max(self.since_stop_s, 0.0) / seconds)
 
 
 class Source(NamedTuple):
@@ -73,20 +47,21 @@ class Heaters:
     """What is planted: the motor's heat into each cell while driving, W, and by name that of each local source at a
     factor of 1.
 
-    `places` says where the local ones sit, mm.
+    `places` says where the local ones sit, mm; `drawn`: the law of one whose shape is drawn.
     """
 
     motor: np.ndarray
     local: dict[str, np.ndarray]
     fading_s: float
     places: dict[str, float]
+    drawn: Drawn
 
     def heat(self, omega: np.ndarray, moving: np.ndarray, since_stop_s: float, since_start_s: float) -> np.ndarray:
         """W into each cell over a tick, from speeds (rad/s) and motion of its steps; times as in Pace"""
         pace = Pace(omega, float(moving.mean()), since_stop_s, since_start_s, self.fading_s)
         total = self.motor * pace.share
         for name, cells in self.local.items():
-            total = total + cells * LOCAL[name].factor(pace)
+            total = total + cells * (self.drawn.factor(pace) if name == DRAWN else LOCAL[name].factor(pace))
         return total
 
 
@@ -98,7 +73,11 @@ def heaters(seed: int, strength: Strengths, sources: Sources) -> Heaters:
         name: (_wedge(x) if LOCAL[name].wedge else _spot(x, sources.local_width)) * LOCAL[name].watts * strength[name]
         for name, x in places.items()
     }
-    return Heaters(motor * MOTOR_W * strength["motor_heat"], local, sources.blast_fading, places)
+    shape = drawn(seed)
+    if strength[DRAWN]:
+        places |= {DRAWN: shape.place_mm}
+        local |= {DRAWN: _spot(shape.place_mm, shape.width_mm) * shape.watts * strength[DRAWN]}
+    return Heaters(motor * MOTOR_W * strength["motor_heat"], local, sources.blast_fading, places, shape)
 
 
 def local_place(seed: int, name: str) -> float:

@@ -50,6 +50,7 @@ PLANTED = {
     "slow_blast": "6 W out of 30 mm of screw at a place chosen by the seed after each stop, fading with 900 s",
     "start_surge": "20 W into 30 mm of screw at a place chosen by the seed at each start, fading with 120 s",
     "slow_soak": "3 W into 30 mm of screw at a place chosen by the seed at rest, coming with 1200 s",
+    "drawn_heat": "heat or cold of a place, length, size and law that the seed draws",
 }
 
 

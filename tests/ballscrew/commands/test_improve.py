@@ -18,12 +18,17 @@ from estimator.effect import Effect
 from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.hypotheses.panel import Explanation
+from estimator.inputs.follower import SPEED_SQUARED
 from estimator.missing_effect import improve as search
 from estimator.missing_effect.improve import ImprovedModel
 from estimator.missing_effect.suggestion import Suggestion
-from estimator.model import Model
+from estimator.model import Model, Value
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.unknown.composed import Composed
+from estimator.unknown.effect_text import effect_text
+from estimator.unknown.stand_ins import Unknown
+from estimator.unknown.written import effect_of, name_of, wanted_of
 from tests.conftest import PAPER
 from tests.conftest import ballscrew as run
 from tests.viz_read import fixed, view_names
@@ -67,7 +72,7 @@ def searching(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     def planned(*names: str) -> None:
         left = [*names]
 
-        def answer(model, runs, effects, loose=(), healthy=None):
+        def answer(model, runs, effects, loose=(), healthy=None, taken=()):
             runs.progress("a stage", 0.5)
             name = left.pop(0) if left else None
             if name == "stop":
@@ -120,6 +125,65 @@ def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(sea
     summary = fixed(tmp_path / "b.rrd", "/summary", "TextDocument:text")[0]
     assert "+ churning" in summary
     assert "What the axis feels" in summary
+
+
+def heat_at_350(model: Model, taken: tuple[str, ...]) -> Suggestion:
+    """Something that no catalogue has, composed."""
+    rig = load_rig(PAPER)
+    unknown = Unknown(SPEED_SQUARED, at_mm=350.0)
+    values = {"power": Value(6.0, 0.2), "at": Value(350.0, 2.0), "width": Value(40.0, 9.0), "n": Value(1.8, 0.1)}
+    text = effect_text(wanted_of(unknown, name_of(unknown, taken), values, "found in 4 recordings"), rig)
+    effect = effect_of(text)
+    added = hypothesis(model + effect, (effect.name,), 0.1)
+    plain = found(model, "nothing_in_catalogue")
+    return replace(plain, composed=Composed(unknown, text, effect, added, plain.before.judged, (), tried=700))
+
+
+def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, fs20_log, tmp_path) -> None:
+    asked = []
+
+    def answer(model, runs, effects, loose=(), healthy=None, taken=()):
+        asked.append(taken)
+        return found(model, "nothing_missing") if len(asked) > 1 else heat_at_350(model, taken)
+
+    monkeypatch.setattr(search, "suggest", answer)
+    file, out = tmp_path / "effects.py", tmp_path / "made" / "b.toml"
+    file.write_text(f"{OWN}\n\nclass HeatAt350:\n    pass\n")
+    out.parent.mkdir()
+    words = [
+        "--rig",
+        PAPER,
+        "--model",
+        PAPER / "base.toml",
+        "-o",
+        out,
+        "--compose",
+        file,
+        "--json",
+        tmp_path / "b.json",
+    ]
+    status, said, err = run("improve", fs20_log, *words, "--json", tmp_path / "b.json")
+    assert status == 0, err
+    assert asked[0] == ["Rub", "HeatAt350"]
+    assert "+ heat_at350_no2" in said
+    assert "As an effect: Something heats the screw around 350 mm, in step with a power of the speed; q = P" in said
+    assert f"({file}: HeatAt350No2 written)" in said
+    model, told = load_model(out), json.loads((tmp_path / "b.json").read_text())
+    assert model.use["heat_at350_no2"] == "../effects.py:HeatAt350No2"
+    assert model["heat_at350_no2.n"] == 1.8
+    assert told["composed"][0]["effect_file"] == str(file)
+    assert told["composed"][0]["text"] in file.read_text()
+    report = out.with_suffix(".md").read_text()
+    assert "### heat_at350_no2, composed" in report
+    assert "```python\nclass HeatAt350No2(Effect):" in report
+
+
+def test_a_file_that_is_no_python_is_refused_before_the_search(fs20_log, tmp_path) -> None:
+    (tmp_path / "effects.py").write_text("def (:\n")
+    words = ["--rig", PAPER, "-o", tmp_path / "b.toml", "--compose", tmp_path / "effects.py"]
+    status, _, err = run("improve", fs20_log, *words)
+    assert status == 2
+    assert "effects.py: line 1 is not Python" in err
 
 
 def test_a_model_with_an_effect_of_ones_own_loads_again(searching, fs20_log, tmp_path) -> None:
@@ -177,7 +241,7 @@ def test_compare_saves_one_model_or_two(fs20_log, tmp_path) -> None:
 
 
 def test_suggest_saves_the_model_and_the_best_effect(fs20_log, tmp_path, monkeypatch) -> None:
-    def answer(model, runs, effects, loose=(), healthy=None):
+    def answer(model, runs, effects, loose=(), healthy=None, taken=()):
         return found(model, "effect", {e.name: e for e in effects}["churning"])
 
     monkeypatch.setattr("ballscrew.commands.suggest.suggest", answer)

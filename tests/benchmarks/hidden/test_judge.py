@@ -5,9 +5,10 @@ from dataclasses import replace
 import pytest
 
 from benchmarks.hidden.cases import EVERY, ODD, PAIRS, ROADS, Case, asked
-from benchmarks.hidden.judge import carried, confused, false_effects, right
+from benchmarks.hidden.judge import carried, confused, false_effects, follows_drawn, right
 from benchmarks.hidden.outcome import Outcome
-from benchmarks.hidden.plants import BY_LAW, OWN
+from benchmarks.hidden.plants import BY_LAW, DRAWN, OWN
+from drivers.virtual_rig.machine.drawn import drawn
 from drivers.virtual_rig.machine.heaters import local_place
 from drivers.virtual_rig.population.draw import machine
 
@@ -140,3 +141,16 @@ def test_heat_taken_for_a_reading_is_confused():
     assert confused(case, Outcome(EFFECT, ["churning"]))
     assert not confused(case, Outcome(EFFECT, ["board_drift"]))
     assert not confused(case, Outcome(NOTHING))
+
+
+def test_what_is_composed_must_sit_where_heat_was_drawn_and_may_follow_a_rival():
+    case = asked(["drawn", "healthy", "0"])[0]
+    shape = drawn(case.seed)
+    near = Outcome(NOTHING, composed=["heat_at1"], place_mm=shape.place_mm + 50.0, follows="always")
+    assert right(case, near)
+    assert not right(case, replace(near, place_mm=shape.place_mm - 70.0))
+    assert not right(case, replace(near, composed=()))
+    follows = DRAWN[shape.kind]
+    assert follows_drawn(case, replace(near, follows=follows[0]))
+    assert follows_drawn(case, replace(near, follows="time", as_well=[follows[-1]]))
+    assert not follows_drawn(case, replace(near, follows="time"))

@@ -1,5 +1,6 @@
 """What is kept of what `suggest` and `improve` said."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -7,7 +8,9 @@ import pytest
 from benchmarks import paper_rig
 from benchmarks.hidden.outcome import Outcome, of_improvement, of_suggestion
 from estimator.accuracy.noise_floor import Error
+from estimator.inputs.follower import SPEED, SPEED_SQUARED
 from estimator.model import Model
+from estimator.unknown.stand_ins import Unknown
 
 MODEL = paper_rig.model()
 
@@ -23,7 +26,8 @@ def hypothesis(*names: str, n: float) -> SimpleNamespace:
 
 def suggestion(verdict: str, **said: object) -> SimpleNamespace:
     """A verdict on a model whose own fit would have an exponent of 1.1."""
-    silent = {"found": (), "tie": (), "pair": (), "changed": "", "wrong_input": None, "unexplained": None, "uses": ()}
+    silent = {"found": (), "tie": (), "pair": (), "changed": "", "wrong_input": None, "unexplained": None}
+    silent |= {"composed": None, "uses": ()}
     return SimpleNamespace(**(silent | {"verdict": verdict, "before": hypothesis(n=1.1)} | said))
 
 
@@ -69,9 +73,19 @@ def test_all_that_was_added_on_the_way_is_named():
         return SimpleNamespace(added=added, tie=tie, held_out=Error(um / 10.0, um))
 
     steps = (step("", 5.0), step("churning + motor_heat", 3.0), step("radiation", 1.0, "still_air"), step("", 0.5))
-    done = SimpleNamespace(steps=steps, last=suggestion("nothing_missing"), uses=(), model=other(1.25))
+    done = SimpleNamespace(steps=steps, last=suggestion("nothing_missing"), uses=(), composed=(), model=other(1.25))
     out = of_improvement(done, MODEL)
     assert out.said == ["churning", "motor_heat", "radiation", "still_air"]
     assert out.own == ["still_air"]
     assert [out.before[1], out.after[1]] == [5.0, 0.5]
     assert out.values["nut_friction.n"] == [1.25]
+
+
+def test_what_was_composed_is_kept_with_its_place_and_law():
+    at = Unknown(SPEED_SQUARED, at_mm=310.0)
+    made = SimpleNamespace(unknown=at, effect=SimpleNamespace(name="heat_at310"), rivals=(replace(at, follower=SPEED),))
+    steps = (SimpleNamespace(added="heat_at310", tie=(), held_out=Error(0.1, 1.0)),)
+    last = suggestion("nothing_missing")
+    out = of_improvement(SimpleNamespace(steps=steps, last=last, uses=(), composed=(made,), model=other(1.0)), MODEL)
+    assert out.composed == ["heat_at310"]
+    assert (out.place_mm, out.follows, out.as_well) == (310.0, "speed2", ["speed"])
