@@ -12,7 +12,7 @@ Machines 1 - 20 are for setting thresholds (`dev`, with seeds of their own), 101
 here: 121 - 220 on the first road, 221 - 320 on the second, 321 - 420 on the third.
 
 python -m benchmarks hidden [WORD ...]    some two hours on two cores; `whole`: over night
-    one half double none two three stranger drawn event label sensor shifted    rows, see cases
+    one half double none two three stranger drawn bare event label sensor shifted    rows, see cases
     healthy same shipped    roads;   7 or 0-9: these cases of each;   dev: machines 1 - 20;   alone: one process
 
 Each case leaves a line in benchmarks/hidden.jsonl, so that a study that was stopped goes on where it was, as long as

@@ -9,7 +9,7 @@ from itertools import product
 from types import MappingProxyType
 from typing import NamedTuple
 
-from benchmarks.hidden.plants import EVENTS, PLANTED, STRANGERS, TAKEN_OUT
+from benchmarks.hidden.plants import EVENTS, PLANTED, STRANGERS, TAKEN_OUT, kind_of
 from benchmarks.injected import FAILURES
 from drivers.virtual_rig.dice import dice
 
@@ -67,6 +67,7 @@ def _effects(names: Sequence[str], strength: float = 1.0) -> Hidden:
 
 
 EVERY = (*PLANTED, *TAKEN_OUT)
+HEATS = tuple(name for name in EVERY if kind_of(name) == "heat")
 WRONG = (Hidden(speed=1.2), Hidden(speed=1.2, position=1.2), Hidden(ambient_K=3.0))
 
 
@@ -91,9 +92,10 @@ ROWS = {
     "sensor": Row(20, 2, lambda n: Hidden(fault=list(FAILURES)[n % len(FAILURES)])),
     "shifted": Row(20, 1, lambda n: Hidden(shift_mm=40.0)),
     "drawn": Row(40, 2, lambda n: _effects(["drawn_heat"])),
+    "bare": Row(28, 1, lambda n: _effects([HEATS[n % len(HEATS)]])),
 }
 MOVED_ON = 7  # from road to road, so that the smaller study meets every effect on one of them
-HELD_OUT = ("one", "half", "double", "two", "three", "drawn")  # where the error afterwards is a matter
+HELD_OUT = ("one", "half", "double", "two", "three", "drawn", "bare")  # where the error afterwards is a matter
 SIX = "label"  # is told by the other runs, and there are six
 
 

@@ -116,6 +116,17 @@ def follows_drawn(case: Case, out: Outcome) -> bool:
     return _drawn(case, out) and bool({out.follows, *out.as_well} & {*DRAWN[drawn(case.seed).kind]})
 
 
+def gained(out: Outcome) -> list[float]:
+    """Which share of what the true effect takes off the error held out is taken off, of temperature and elongation."""
+    errors = zip(out.before, out.after, out.knowing, strict=True) if out.knowing and out.after else ()
+    return [(before - after) / (before - knowing) for before, after, knowing in errors if before > 1.2 * knowing]
+
+
+def _bare(case: Case, out: Outcome) -> bool:
+    """Half of the gain at least; all of it where the true effect has none."""
+    return min(gained(out), default=1.0) >= CARRIED
+
+
 def _event(case: Case, out: Outcome) -> bool:
     """A time of heat: all that is planted so is."""
     run, onset_s = out.happened or ("", 0.0)
@@ -151,6 +162,7 @@ RULES: Mapping[str, Callable[[Case, Outcome], bool]] = {
     "three": _several(2),
     "stranger": _stranger,
     "drawn": _drawn,
+    "bare": _bare,
     "event": _event,
     "label": _label,
     "sensor": _sensor,

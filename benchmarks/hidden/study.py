@@ -23,7 +23,7 @@ from estimator.model import Model
 from estimator.rig import Rig
 from estimator.work import Runs
 
-COMPOSED = ("drawn",)  # rows that ask `improve --compose`
+COMPOSED = ("drawn", "bare")  # rows that ask `improve --compose`; the last of them without any catalogue
 IMPROVED = ("two", "three", *COMPOSED)  # rows that ask `improve`; the others ask `suggest`
 TIMED = ("event", "none")  # rows that are asked what began within a run, by `diagnose` and by `suggest`
 PLACED = {"local_heat": "at", "local_heat_driving": "at", "channel_offset": "channel", "channel_gain": "channel"}
@@ -44,7 +44,7 @@ def _searched(case: Case) -> Outcome:
     rig = paper_rig.rig()
     of = recorded(case, rig)
     model = model_of(case, rig, of.seen)
-    runs, effects = Runs(rig, of.seen), list(CATALOGUE.values())
+    runs, effects = Runs(rig, of.seen), [] if case.row == COMPOSED[-1] else list(CATALOGUE.values())
     if case.row in IMPROVED:
         compose = () if case.row in COMPOSED else None
         done, search_s, _ = timed(lambda: improve(model, runs, Runs(rig, of.held_out), effects, compose))

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import beta
 
 from benchmarks.hidden.cases import DEV, FAR, JUDGING, ROADS, ROWS, Case, asked
-from benchmarks.hidden.judge import confused, costly, follows_drawn, is_named, right
+from benchmarks.hidden.judge import confused, costly, follows_drawn, gained, is_named, right
 from benchmarks.hidden.lines import outcomes
 from benchmarks.hidden.outcome import NAMING, Outcome
 from benchmarks.hidden.study import IMPROVED
@@ -31,6 +31,7 @@ TITLES = {
     "three": ("three effects: two at least found by improve", ">= 80 %"),
     "stranger": ("in no catalogue: said so, within 60 mm, right input", ">= 90 %"),
     "drawn": ("heat of a drawn place, length and law: composed, within 60 mm", ">= 90 %"),
+    "bare": ("one heat effect, the catalogue taken away: half of its gain by what is composed", ""),
     "event": ("an event within one run: told by diagnose or suggest, within 10 min", ">= 90 %"),
     "label": ("a wrong input of one run of six: run and signal named", ">= 95 %"),
     "sensor": ("a thermometer that fails in one run: named, and no heat", ">= 95 %"),
@@ -102,6 +103,9 @@ def _composed(of: Outcomes) -> Iterator[list[str]]:
         yield ["  held-out error, of a model with the true law: median; below 2", told, "<= 1.3; >= 85 %"]
         worse = sum(a > b for out in drawn.values() if out.composed for a, b in zip(out.after, out.before))
         yield ["  held-out error above the one before, of temperature or elongation", str(worse), "0"]
+    shares = [share for out in some(of, "bare").values() for share in gained(out)]
+    if shares:
+        yield ["  share of the gain of the true effect, held out: median", f"{np.median(shares):.0%}", ">= 80 %"]
     yield ["  something composed where nothing is planted", share(nothing, lambda c, o: bool(o.composed)), "<= 5 %"]
 
 

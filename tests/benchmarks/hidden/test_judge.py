@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from benchmarks.hidden.cases import EVERY, ODD, PAIRS, ROADS, Case, asked
-from benchmarks.hidden.judge import carried, confused, false_effects, follows_drawn, right
+from benchmarks.hidden.judge import carried, confused, false_effects, follows_drawn, gained, right
 from benchmarks.hidden.outcome import Outcome
 from benchmarks.hidden.plants import BY_LAW, DRAWN, OWN
 from drivers.virtual_rig.machine.drawn import drawn
@@ -154,3 +154,12 @@ def test_what_is_composed_must_sit_where_heat_was_drawn_and_may_follow_a_rival()
     assert follows_drawn(case, replace(near, follows=follows[0]))
     assert follows_drawn(case, replace(near, follows="time", as_well=[follows[-1]]))
     assert not follows_drawn(case, replace(near, follows="time"))
+
+
+def test_without_a_catalogue_half_of_the_gain_must_be_reached():
+    case = asked(["bare", "healthy", "0"])[0]
+    out = Outcome(NOTHING, before=(0.5, 4.0), after=(0.2, 1.0), knowing=(0.1, 0.5))
+    assert gained(out) == pytest.approx([0.75, 3.0 / 3.5])
+    assert right(case, out)
+    assert not right(case, replace(out, after=(0.4, 1.0)))
+    assert right(case, replace(out, before=(0.11, 0.55), after=(0.11, 0.55))), "there was nothing to gain"
