@@ -162,6 +162,9 @@ channel_options = stacked(
     click.option("--channels", metavar="2,4,..", help="Use only these thermometers, by number or name; default: all."),
     click.option("--no-displacement", is_flag=True, help="Do not use the displacement readings."),
 )
+join_option = click.option(
+    "--join", is_flag=True, help="The LOGs are parts of one recording: one estimate runs through them."
+)
 search_options = stacked(
     click.option(
         "--held-out", "held_out", multiple=True, type=PATH, metavar="LOG",

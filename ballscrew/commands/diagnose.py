@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import save_option, workspace_options
+from ballscrew.options import join_option, save_option, workspace_options
 from ballscrew.report.diagnosis_report import as_json, print_diagnosis, sections
 from ballscrew.report.sections import Section
 from ballscrew.workspace import Workspace
@@ -16,16 +16,17 @@ from estimator.missing_heat.diagnose import diagnose
 
 
 @click.command("diagnose")
+@join_option
 @save_option
 @workspace_options
-def command(work: Workspace, rrd: Path | None) -> int:
+def command(work: Workspace, join: bool, rrd: Path | None) -> int:
     """Say whether a model is adequate for all LOGs, where it fails, and what the failure follows.
 
     What the model alone leaves is divided into heat that it lacks, by place and time, and errors of single readings;
     both are held against the speed, the drive, the time and every temperature that is measured. What begins within a
     run is told with its time. Nothing is fitted.
     """
-    work.read()
+    work.read(join=join)
     work.terminal.say_if_compiling("passes", "ahead")
     with work.runs("diagnosing") as runs:
         diagnosis = diagnose(work.model, runs)

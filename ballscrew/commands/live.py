@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import signal
 import time
+from collections.abc import Mapping
 from contextlib import ExitStack
 from ipaddress import ip_address
 from pathlib import Path
@@ -13,13 +14,14 @@ from typing import Any
 import click
 
 from ballscrew.monitor.display import display, stop_asked
+from ballscrew.monitor.explainer import Explainer
 from ballscrew.monitor.json_lines import json_lines
 from ballscrew.monitor.monitor import Monitor
 from ballscrew.monitor.session import Session
 from ballscrew.muting import chosen_thermometers, never_fused
 from ballscrew.options import bus_options, channel_options, rig_options, save_option, terminal_options
 from ballscrew.terminal import INTERRUPTED, Terminal
-from ballscrew.workspace import open_workspace
+from ballscrew.workspace import Workspace, open_workspace
 from drivers.bus.bus import BusAddress
 from drivers.bus.publisher import Publisher
 from drivers.bus.receiver import Receiver
@@ -45,6 +47,10 @@ LATE_S = 0.5  # wall time that frames of a bus faster than the rig may be late
 )  # fmt: skip
 @click.option("--bind", default="127.0.0.1", show_default=True, help="Address that views are served on.")
 @save_option
+@click.option(
+    "--explain", is_flag=True,
+    help="While rig and model part, ask in a process of its own what has changed since when; needs --record.",
+)  # fmt: skip
 @click.option("--publish", is_flag=True, help="Transmit Estimate and Compensation each second. Else nothing is sent.")
 @channel_options
 @click.option("--speed-up", default=1.0, show_default=True, help="The bus runs so many times faster than the rig.")
@@ -52,8 +58,8 @@ LATE_S = 0.5  # wall time that frames of a bus faster than the rig may be late
 @terminal_options
 def command(
     terminal: Terminal, bus: BusAddress | None, rig_path: Path | None, model_path: Path | None, record: Path | None,
-    fresh: bool, view: str, bind: str, rrd: Path | None, publish: bool, channels: str | None, no_displacement: bool,
-    speed_up: float, seconds: float | None,
+    fresh: bool, view: str, bind: str, rrd: Path | None, explain: bool, publish: bool, channels: str | None,
+    no_displacement: bool, speed_up: float, seconds: float | None,
 ) -> int:  # fmt: skip
     """Listen to a rig on a CAN bus: profile, elongation and residuals as they come, alarms when rig and model part.
 
@@ -62,6 +68,8 @@ def command(
     """
     if bus is None:
         raise click.UsageError("say which bus: --interface and --channel, as python-can names them")
+    if explain and record is None:
+        raise click.UsageError("--explain reads what was recorded: say where with --record DIR")
     if speed_up <= 0:
         raise click.UsageError("--speed-up must be above 0")
     work = open_workspace(terminal, [], rig_path, model_path)
@@ -79,9 +87,11 @@ def command(
         lines = open_parts.enter_context(json_lines(terminal.json_path))
         monitor = Monitor(model, rig, lambda time_s: never, late_s)
         parts = earlier(record, about, time.time()) if record and not fresh and speed_up == 1.0 else []
+        explainer = _explainer(work, about, recorder, open_parts) if explain and recorder else None
         session = Session(
-            monitor, receiver, clock, str(bus), screen.say, lines, recorder, publisher, views, views_at, parts
-        )
+            monitor, receiver, clock, str(bus), screen.say, lines, recorder, publisher, views, views_at, parts,
+            explainer,
+        )  # fmt: skip
         open_parts.callback(receiver.stop)
         if publisher is not None:
             open_parts.callback(publisher.close)
@@ -90,6 +100,21 @@ def command(
         session.finish()
         screen.end(session.status())
     return INTERRUPTED if stopped() == signal.SIGINT else 0
+
+
+def _explainer(work: Workspace, about: Mapping[str, Any], recorder: Recorder, open_parts: ExitStack) -> Explainer:
+    """Who asks what has changed, of the recording that is made.
+
+    On a faster bus, whose stamps are ahead of the clock, of its last file.
+    """
+
+    def made() -> list[Path]:
+        return earlier(recorder.path.parent, about, time.time()) if about["speed_up"] == 1.0 else [recorder.path]
+
+    model = (work.model.folder or Path()) / work.model.name
+    explainer = Explainer(made, ["--rig", str(work.rig.folder), "--model", str(model)])
+    open_parts.callback(explainer.close)
+    return explainer
 
 
 def _clock(rig: Rig, decoder: Decoder, speed_up: float) -> RigTime:

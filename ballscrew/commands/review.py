@@ -10,7 +10,7 @@ import click
 
 from ballscrew.machine import MachineVerdict
 from ballscrew.muting import chosen_thermometers, muted
-from ballscrew.options import channel_options, save_option, view_option, workspace_options
+from ballscrew.options import channel_options, join_option, save_option, view_option, workspace_options
 from ballscrew.report.review_report import as_json, print_reviews
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.machine import Match
@@ -21,7 +21,7 @@ from estimator.state.gate import Mute
 
 
 @click.command("review")
-@click.option("--join", is_flag=True, help="The LOGs are parts of one recording: one estimate runs through them.")
+@join_option
 @channel_options
 @click.option(
     "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO]",

@@ -1,1 +1,1 @@
-"""The monitor beside the machine: session, monitor, resume, left_out, status, json_lines, display."""
+"""The monitor beside the machine: session, monitor, resume, left_out, explainer, status, json_lines, display."""

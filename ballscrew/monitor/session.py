@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ballscrew.monitor.explainer import Explainer
 from ballscrew.monitor.monitor import Moment, Monitor
 from ballscrew.monitor.resume import resume
 from ballscrew.monitor.status import Status, defects, not_used
@@ -53,6 +54,7 @@ class Session:
     views: LiveViews | None = None
     views_at: str = ""
     earlier: list[Path] = field(default_factory=list)
+    explainer: Explainer | None = None
     latest: Moment | None = None
     _rate: deque[tuple[float, int]] = field(default_factory=deque)
     _looked: float = 0.0
@@ -81,6 +83,7 @@ class Session:
             if time.monotonic() - self._looked > LOOK_S:
                 self._looked = time.monotonic()
                 self._tell()
+                self._explain()
                 show(self.status())
 
     def finish(self) -> None:
@@ -181,6 +184,11 @@ class Session:
             self._say(note, "WARN")
         for part in ("clock", "recorder", "publisher", "views", "tick"):
             self._trouble(part, getattr(getattr(self, part), "trouble", ""))
+
+    def _explain(self) -> None:
+        """Ask what has changed while rig and model part, and say it once it is known."""
+        if self.explainer is not None and (answer := self.explainer.look(self.monitor.active.values())):
+            self._say(answer, "WARN")
 
     def _trouble(self, part: str, trouble: str) -> None:
         """Say what is wrong with a part, once."""

@@ -1,1 +1,1 @@
-"""Effects of a user's own, named, written and printed: patience, named, class_file, printed."""
+"""Effects of a user's own, named, written and printed: patience, named, class_file, composed_file, printed."""

@@ -106,5 +106,7 @@ def _laws(found: Unexplained, rig: Rig) -> Iterator[tuple[Unknown, float]]:
             listed.append((one, rival.first[rival.candidate.paths[0]]))
     forms: dict[tuple[str, bool], tuple[Unknown, float]] = {}
     for one, strength in listed:
+        if one.follower.loss and strength < 0:
+            continue  # what conducts the wrong way is no effect
         forms.setdefault((law_of(one.follower).formula, one.follower.loss), (one, strength))
     yield from list(forms.values())[:LAWS]

@@ -28,6 +28,7 @@ VOCABULARY = {  # every name that the text may use, and where it comes from
 ALL = "all"  # in place of a channel: every thermometer
 CELLS = " / rig.the_screw().cells"
 SPOT = "spot(rig, p.at, p.width)"
+CONDUCTANCE = Param(0.5, "W/K", lo=0.0, hi=20.0, null=0.0, source="a guess")
 ROOM = 4.0  # times what was found that a bound lies away at least
 DIGITS = 6  # of a value that was found, as a model file has it
 
@@ -101,7 +102,8 @@ def _heat(wanted: Wanted, rig: Rig) -> tuple[str, dict[str, str]]:
         parts |= {"what": node, "where": f"in {node}", "spread": f"into {node}", "share": "", "link": ""}
         parts["node"] = json.dumps(node)
     elif wanted.at_mm is not None:
-        where, link = f"around {wanted.at_mm:.4g} mm", f" * {SPOT}"
+        place = f"{wanted.at_mm:g}" if wanted.found is None else f"{wanted.at_mm:.0f}"
+        where, link = f"around {place} mm", f" * {SPOT}"
         parts |= {"what": f"the screw {where}", "where": where, "spread": "around the place `at`", "link": link}
         parts |= {"share": f", over={SPOT}", "at": _place(wanted, rig)}
     elif wanted.under_nut:
@@ -112,7 +114,7 @@ def _heat(wanted: Wanted, rig: Rig) -> tuple[str, dict[str, str]]:
         spread = "spread evenly along the screw"
         parts |= {"what": "the screw all along", "where": "all along", "spread": spread, "share": CELLS, "link": CELLS}
     if wanted.follows.loss:
-        return "loss", parts | {"g": wanted.param("g", _conductance(wanted))}
+        return "loss", parts | {"g": wanted.param("g", CONDUCTANCE)}
     return "heat", parts | {"strength": wanted.param("power", _strength(5.0, "W", wanted.follows))}
 
 
@@ -143,12 +145,6 @@ def _place(wanted: Wanted, rig: Rig) -> str:
     )  # fmt: skip
     width = Param(30.0, "mm", 5.0, 300.0, fixed=True, sd=40.0, source="the length that it acts on, a guess")
     return f"\n    at = {wanted.param('at', at)}\n    width = {wanted.param('width', width)}"
-
-
-def _conductance(wanted: Wanted) -> Param:
-    """Of a loss: of heat to the air; less than there was, where it was found so."""
-    lo = 0.0 if wanted.found is None else -20.0
-    return Param(0.5, "W/K", lo=lo, hi=20.0, null=0.0, source="a guess")
 
 
 def _strength(value: float, unit: str, follows: Follower) -> Param:

@@ -14,7 +14,7 @@ from estimator.unknown.stand_ins import Unknown
 
 
 def name_of(unknown: Unknown, taken: Collection[str]) -> str:
-    """HeatAt300, LossInNut, ShiftOfT04; with a number where an effect or class has that name."""
+    """HeatNear300, LossInNut, ShiftOfT04; with a number where an effect or class has that name."""
     names = {each.replace("_", "").lower() for each in taken}
     name = _plain_name(unknown)
     numbered = (name if number == 1 else f"{name}No{number}" for number in count(1))
@@ -28,7 +28,7 @@ def _plain_name(unknown: Unknown) -> str:
     if unknown.node is not None:
         return f"{what}In{_camel(unknown.node)}"
     if unknown.at_mm is not None:
-        return f"{what}At{'Minus' if unknown.at_mm < 0 else ''}{abs(unknown.at_mm):.0f}"
+        return f"{what}Near{'Minus' if unknown.at_mm < 0 else ''}{abs(round(unknown.at_mm, -1)):.0f}"
     return f"{what}UnderNut" if unknown.under_nut else f"{what}AllAlong"
 
 

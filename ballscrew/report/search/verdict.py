@@ -116,7 +116,7 @@ def _begin(suggestion: Suggestion, rig: Rig) -> str:
     if suggestion.unexplained is None or suggestion.verdict != "nothing_in_catalogue":
         return ""
     if suggestion.composed is not None:
-        return "ballscrew improve with --compose effects.py writes it down, adds it and goes on."
+        return "With --compose effects.py it is written down; improve adds it to the model too."
     return f"Begin with: {_new_effect(unknown_of(suggestion.unexplained.candidate, rig))}"
 
 

@@ -1,1 +1,2 @@
-"""What heats, moves and grows: heat, flows, screw, nut, bearings, air, heaters, weather, motion, geometry, planted."""
+"""What heats, moves and grows: heat, flows, screw, nut, bearings, air, heaters, drawn, weather, motion, geometry, and
+what is planted."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.machine.geometry import OMEGA_20
-from drivers.virtual_rig.machine.pace import Pace
+from drivers.virtual_rig.machine.motion import Pace
 
 DRAWN = "drawn_heat"
 PLACES_MM, WIDTHS_MM = (150.0, 780.0), (15.0, 150.0)

@@ -10,7 +10,7 @@ import numpy as np
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.machine.drawn import DRAWN, Drawn, drawn
 from drivers.virtual_rig.machine.geometry import SCREW_MM
-from drivers.virtual_rig.machine.pace import Pace
+from drivers.virtual_rig.machine.motion import Pace
 from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.screw import CELL_MM, overlap
 from drivers.virtual_rig.population.constants import Sources

@@ -148,7 +148,7 @@ def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, fs20_log, 
 
     monkeypatch.setattr(search, "suggest", answer)
     file, out = tmp_path / "effects.py", tmp_path / "made" / "b.toml"
-    file.write_text(f"{OWN}\n\nclass HeatAt350:\n    pass\n")
+    file.write_text(f"{OWN}\n\nclass HeatNear350:\n    pass\n")
     out.parent.mkdir()
     words = [
         "--rig",
@@ -164,18 +164,18 @@ def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, fs20_log, 
     ]
     status, said, err = run("improve", fs20_log, *words, "--json", tmp_path / "b.json")
     assert status == 0, err
-    assert asked[0] == ["Rub", "HeatAt350"]
-    assert "+ heat_at350_no2" in said
+    assert asked[0] == ["Rub", "HeatNear350"]
+    assert "+ heat_near350_no2" in said
     assert "As an effect: Something heats the screw around 350 mm, in step with a power of the speed; q = P" in said
-    assert f"({file}: HeatAt350No2 written)" in said
+    assert f"({file}: HeatNear350No2 written)" in said
     model, told = load_model(out), json.loads((tmp_path / "b.json").read_text())
-    assert model.use["heat_at350_no2"] == "../effects.py:HeatAt350No2"
-    assert model["heat_at350_no2.n"] == 1.8
+    assert model.use["heat_near350_no2"] == "../effects.py:HeatNear350No2"
+    assert model["heat_near350_no2.n"] == 1.8
     assert told["composed"][0]["effect_file"] == str(file)
     assert told["composed"][0]["text"] in file.read_text()
     report = out.with_suffix(".md").read_text()
-    assert "### heat_at350_no2, composed" in report
-    assert "```python\nclass HeatAt350No2(Effect):" in report
+    assert "### heat_near350_no2, composed" in report
+    assert "```python\nclass HeatNear350No2(Effect):" in report
 
 
 def test_a_file_that_is_no_python_is_refused_before_the_search(fs20_log, tmp_path) -> None:

@@ -10,7 +10,7 @@ import pytest
 from benchmarks.hidden.true_law import LAWS, true_law
 from drivers.virtual_rig.machine.drawn import DRAWN, PLACES_MM, WATTS, WIDTHS_MM, Drawn, drawn
 from drivers.virtual_rig.machine.geometry import OMEGA_20
-from drivers.virtual_rig.machine.pace import Pace
+from drivers.virtual_rig.machine.motion import Pace
 from estimator.inputs.inputs import no_inputs
 from estimator.inputs.motion import Motion
 from estimator.rig import Rig

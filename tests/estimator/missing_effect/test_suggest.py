@@ -132,7 +132,7 @@ def test_heat_that_grows_with_the_temperature_there_can_be_tried(plain, bar, liv
     """Its link conducts the wrong way, which no effect of a user's own may."""
     follows = followers(bar).index(TEMPERATURE)
     growing, steady = (
-        with_effect(plain, "unknown_heat", power=power, at=60.0, follows=follows) for power in (0.2, 0.0)
+        with_effect(plain, "unknown_heat", power=power, at=60.0, follows=follows) for power in (-0.2, 0.0)
     )
     trial = unjudged(steady, bar, lives(plain)[0])
     warmer = trial.pose(growing).run.lagged[-1] - trial.pose(steady).run.lagged[-1]

@@ -11,10 +11,12 @@ from estimator.effect import Effect, Param
 from estimator.effects.local import spot
 from estimator.hypotheses.ground import as_given
 from estimator.hypotheses.hypothesis import refined
+from estimator.inputs.follower import all_followers
 from estimator.terms import SCREW, Heat
 from estimator.unknown.composed import Composed, composed
 from estimator.unknown.unexplained import best_stand_in
 from estimator.work import Runs
+from tests.estimator.conftest import with_effect
 
 
 class Rubbing(Effect):
@@ -48,7 +50,7 @@ def made_of(plain, bar, runs, taken=()) -> Composed | None:
 
 
 def test_a_place_a_width_and_an_exponent_are_found(plain, bar, lives):
-    made = made_of(plain, bar, lives(plain + Rubbing), taken=["heat_at70"])
+    made = made_of(plain, bar, lives(plain + Rubbing), taken=["heat_near70"])
     assert made is not None
     own = {path.partition(".")[2]: value for path, value in made.hypothesis.own().items()}
     for key, truth in (("power", 6.0), ("at", 70.0), ("n", 1.5)):
@@ -73,10 +75,18 @@ def test_a_time_is_found_and_heat_taken_away_cools(plain, bar, lives):
     assert own["power"].value == pytest.approx(-6.0, rel=0.2)
     assert made.unknown.at_mm == pytest.approx(120.0, abs=5.0)
     assert (
-        made.effect.sentence() == f"Something cools the screw around {made.unknown.at_mm:.4g} mm, after a stop, fading."
+        made.effect.sentence() == f"Something cools the screw around {made.unknown.at_mm:.0f} mm, after a stop, fading."
     )
     assert "air or coolant that reaches it at rest" in composed_sentence(made)
 
 
 def test_nothing_is_composed_of_one_recording(plain, bar, lives):
     assert made_of(plain, bar, lives(plain + Rubbing)[:1]) is None
+
+
+def test_what_would_conduct_the_wrong_way_is_not_composed(plain, bar, lives):
+    """Heat that grows with the temperature there: no effect of a user's own may be so."""
+    follows = [follower.name for follower in all_followers(bar)].index("temperature")
+    runs = lives(with_effect(plain, "unknown_heat", power=-0.15, at=60.0, follows=follows))
+    made = made_of(plain, bar, runs)
+    assert made is None or "g" not in made.effect.params

@@ -43,6 +43,7 @@ def all_seats():
             if effect is UnknownReading and follower.loss:
                 continue
             at = {f"{effect.name}.{key}": value for key, value in {**where, "follows": float(i)}.items()}
+            strength = {key: abs(size) if follower.loss else size for key, size in strength.items()}
             yield pytest.param(effect, at, strength, id=f"{effect.name} {where} {follower.name}")
 
 
@@ -100,8 +101,8 @@ def test_one_with_free_numbers_passes_all_checks(follower):
 
 def test_its_name_says_what_and_where_and_is_no_one_else_s():
     heat = unknown_of(Candidate(UnknownHeat, (), {"a.at": -12.4, "a.follows": 0.0}, "", body=False), RIG)
-    assert name_of(heat, ["HeatAt12", "conduction"]) == "HeatAtMinus12"
-    assert name_of(heat, ["heat_at_minus12", "HeatAtMinus12No2"]) == "HeatAtMinus12No3"
+    assert name_of(heat, ["HeatNear10", "conduction"]) == "HeatNearMinus10"
+    assert name_of(heat, ["heat_near_minus10", "HeatNearMinus10No2"]) == "HeatNearMinus10No3"
     loss = replace(heat, follower=TEMPERATURE, at_mm=None, node="anchor_housing")
     assert name_of(loss, ()) == "LossInAnchorHousing"
     assert name_of(replace(heat, channel="", at_mm=None), ()) == "ShiftOfAll"

@@ -1,0 +1,75 @@
+"""What has changed, asked of the recording in a process of its own while rig and model part."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+from estimator.alarms.alarms import Alarm
+
+PARTED = ("bias", "nis", "machine")  # kinds of alarms that say so
+AGAIN_S = 3600.0  # wall time from one question to the next
+POLITE = ("nice", "-n", "10")  # the estimate comes first
+
+
+class Explainer:
+    """Runs `diagnose` over the recording as far as it has come, at most once an hour.
+
+    parts    gives the files of the recording
+    options  which rig and model, as words of a command line
+    """
+
+    def __init__(self, parts: Callable[[], Sequence[Path]], options: Sequence[str]) -> None:
+        self._parts, self._options, self._asked = parts, list(options), -math.inf
+        self._running: subprocess.Popen[bytes] | None = None
+        self._folder = tempfile.TemporaryDirectory(prefix="ballscrew-explain-")
+
+    def look(self, alarms: Iterable[Alarm]) -> str:
+        """Ask, if these alarms ask for it; the answer as a sentence once it is there, else ""."""
+        if self._running is not None:
+            return "" if self._running.poll() is None else self._answer(self._running)
+        due = time.monotonic() - self._asked > AGAIN_S
+        if due and any(alarm.kind in PARTED for alarm in alarms):
+            self._ask(self._parts())
+        return ""
+
+    def close(self) -> None:
+        """End what still runs."""
+        if self._running is not None:
+            self._running.terminate()
+            self._running.wait()
+        self._folder.cleanup()
+
+    def _ask(self, parts: Sequence[Path]) -> None:
+        self._asked = time.monotonic()
+        polite = POLITE if shutil.which(POLITE[0]) else ()
+        words = ["diagnose", "--join", *map(str, parts), *self._options, "--quiet", "--json", str(self._told)]
+        with self._errors.open("wb") as errors:
+            self._running = subprocess.Popen(
+                [*polite, sys.executable, "-m", "ballscrew", *words], stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL, stderr=errors,
+            )  # fmt: skip
+
+    def _answer(self, ended: subprocess.Popen[bytes]) -> str:
+        self._running = None
+        if ended.returncode or not self._told.is_file():
+            last = self._errors.read_text(errors="replace").strip().splitlines()[-1:]
+            return f"could not be explained: {' '.join(last) or f'diagnose ended with {ended.returncode}'}"
+        told = json.loads(self._told.read_text())
+        self._told.unlink()
+        return " ".join(["explained:", *told["sentences"], *(event["sentence"] for event in told["events"])])
+
+    @property
+    def _told(self) -> Path:
+        return Path(self._folder.name) / "diagnosis.json"
+
+    @property
+    def _errors(self) -> Path:
+        return Path(self._folder.name) / "errors.txt"

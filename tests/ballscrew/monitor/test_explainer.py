@@ -1,0 +1,73 @@
+"""What has changed is asked in a process of its own, and said in one line."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from ballscrew.monitor import explainer as module
+from ballscrew.monitor.explainer import Explainer
+from estimator.alarms.alarms import Alarm
+from estimator.rig_folder.model_toml import load_model, save_model
+from tests.conftest import PAPER
+
+PARTED = [Alarm("nis", "", 60.0, "innovations too large", 60.0)]
+SILENT = [Alarm("silent", "T04", 60.0, "T04 is silent")]
+
+
+@pytest.fixture
+def asking(request) -> Iterator:
+    made = []
+
+    def of(*parts, options=("--rig", str(PAPER))) -> Explainer:
+        made.append(Explainer(lambda: parts, options))
+        return made[-1]
+
+    yield of
+    for one in made:
+        one.close()
+
+
+def answer(explainer: Explainer) -> str:
+    """Wait until it has been told."""
+    assert explainer.look(PARTED) == ""
+    for _ in range(6000):
+        if said := explainer.look([]):
+            return said
+        time.sleep(0.05)
+    raise AssertionError("no answer came")
+
+
+def test_it_says_where_the_model_fails_once_an_hour(asking, fs20_log, tmp_path, monkeypatch):
+    model = load_model(PAPER / "model.toml").with_values({"nut_friction.power": 30.0})
+    save_model(model, tmp_path / "off.toml")
+    explainer = asking(fs20_log, options=("--rig", str(PAPER), "--model", str(tmp_path / "off.toml")))
+    assert explainer.look(SILENT) == ""
+    assert explainer._running is None
+    said = answer(explainer)
+    assert said.startswith("explained: The model alone is ")
+    assert "It lacks " in said
+    assert "\n" not in said
+    assert explainer.look(PARTED) == ""
+    assert explainer._running is None, "it was asked just now"
+    monkeypatch.setattr(module, "AGAIN_S", 0.0)
+    explainer.look(PARTED)
+    assert explainer._running is not None
+
+
+def test_what_cannot_be_read_is_said(asking, tmp_path):
+    torn = tmp_path / "torn.log"
+    torn.write_text("nothing of ours\n")
+    said = answer(asking(torn))
+    assert said.startswith("could not be explained: ")
+    assert "torn.log" in said
+
+
+def test_it_ends_with_the_monitor(asking, fs20_log):
+    explainer = asking(fs20_log)
+    explainer.look(PARTED)
+    running = explainer._running
+    explainer.close()
+    assert running.poll() is not None
