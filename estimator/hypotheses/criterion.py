@@ -11,6 +11,7 @@ from estimator.record import Array
 CHANCE = 0.05  # the share of searches in which something may be named although nothing is missing
 APART_SE = 2.0  # standard errors between what can be told apart
 WORTH_K, WORTH_UM = 0.016, 0.12  # an effect takes at least so much off one of the errors: a third of a good model's
+PROMISE = 4.0  # times less than the screen says may be left of a misfit once an effect is fitted in full
 GOOD = 1.3  # a misfit that is good enough not to look for what is unknown: what its own scatter over recordings allows
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from estimator.batch.trials import Trials
 from estimator.effect import Effect
 from estimator.hypotheses.candidates import Candidate, candidates
-from estimator.hypotheses.criterion import clearly, material
+from estimator.hypotheses.criterion import PROMISE, clearly, material
 from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.moments import Column
@@ -20,7 +20,6 @@ from estimator.hypotheses.panel import Explanation, Panel
 from estimator.hypotheses.screening import Screened, screening
 from estimator.missing_effect.wrong_always import is_input, too_small, wrong_inputs
 
-PROMISE = 4.0  # times less than the screen says may be left of a misfit once an effect is fitted in full
 REFINED = (
     3  # effects, own parameters and pairs that are fitted in full on each ground; wrong inputs before the last too
 )

@@ -1,7 +1,7 @@
 """What no catalogue has, written down as an effect: a place, a law, a size, fitted in full.
 
 The stand-in that explains most (`unexplained`) has a width, and an exponent or a time, that it was tried at. Here these
-are free: its law, and each other law that explains as much there, becomes a class of its own (`effect_text`) and is
+are free: its law, and the best of other forms of laws there, becomes a class of its own (`effect_text`) and is
 fitted with all its numbers; the one that leaves least on recordings left out is it. The class that the fit uses is made
 from the text that a user gets.
 """
@@ -15,7 +15,7 @@ from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import Trials
 from estimator.effect import Effect
 from estimator.hypotheses.candidates import Candidate
-from estimator.hypotheses.criterion import CHANCE, alike, worth
+from estimator.hypotheses.criterion import CHANCE, PROMISE, alike, worth
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation
 from estimator.model import Value
@@ -26,7 +26,7 @@ from estimator.unknown.stand_ins import Unknown, unknown_of
 from estimator.unknown.unexplained import Unexplained
 from estimator.unknown.written import effect_of, name_of, wanted_of
 
-LAWS = 4  # that are fitted in full
+LAWS = 4  # forms that are fitted in full
 STRENGTHS = ("power", "g", "shift")  # what a template calls the size of its effect
 
 
@@ -97,13 +97,14 @@ def _fitted(effect: type[Effect], unknown: Unknown, found: Unexplained, trials: 
 
 
 def _laws(found: Unexplained, rig: Rig) -> Iterator[tuple[Unknown, float]]:
-    """The laws to fit in full, the best of each form, with the size at which a fit may begin."""
+    """The laws to fit in full, the best of each form, with the size at which a fit may begin.
+
+    Those too that are clearly worse as they were tried: with other numbers in it a form may be the better one.
+    """
     best, size = unknown_of(found.candidate, rig), next(iter(found.hypothesis.own().values()))
     listed = [(best, float(size.value))]
-    for rival in found.rivals:
-        one = unknown_of(rival.candidate, rig)
-        if replace(one, follower=best.follower) == best:
-            listed.append((one, rival.first[rival.candidate.paths[0]]))
+    near = [one for one in found.there if one.judged.misfit < PROMISE * found.judged.misfit]
+    listed += [(unknown_of(one.candidate, rig), one.first[one.candidate.paths[0]]) for one in near]
     forms: dict[tuple[str, bool], tuple[Unknown, float]] = {}
     for one, strength in listed:
         if one.follower.loss and strength < 0:

@@ -52,7 +52,7 @@ def law_of(follower: Follower) -> Law:
 
 def _number(key: str, value: float) -> Param:
     if key == "n":
-        return Param(value, "1", lo=0.1, hi=4.0, sd=0.5, source="1 is a constant torque, 2 what is viscous")
+        return Param(value, "1", lo=0.1, hi=4.0, sd=1.0, source="1 is a constant torque, 2 what is viscous")
     return Param(value, "s", lo=10.0, hi=20000.0, sd=value, source="how fast it fades")
 
 

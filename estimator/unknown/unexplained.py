@@ -45,12 +45,14 @@ class Unexplained:
     """The best stand-in, fitted in full.
 
     candidate  where it has moved to;  rivals: best first;  tried: how many there were
+    there      the same place with each follower else, best first, rival or not
     """
 
     candidate: Candidate
     hypothesis: Hypothesis
     rivals: tuple[Rival, ...]
     tried: int
+    there: tuple[Screened, ...] = ()
 
     @property
     def judged(self) -> Explanation:
@@ -86,7 +88,7 @@ def best_stand_in(ground: Ground, trials: Trials) -> Unexplained | None:
         for each in rest
         if alike(each.judged, best.judged, len(listed))
     ]
-    return Unexplained(found, h, tuple(rivals), len(listed))
+    return Unexplained(found, h, tuple(rivals), len(listed), tuple(followers))
 
 
 def _misfit(one: Screened) -> float:
