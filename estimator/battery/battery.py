@@ -25,6 +25,7 @@ from estimator.terms import Heat, Term
 LONGEST = 130  # characters of a sentence
 ROUNDING, SEEN = 1e-9, 1e-3  # K or um between two readings
 STEP = 1e-30
+LENGTH_MM = 100.0  # a place matters on the scale of a width, not of how far it is from zero
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ def derivative(bench: Bench) -> Iterator[str]:
     place = assemble.layout(list(bench.model.terms(bench.u, bench.rig)), bench.rig)
     for key, param in bench.effect.params.items():
         value = param.value or 0.01
-        step = 1e-4 * abs(value)
+        step = 1e-4 * (min(abs(value), LENGTH_MM) if param.unit == "mm" else abs(value))
         slope, up, down = (bench.numbers(place, **{key: x}) for x in (value + STEP * 1j, value + step, value - step))
         moves = False
         for name, number in slope.items():

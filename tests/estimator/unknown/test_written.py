@@ -90,9 +90,10 @@ def test_so_it_does_of_a_body(follower):
     assert_same(OF_BODIES, BODIES, UnknownBodyHeat, at, {"power": 3.0})
 
 
+@pytest.mark.parametrize("at_mm", [-40.0, 350.0, 980.0])
 @pytest.mark.parametrize("follower", [f for f in FOLLOWERS if law_of(f).numbers], ids=lambda f: f.name)
-def test_one_with_free_numbers_passes_all_checks(follower):
-    at = {"unknown_heat.at": 350.0, "unknown_heat.follows": float(FOLLOWERS.index(follower))}
+def test_one_with_free_numbers_passes_all_checks(follower, at_mm):
+    at = {"unknown_heat.at": at_mm, "unknown_heat.follows": float(FOLLOWERS.index(follower))}
     effect = effect_of(written(UnknownHeat, at, 3.0))
     assert not [finding for finding in battery(effect, MODEL, RIG) if finding.detail]
     assert {*law_of(follower).numbers} < {*effect.params}
