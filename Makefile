@@ -44,6 +44,7 @@ check: $(READY)
 
 bench: $(PEERS) $(LOGS)
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m pytest -m study
 
 bench-search: $(LOGS)
 	$(BIN)/python -m benchmarks search
