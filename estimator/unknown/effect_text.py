@@ -26,6 +26,8 @@ VOCABULARY = {  # every name that the text may use, and where it comes from
     **dict.fromkeys(TERMS, "estimator.terms"),
 }
 ALL = "all"  # in place of a channel: every thermometer
+SAID = ("subject", "when", "symbol", "what", "where", "spread", "whose")  # in sentences, names of the rig in them
+PLAIN = re.compile(r"""["\\\x00-\x1f]""")  # what would end a text of Python, or mean something in it
 CELLS = " / rig.the_screw().cells"
 SPOT = "spot(rig, p.at, p.width)"
 CONDUCTANCE = Param(0.5, "W/K", lo=0.0, hi=20.0, null=0.0, source="a guess")
@@ -85,10 +87,11 @@ def effect_text(wanted: Wanted, rig: Rig) -> str:
     """The class as Python."""
     law = wanted.law
     kind, parts = _reading(wanted, rig) if wanted.reading is not None else _heat(wanted, rig)
-    words = {"when": law.when, "symbol": law.symbol, "formula": law.formula, "subject": wanted.subject}
+    words = {"when": law.when, "symbol": law.symbol, "subject": wanted.subject}
+    parts |= {key: PLAIN.sub("'", text) for key, text in {**words, **parts}.items() if key in SAID}
     numbers = "".join(f"\n    {key} = {wanted.param(key, guess)}" for key, guess in law.numbers.items())
     template = Template((TEMPLATES / f"{kind}.txt").read_text(encoding="utf-8"))
-    text = template.substitute({"numbers": numbers, **parts}, cls=wanted.cls, **words)
+    text = template.substitute(parts, cls=wanted.cls, formula=law.formula, numbers=numbers)
     if law.formula == "1.0":
         return text.replace("        follows = 1.0\n", "").replace(" * follows", "")
     return text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping
 from importlib import import_module
 from itertools import count
@@ -33,7 +34,7 @@ def _plain_name(unknown: Unknown) -> str:
 
 
 def _camel(word: str) -> str:
-    return "".join(part[:1].upper() + part[1:] for part in word.split("_"))
+    return "".join(part[:1].upper() + part[1:] for part in re.split(r"[^A-Za-z0-9]+", word))
 
 
 def wanted_of(unknown: Unknown, cls: str, found: Mapping[str, Value], source: str = "by search") -> Wanted:

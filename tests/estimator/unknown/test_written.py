@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections import defaultdict
 from dataclasses import replace
 
@@ -13,12 +14,20 @@ from estimator.battery.exercise import instants
 from estimator.hypotheses.candidates import Candidate
 from estimator.inputs.follower import TEMPERATURE, all_followers
 from estimator.model import Value
+from estimator.rig import Signal
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.terms import Heat, Link
 from estimator.unknown.effect_text import effect_text
 from estimator.unknown.law import law_of
-from estimator.unknown.stand_ins import UnknownBodyHeat, UnknownHeat, UnknownReading, UnknownSpreadHeat, unknown_of
+from estimator.unknown.stand_ins import (
+    Unknown,
+    UnknownBodyHeat,
+    UnknownHeat,
+    UnknownReading,
+    UnknownSpreadHeat,
+    unknown_of,
+)
 from estimator.unknown.written import effect_of, name_of, wanted_of
 from tests.conftest import PAPER
 
@@ -121,3 +130,23 @@ def test_what_was_found_is_within_its_bounds_and_cools_where_it_is_negative():
     assert values == {"power": -130.0, "at": 351.2, "width": 55.0}
     power = effect.params["power"]
     assert (power.lo, power.hi, power.null, power.source) == (-520.0, 520.0, 0.0, "found in 4 recordings")
+
+
+HOSTILE = ['T"""\nraise SystemExit(1)', "T\\", "a-b.c\r\nimport os", "Öl 1", "$power", "x\u2028y"]
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_name_of_the_rig_is_never_code(name):
+    """rig.toml may come from anywhere: a search must not run what is written in it."""
+    channel = replace(BODIES.channels["T1"], node=name)
+    rig = replace(BODIES, channels={name: channel}, inputs={**BODIES.inputs, name: Signal(unit="%")})
+    followers = [f for f in all_followers(rig) if f.name in (name, "always")]
+    assert len(followers) == 2
+    found = {"power": Value(1.0), "shift": Value(1.0)}
+    for follower in followers:
+        for unknown in (Unknown(follower, node=name), Unknown(follower, channel=name)):
+            text = effect_text(wanted_of(unknown, name_of(unknown, ()), found), rig)
+            effect = effect_of(text)
+            (term,) = effect().terms(effect().namespace({}), instants(rig), rig)
+            assert name in (getattr(term, "node", ""), getattr(term, "channel", ""))
+            assert len(ast.parse(text).body) == 1
