@@ -31,6 +31,7 @@ PLAIN = re.compile(r"""["\\\x00-\x1f]""")  # what would end a text of Python, or
 CELLS = " / rig.the_screw().cells"
 SPOT = "spot(rig, p.at, p.width)"
 CONDUCTANCE = Param(0.5, "W/K", lo=0.0, hi=20.0, null=0.0, source="a guess")
+WIDTH_SD_MM = 40.0  # of a width of 30 mm: a nozzle to a tray of chips
 ROOM = 4.0  # times what was found that a bound lies away at least
 DIGITS = 6  # of a value that was found, as a model file has it
 
@@ -146,7 +147,7 @@ def _place(wanted: Wanted, rig: Rig) -> str:
         float(wanted.at_mm or 0.0), "mm", screw.from_mm, screw.to_mm, fixed=True, source="where it is mounted",
         over="place",
     )  # fmt: skip
-    width = Param(30.0, "mm", 5.0, 300.0, fixed=True, sd=40.0, source="the length that it acts on, a guess")
+    width = Param(30.0, "mm", 5.0, 300.0, fixed=True, sd=WIDTH_SD_MM, source="the length that it acts on, a guess")
     return f"\n    at = {wanted.param('at', at)}\n    width = {wanted.param('width', width)}"
 
 

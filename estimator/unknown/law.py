@@ -22,6 +22,8 @@ from estimator.inputs.follower import (
     Follower,
 )
 
+EXPONENT_SD = 1.0  # of what is tried: a half to two
+TIME_SD = 1.0  # times what is tried
 TURNING, SHARE = "u.motion.turning", "np.exp(-u.motion.since_s / p.tau)"
 POWER = "u.speed_law(rig.the_screw(), p.n)"
 
@@ -52,8 +54,8 @@ def law_of(follower: Follower) -> Law:
 
 def _number(key: str, value: float) -> Param:
     if key == "n":
-        return Param(value, "1", lo=0.1, hi=4.0, sd=1.0, source="1 is a constant torque, 2 what is viscous")
-    return Param(value, "s", lo=10.0, hi=20000.0, sd=value, source="how fast it fades")
+        return Param(value, "1", lo=0.1, hi=4.0, sd=EXPONENT_SD, source="1 is a constant torque, 2 what is viscous")
+    return Param(value, "s", lo=10.0, hi=20000.0, sd=TIME_SD * value, source="how fast it fades")
 
 
 _, _, SPEED_EARLY, SPEED_FADING = PRODUCTS

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,12 +13,13 @@ from estimator.effect import Effect, Param
 from estimator.effects.local import spot
 from estimator.hypotheses.ground import as_given
 from estimator.hypotheses.hypothesis import refined
+from estimator.hypotheses.screening import Screened
 from estimator.inputs.follower import all_followers
 from estimator.terms import SCREW, Heat
-from estimator.unknown.composed import Composed, composed
+from estimator.unknown import effect_text, law
+from estimator.unknown.composed import Composed, _laws, composed
 from estimator.unknown.unexplained import best_stand_in
 from estimator.work import Runs
-from tests.estimator.conftest import with_effect
 
 
 class Rubbing(Effect):
@@ -42,16 +45,36 @@ class Blast(Effect):
         yield Heat(SCREW, p.power * after, over=spot(rig, 120.0, 30.0))
 
 
-def made_of(plain, bar, runs, taken=()) -> Composed | None:
+def looked(plain, bar, runs):
+    """What a composition begins with: what stands in for it, what is left without, the recordings."""
     ground, trials = as_given(plain, Runs(bar, runs)), slow_trials_of(plain, Runs(bar, runs))
     found = best_stand_in(ground, trials)
     assert found is not None
-    return composed(found, refined(ground, trials, []).judged, trials, taken)
+    return found, refined(ground, trials, []).judged, trials
 
 
-def test_a_place_a_width_and_an_exponent_are_found(plain, bar, lives):
-    made = made_of(plain, bar, lives(plain + Rubbing), taken=["heat_near70"])
+def made_of(plain, bar, runs) -> Composed | None:
+    return composed(*looked(plain, bar, runs), taken=())
+
+
+@pytest.fixture(scope="module")
+def rubbing(plain, bar, lives):
+    return looked(plain, bar, lives(plain + Rubbing))
+
+
+@pytest.mark.parametrize("share", [0.7, 1.3])
+def test_no_exponent_hangs_on_how_well_it_is_known_beforehand(share, rubbing, monkeypatch):
+    monkeypatch.setattr(law, "EXPONENT_SD", share * law.EXPONENT_SD)
+    monkeypatch.setattr(effect_text, "WIDTH_SD_MM", share * effect_text.WIDTH_SD_MM)
+    made = composed(*rubbing, taken=())
     assert made is not None
+    assert made.hypothesis.model[f"{made.effect.name}.n"] == pytest.approx(1.5, abs=0.1)
+
+
+def test_a_place_a_width_and_an_exponent_are_found(rubbing):
+    made = composed(*rubbing, taken=["heat_near70"])
+    assert made is not None
+    assert made.effect.name == "heat_near70_no2"
     own = {path.partition(".")[2]: value for path, value in made.hypothesis.own().items()}
     for key, truth in (("power", 6.0), ("at", 70.0), ("n", 1.5)):
         assert own[key].value == pytest.approx(truth, abs=3 * own[key].sd), key
@@ -80,13 +103,19 @@ def test_a_time_is_found_and_heat_taken_away_cools(plain, bar, lives):
     assert "air or coolant that reaches it at rest" in composed_sentence(made)
 
 
-def test_nothing_is_composed_of_one_recording(plain, bar, lives):
-    assert made_of(plain, bar, lives(plain + Rubbing)[:1]) is None
+def test_nothing_is_composed_of_one_recording(rubbing):
+    found, before, trials = rubbing
+    assert composed(found, before, [trials[0]], taken=()) is None
 
 
-def test_what_would_conduct_the_wrong_way_is_not_composed(plain, bar, lives):
+def test_what_would_conduct_the_wrong_way_is_not_composed(rubbing, bar):
     """Heat that grows with the temperature there: no effect of a user's own may be so."""
+    found, _, _ = rubbing
     follows = [follower.name for follower in all_followers(bar)].index("temperature")
-    runs = lives(with_effect(plain, "unknown_heat", power=-0.15, at=60.0, follows=follows))
-    made = made_of(plain, bar, runs)
-    assert made is None or "g" not in made.effect.params
+    at = {**found.candidate.at, "unknown_heat.follows": float(follows)}
+    losses = [
+        Screened(replace(found.candidate, at=at), found.judged, {found.candidate.paths[0]: power})
+        for power in (-0.15, 0.15)
+    ]
+    laws = [{one.follower.name for one, _ in _laws(replace(found, there=(loss,)), bar)} for loss in losses]
+    assert ["temperature" in each for each in laws] == [False, True]
