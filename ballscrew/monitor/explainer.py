@@ -15,19 +15,19 @@ from pathlib import Path
 from estimator.alarms.alarms import Alarm
 
 PARTED = ("bias", "nis", "machine")  # kinds of alarms that say so
-AGAIN_S = 3600.0  # wall time from one question to the next
+AGAIN_S, SOON_S = 3600.0, 600.0  # wall time from one question to the next; where the last was asked too early
 POLITE = ("nice", "-n", "10")  # the estimate comes first
 
 
 class Explainer:
-    """Runs `diagnose` over the recording as far as it has come, at most once an hour.
+    """Runs `diagnose` over the recording as far as it has come, at most once an hour; sooner where nothing showed yet.
 
     parts    gives the files of the recording
     options  which rig and model, as words of a command line
     """
 
     def __init__(self, parts: Callable[[], Sequence[Path]], options: Sequence[str]) -> None:
-        self._parts, self._options, self._asked = parts, list(options), -math.inf
+        self._parts, self._options, self._due = parts, list(options), -math.inf
         self._running: subprocess.Popen[bytes] | None = None
         self._folder = tempfile.TemporaryDirectory(prefix="ballscrew-explain-")
 
@@ -35,9 +35,9 @@ class Explainer:
         """Ask, if these alarms ask for it; the answer as a sentence once it is there, else ""."""
         if self._running is not None:
             return "" if self._running.poll() is None else self._answer(self._running)
-        due = time.monotonic() - self._asked > AGAIN_S
-        if due and any(alarm.kind in PARTED for alarm in alarms):
-            self._ask(self._parts())
+        parted = any(alarm.kind in PARTED for alarm in alarms)
+        if parted and time.monotonic() > self._due and (parts := self._parts()):
+            self._ask(parts)
         return ""
 
     def close(self) -> None:
@@ -48,7 +48,7 @@ class Explainer:
         self._folder.cleanup()
 
     def _ask(self, parts: Sequence[Path]) -> None:
-        self._asked = time.monotonic()
+        self._due = time.monotonic() + AGAIN_S
         polite = POLITE if shutil.which(POLITE[0]) else ()
         words = ["diagnose", "--join", *map(str, parts), *self._options, "--quiet", "--json", str(self._told)]
         with self._errors.open("wb") as errors:
@@ -59,11 +59,15 @@ class Explainer:
 
     def _answer(self, ended: subprocess.Popen[bytes]) -> str:
         self._running = None
-        if ended.returncode or not self._told.is_file():
+        if not self._told.is_file():
+            self._due = time.monotonic() + SOON_S
             last = self._errors.read_text(errors="replace").strip().splitlines()[-1:]
             return f"could not be explained: {' '.join(last) or f'diagnose ended with {ended.returncode}'}"
         told = json.loads(self._told.read_text())
         self._told.unlink()
+        if told["adequate"] and not told["events"]:
+            self._due = time.monotonic() + SOON_S
+            return ""
         return " ".join(["explained:", *told["sentences"], *(event["sentence"] for event in told["events"])])
 
     @property

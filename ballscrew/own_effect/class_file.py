@@ -13,23 +13,38 @@ HEAD = '"""Effects of this rig that the catalogue does not have."""\n'  # of a n
 
 def with_class(text: str, added: str, vocabulary: Mapping[str, str], path: Path) -> str:
     """A file's text with the class `added`; `vocabulary`: the module of each name that may have to be imported."""
-    try:
-        tree = ast.parse(text)
-    except SyntaxError as error:
-        raise SetupError(f"{path}: line {error.lineno} is not Python: {error.msg}; correct it first") from error
+    tree = tree_of(text, path)
     (own,) = (node.name for node in ast.parse(added).body if isinstance(node, ast.ClassDef))
     used = {node.id for node in ast.walk(ast.parse(added)) if isinstance(node, ast.Name)} & set(vocabulary)
-    taken = {node.name for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
-    for name in (own, *sorted(used)):
+    taken = names_in(tree)
+    for name in (own, *sorted(used - imported_names(tree))):
         if name in taken:
             raise SetupError(f"{path}: '{name}' is there already; choose another name, or another file with -o")
-    lines = text.rstrip().splitlines()
-    for name in (name for name in vocabulary if name in used - _imported(tree)):
+    lines = text.rstrip().split("\n")
+    for name in (name for name in vocabulary if name in used - imported_names(tree)):
         _import(lines, vocabulary[name], name)
     return "\n".join([*lines, "", "", added])
 
 
-def _imported(tree: ast.Module) -> set[str]:
+def tree_of(text: str, path: Path) -> ast.Module:
+    """A file's text as Python."""
+    try:
+        return ast.parse(text)
+    except SyntaxError as error:
+        where = f"line {error.lineno}" if error.lineno else "this"
+        raise SetupError(f"{path}: {where} is not Python: {error.msg}; correct it first") from error
+
+
+def names_in(tree: ast.Module) -> set[str]:
+    """Every name that a file gives something at its top level."""
+    given = {node.name for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    targets = [t for node in tree.body if isinstance(node, ast.Assign) for t in node.targets]
+    targets += [node.target for node in tree.body if isinstance(node, ast.AnnAssign)]
+    given |= {each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)}
+    return given | imported_names(tree)
+
+
+def imported_names(tree: ast.Module) -> set[str]:
     """Names that a file imports at its top level."""
     imports = [node for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))]
     return {alias.asname or alias.name for node in imports for alias in node.names}
@@ -40,7 +55,8 @@ def _import(lines: list[str], module: str, name: str) -> None:
     body = ast.parse("\n".join(lines)).body
     imports = [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
     for node in imports:
-        alone = node.lineno == node.end_lineno and "#" not in lines[node.lineno - 1]
+        line = lines[node.lineno - 1]
+        alone = node.lineno == node.end_lineno and not set("#;*") & set(line)
         if isinstance(node, ast.ImportFrom) and node.module == module and alone:
             names = [ast.unparse(alias) for alias in node.names]
             lines[node.lineno - 1] = f"from {module} import {', '.join(sorted([*names, name], key=_rank))}"

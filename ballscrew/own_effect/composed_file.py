@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Sequence
 from pathlib import Path
 
-from ballscrew.own_effect.class_file import HEAD, with_class
+from ballscrew.own_effect.class_file import HEAD, imported_names, names_in, tree_of, with_class
 from ballscrew.own_effect.named import Named
 from estimator.errors import SetupError
 from estimator.unknown.composed import Composed
@@ -14,18 +13,29 @@ from estimator.unknown.effect_text import VOCABULARY
 
 
 def taken_in(path: Path) -> list[str]:
-    """Names of the classes and functions that a file has already; nothing of it runs."""
-    text = path.read_text(encoding="utf-8") if path.is_file() else ""
-    try:
-        body = ast.parse(text).body
-    except SyntaxError as error:
-        raise SetupError(f"{path}: line {error.lineno} is not Python: {error.msg}; correct it first") from error
-    return [node.name for node in body if isinstance(node, (ast.ClassDef, ast.FunctionDef))]
+    """Names that a file has already; nothing of it runs. A SetupError where no effect can be put behind them."""
+    if path.suffix != ".py" or ":" in str(path):
+        raise SetupError(f"{path}: effects are Python: take a file whose name ends with .py and has no ':'")
+    text = _text(path)
+    names = names_in(tree_of(text, path))
+    if foreign := sorted(names & set(VOCABULARY) - imported_names(tree_of(text, path))):
+        raise SetupError(
+            f"{path}: '{foreign[0]}' is something else there than effects need by that name; take another file"
+        )
+    return sorted(names)
 
 
 def write_composed(made: Sequence[Composed], path: Path) -> list[Named]:
     """Put the classes behind what the file has; how a model uses each."""
     for one in made:
-        text = path.read_text(encoding="utf-8") if path.is_file() else HEAD
+        text = _text(path) or HEAD
         path.write_text(with_class(text, one.text, VOCABULARY, path), encoding="utf-8")
     return [Named(one.effect, path) for one in made]
+
+
+def _text(path: Path) -> str:
+    """What a file has; nothing where there is none yet."""
+    try:
+        return path.read_text(encoding="utf-8-sig") if path.is_file() else ""
+    except UnicodeDecodeError as error:
+        raise SetupError(f"{path}: byte {error.start} is not UTF-8; save it as UTF-8, or take another file") from error

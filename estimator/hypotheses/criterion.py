@@ -36,6 +36,8 @@ def nats(a: Explanation, b: Explanation) -> float:
 
 def behind(a: Explanation, best: Explanation) -> float:
     """Standard errors by which one leaves more than another: of the difference in each block of ten minutes."""
+    if a.misfit == best.misfit:
+        return 0.0
     apart = (a.blocks - best.blocks).sum(axis=0)
     return (a.misfit - best.misfit) / _error_of(apart, best)
 

@@ -193,7 +193,7 @@ class Search:
         """The effect that something unknown is, if it explains clearly more than any other, all its numbers open."""
         self.runs.progress("composing an effect", 0.9)
         made = composed(found, self.side.plain.judged, self.trials, [*self.model.effects, *self._taken])
-        if made is None or not clearly(self.side.single, made.hypothesis.judged, self._chosen_from(found)):
+        if made is None or not clearly(self.side.single, made.hypothesis.judged, found.tried):
             return None
         return made
 

@@ -66,7 +66,7 @@ def composed(found: Unexplained, before: Explanation, trials: Trials, taken: Col
     before  what is left without it;   taken: names that effects have already
     By one recording, of which nothing can be left out, none is composed.
     """
-    if len(trials) < 2:
+    if len({trial.recording.fingerprint for trial in trials}) < 2:
         return None
     rig, tried = trials[0].rig, []
     for unknown, strength in _laws(found, rig):

@@ -76,7 +76,8 @@ class Wanted:
             value = float(f"{self.found[key].value:.{DIGITS}g}") if key in self.found else guess.value
             far = ROOM * abs(value) if guess.null is not None else 0.0
             lo, hi = min(guess.lo, -far if guess.lo < 0 else guess.lo), max(guess.hi, far)
-            fixed, source = False, self.source
+            sd = self.found[key].sd if key in self.found else None
+            fixed, source = False, f"{self.source}, +- {sd:.2g}" if sd else self.source
         more = {"null": guess.null, "sd": guess.sd if self.found is not None else None}
         said = [f"{name}={number!r}" for name, number in more.items() if number is not None]
         said += ["fixed=True"] * fixed + [f"source={json.dumps(source)}"]

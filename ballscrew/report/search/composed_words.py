@@ -93,4 +93,5 @@ def _ends(made: Composed) -> tuple[float | None, float | None]:
     if at is None:
         return None, None
     half = float(made.hypothesis.model[f"{made.effect.name}.width"]) / 2.0
-    return at - half, at + half
+    screw = made.effect.params["at"]
+    return max(at - half, screw.lo), min(at + half, screw.hi)

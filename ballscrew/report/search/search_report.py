@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from rich.markup import escape
+
 from ballscrew.began import events_json
 from ballscrew.report.search.composed_words import composed_json
 from ballscrew.report.search.next_run_words import next_run_json
@@ -19,6 +21,7 @@ from estimator.events.event import Event
 from estimator.hypotheses.candidates import Candidate
 from estimator.hypotheses.criterion import behind
 from estimator.hypotheses.hypothesis import Hypothesis
+from estimator.inputs.follower import Follower
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.rig import Rig
 from estimator.unknown.stand_ins import unknown_of
@@ -29,7 +32,8 @@ SHOWN = 6  # effects in the ranking
 def print_verdict(terminal: Terminal, verdict: Verdict, rig: Rig) -> None:
     """The ranking as a table, and the verdict."""
     section = section_of(verdict, rig)
-    terminal.table(section.rows, prose=len(section.rows[0]) - 1)
+    rows = [[escape(cell) for cell in row] for row in section.rows]  # a name of the rig is no markup
+    terminal.table(rows, prose=len(rows[0]) - 1)
     said, note = section.said
     terminal.say(f"({note})\n\n{said}")
 
@@ -77,7 +81,8 @@ def _stand_ins(verdict: Verdict, rig: Rig) -> list[list[str]]:
         return []
     blank = ["", ""] if verdict.held_out else []
     fitted = "all" if found.hypothesis.refit else "it alone"
-    value = ", ".join(f"{v.value:.3g} +- {v.sd:.1g} {key}" for key, v in found.strength().items())
+    per = _per(unknown_of(found.candidate, rig).follower)
+    value = ", ".join(f"{v.value:.3g} +- {v.sd:.1g} {key}{per}" for key, v in found.strength().items())
     rows = [[_title(found.candidate, rig), *cells([found.judged.error]), *blank, fitted, value]]
     if suggestion.composed is not None:
         made = suggestion.composed
@@ -86,6 +91,13 @@ def _stand_ins(verdict: Verdict, rig: Rig) -> list[list[str]]:
         behind_by = f"{rival.difference_se:.1f} standard errors behind"
         rows.append([_title(rival.candidate, rig), *cells([rival.judged.error]), *blank, "screened", behind_by])
     return rows
+
+
+def _per(follower: Follower) -> str:
+    """By what a strength is divided: the unit of what it follows."""
+    if follower.loss:
+        return "/K"
+    return f"/({follower.unit})" if "/" in follower.unit else f"/{follower.unit}" if follower.unit else ""
 
 
 def _title(candidate: Candidate, rig: Rig) -> str:

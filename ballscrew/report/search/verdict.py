@@ -116,7 +116,7 @@ def _begin(suggestion: Suggestion, rig: Rig) -> str:
     if suggestion.unexplained is None or suggestion.verdict != "nothing_in_catalogue":
         return ""
     if suggestion.composed is not None:
-        return "With --compose effects.py it is written down; improve adds it to the model too."
+        return "ballscrew improve with --compose effects.py adds it to the model."
     return f"Begin with: {_new_effect(unknown_of(suggestion.unexplained.candidate, rig))}"
 
 

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from ballscrew.monitor import explainer as module
-from ballscrew.monitor.explainer import Explainer
+from ballscrew.monitor.explainer import AGAIN_S, SOON_S, Explainer
 from estimator.alarms.alarms import Alarm
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests.conftest import PAPER
@@ -40,7 +39,7 @@ def answer(explainer: Explainer) -> str:
     raise AssertionError("no answer came")
 
 
-def test_it_says_where_the_model_fails_once_an_hour(asking, fs20_log, tmp_path, monkeypatch):
+def test_it_says_where_the_model_fails_once_an_hour(asking, fs20_log, tmp_path):
     model = load_model(PAPER / "model.toml").with_values({"nut_friction.power": 30.0})
     save_model(model, tmp_path / "off.toml")
     explainer = asking(fs20_log, options=("--rig", str(PAPER), "--model", str(tmp_path / "off.toml")))
@@ -52,7 +51,7 @@ def test_it_says_where_the_model_fails_once_an_hour(asking, fs20_log, tmp_path, 
     assert "\n" not in said
     assert explainer.look(PARTED) == ""
     assert explainer._running is None, "it was asked just now"
-    monkeypatch.setattr(module, "AGAIN_S", 0.0)
+    explainer._due = 0.0
     explainer.look(PARTED)
     assert explainer._running is not None
 
@@ -63,6 +62,20 @@ def test_what_cannot_be_read_is_said(asking, tmp_path):
     said = answer(asking(torn))
     assert said.startswith("could not be explained: ")
     assert "torn.log" in said
+
+
+def test_where_nothing_shows_yet_it_says_nothing_and_asks_soon_again(asking, fs20_log):
+    explainer = asking(fs20_log)
+    explainer.look(PARTED)
+    explainer._running.wait()
+    assert explainer.look([]) == ""
+    assert explainer._due < time.monotonic() + SOON_S < time.monotonic() + AGAIN_S
+
+
+def test_without_a_recording_nothing_is_asked(asking):
+    explainer = asking()
+    assert explainer.look(PARTED) == ""
+    assert explainer._running is None
 
 
 def test_it_ends_with_the_monitor(asking, fs20_log):

@@ -129,7 +129,7 @@ def test_what_was_found_is_within_its_bounds_and_cools_where_it_is_negative():
     values = {key: param.value for key, param in effect.params.items()}
     assert values == {"power": -130.0, "at": 351.2, "width": 55.0}
     power = effect.params["power"]
-    assert (power.lo, power.hi, power.null, power.source) == (-520.0, 520.0, 0.0, "found in 4 recordings")
+    assert (power.lo, power.hi, power.null, power.source) == (-520.0, 520.0, 0.0, "found in 4 recordings, +- 2")
 
 
 HOSTILE = ['T"""\nraise SystemExit(1)', "T\\", "a-b.c\r\nimport os", "Öl 1", "$power", "x\u2028y"]
