@@ -14,7 +14,7 @@ from estimator.unknown.effect_text import VOCABULARY
 
 def taken_in(path: Path) -> list[str]:
     """Names that a file has already; nothing of it runs. A SetupError where no effect can be put behind them."""
-    if path.suffix != ".py" or ":" in str(path):
+    if path.suffix != ".py" or ":" in path.name:
         raise SetupError(f"{path}: effects are Python: take a file whose name ends with .py and has no ':'")
     text = _text(path)
     names = names_in(tree_of(text, path))
