@@ -96,7 +96,9 @@ def _place(at: str | None, reading: str | None, rig: Rig) -> tuple[float | None,
 def _follower(word: str, rig: Rig) -> Follower:
     known = known_followers(rig)
     if word not in known and word in NAMES:
-        raise SetupError(f"--follows {word}: {rig.name} has no input 'speed', so that nothing ever moves")
+        fast = "speed" in rig.inputs
+        lacks = "screw that says which speed is fast" if fast else "input 'speed', so that nothing ever moves"
+        raise SetupError(f"--follows {word}: {rig.name} has no {lacks}")
     if word not in known:
         raise SetupError(f"--follows {word}: neither known nor an input of {rig.name}; {nearest(word, known)}")
     return known[word]

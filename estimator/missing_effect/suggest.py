@@ -190,12 +190,14 @@ class Search:
         return 1 if self._far(self.side.single) else found.tried
 
     def _composed(self, found: Unexplained) -> Composed | None:
-        """The effect that something unknown is, if it explains clearly more than any other, all its numbers open."""
+        """The effect that something unknown is, its numbers open, if it explains more than any other and than chance."""
         self.runs.progress("composing an effect", 0.9)
         made = composed(found, self.side.plain.judged, self.trials, [*self.model.effects, *self._taken])
-        if made is None or not clearly(self.side.single, made.hypothesis.judged, found.tried):
+        if made is None:
             return None
-        return made
+        left, side = made.hypothesis.judged, self.side
+        beyond_chance = clearly(side.plain.judged, left, found.tried)
+        return made if beyond_chance and clearly(side.single, left, self._chosen_from(found)) else None
 
     def _verdict(self, unexplained: Unexplained | None) -> Suggestion:
         side, found = self.side, self.side.missing
