@@ -190,7 +190,7 @@ class Search:
         return 1 if self._far(self.side.single) else found.tried
 
     def _composed(self, found: Unexplained) -> Composed | None:
-        """The effect that something unknown is, its numbers open, if it explains more than any other and than chance."""
+        """The effect that something unknown is, its numbers open, if it explains more than others and than chance."""
         self.runs.progress("composing an effect", 0.9)
         made = composed(found, self.side.plain.judged, self.trials, [*self.model.effects, *self._taken])
         if made is None:
