@@ -33,6 +33,8 @@ def tree_of(text: str, path: Path) -> ast.Module:
     except SyntaxError as error:
         where = f"line {error.lineno}" if error.lineno else "this"
         raise SetupError(f"{path}: {where} is not Python: {error.msg}; correct it first") from error
+    except ValueError as error:  # of a null byte, in some versions of Python
+        raise SetupError(f"{path}: this is not Python: {error}; correct it first") from error
 
 
 def names_in(tree: ast.Module) -> set[str]:
