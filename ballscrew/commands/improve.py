@@ -65,6 +65,8 @@ def command(
     save_model(after, out)
     print_use(work.terminal, improvement.uses, work.rig)
     print_steps(work.terminal, improvement, compose)
+    if compose is not None and not improvement.composed:
+        work.terminal.say(f"{compose}: nothing was composed, nothing is written")
     work.terminal.say(f"model: {out}")
     table = _felt(work, improvement, after)
     work.terminal.json({**as_json(improvement, compose), "felt": felt_json(table), "model": str(out)})

@@ -50,6 +50,8 @@ def command(
     written = _written(found, compose)
     for one in written:
         work.terminal.say(f"{one.file}: {one.effect.__name__} written; next: ballscrew effects {one.use} --check")
+    if compose is not None and not written:
+        work.terminal.say(f"{compose}: nothing was composed, nothing is written")
     work.terminal.json(as_json(verdict, work.rig, compose if written else None))
     if rrd is not None:
         _save(rrd, work, verdict)

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
-from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import Trials
 from estimator.effect import Effect
 from estimator.hypotheses.candidates import Candidate
@@ -48,11 +47,6 @@ class Composed:
     before: Explanation
     rivals: tuple[Unknown, ...]
     tried: int
-
-    @property
-    def without(self) -> Error:
-        """Open-loop error on recordings left out, without it."""
-        return self.before.error
 
     @property
     def by_chance(self) -> float:

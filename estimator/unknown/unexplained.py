@@ -52,7 +52,7 @@ class Unexplained:
     hypothesis: Hypothesis
     rivals: tuple[Rival, ...]
     tried: int
-    there: tuple[Screened, ...] = ()
+    there: tuple[Screened, ...]
 
     @property
     def judged(self) -> Explanation:

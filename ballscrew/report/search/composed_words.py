@@ -77,7 +77,7 @@ def composed_json(
             path.partition(".")[2]: {"value": value.value, "sd": value.sd, "unit": h.model.param(path).unit}
             for path, value in h.own().items()
         },
-        "before": vars(made.without), "after": vars(h.judged.error),
+        "before": vars(made.before.error), "after": vars(h.judged.error),
         "held_out_before": vars(held_before) if held_before else None,
         "held_out_after": vars(held) if held else None,
         "tried": made.tried, "text": made.text, "effect_file": str(file) if file else None,
