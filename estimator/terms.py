@@ -135,4 +135,5 @@ class Shift:
 
 
 Term = Store | Chain | Link | Heat | Read | Lag | Expand | Shift
+OF_READINGS = (Read, Lag, Expand)  # what says how channels read
 OF_TICKS = (Heat, Read, Shift)  # what is said of each tick: the others say something of a regime, or of the run

@@ -13,7 +13,7 @@ was read.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,9 +45,10 @@ class Joined(NamedTuple):
 
 
 class Stop(NamedTuple):
-    """The elongation where a drive or a rest ends, um, and its variance over that of one reading."""
+    """The elongation where a drive or a rest ends, um, of one run or (k,) of several, and its variance over that of one
+    reading."""
 
-    um: float
+    um: Any
     noise: float
 
 
@@ -116,12 +117,15 @@ def _rest(direct: Array, time_s: Array, ticks: Array, before: Stop, out: Joined)
 
 
 def level(time_s: Array, reading: Array, at_s: float, edge_s: float = EDGE_S) -> Stop:
-    """Where a line through the readings near a time is at that time; the nearest reading if there are few."""
+    """Where a line through the readings near a time is at that time; the nearest reading if there are few.
+
+    time_s (K,);   reading (K,), or (K, k) of k at the same times
+    """
     apart = time_s - at_s
     near = np.abs(apart) <= edge_s
     if near.sum() < 3:
-        return Stop(float(reading[np.abs(apart).argmin()]), 1.0)
+        return Stop(reading[np.abs(apart).argmin()], 1.0)
     middle = apart[near].mean()
     off = apart[near] - middle
     slope, spread = off @ reading[near] / (off @ off), middle**2 / (off @ off)
-    return Stop(float(reading[near].mean() - slope * middle), float(1.0 / near.sum() + spread))
+    return Stop(reading[near].mean(axis=0) - slope * middle, float(1.0 / near.sum() + spread))

@@ -32,7 +32,7 @@ def left_alone(recording: Recording, rig: Rig, model: Model, alone: Array) -> Jo
     """
     scatter = model["displacement.sd"] if "displacement.sd" in model.values else 0.0
     if "displacement" not in rig.channels:
-        return _unread(recording, scatter)
+        return _unread((len(recording),), scatter)
     at = rig.index("displacement")
     late = np.diff(alone, prepend=alone[:1]) * np.clip(recording.ages_s[:, at] / rig.tick_s, 0.0, 1.0)
     held, direct = _readings(recording, rig)
@@ -49,18 +49,19 @@ def grown(trial: Trial, posed: Posed, model: Model) -> Array:
     return run.grown + left_alone(trial.recording, rig, model, alone).um[trial.begin :]
 
 
-def slope(reads: Array, trial: Trial) -> Array:
-    """How that moves, (T,), when what the displacement would read by the model alone moves by `reads`, (T,)."""
+def slopes(reads: Array, trial: Trial) -> Array:
+    """How that moves, (k, T), when what the displacement would read by the model alone moves by each of `reads`."""
     if "displacement" not in trial.rig.channels:
-        return np.full(len(reads), np.nan)
-    alone = np.append(np.full(trial.begin - 1, np.nan), np.append(0.0, reads))
-    held, direct = (np.where(np.isfinite(each), alone, np.nan) for each in _readings(trial.recording, trial.rig))
-    return _joined(held, direct, trial.recording, trial.rig, 0.0).um[trial.begin :]
+        return np.full_like(reads, np.nan)
+    alone = np.pad(reads.T, ((1, 0), (0, 0)))
+    alone = np.pad(alone, ((trial.begin - 1, 0), (0, 0)), constant_values=np.nan)
+    read = _readings(trial.recording, trial.rig)
+    held, direct = (np.where(np.isfinite(each)[:, None], alone, np.nan) for each in read)
+    return _joined(held, direct, trial.recording, trial.rig, 0.0).um[trial.begin :].T
 
 
-def _unread(recording: Recording, scatter: float) -> Joined:
-    um, noise = np.full((2, len(recording)), np.nan)
-    return Joined(um, noise, scatter)
+def _unread(shape: tuple[int, ...], scatter: float) -> Joined:
+    return Joined(np.full(shape, np.nan), np.full(shape[0], np.nan), scatter)
 
 
 def _readings(recording: Recording, rig: Rig) -> tuple[Array, Array]:
@@ -70,8 +71,8 @@ def _readings(recording: Recording, rig: Rig) -> tuple[Array, Array]:
 
 
 def _joined(held: Array, direct: Array, recording: Recording, rig: Rig, scatter: float) -> Joined:
-    """Drives and rests of a recording, shifted to begin where the one before ended."""
-    out, end = _unread(recording, scatter), Stop(0.0, 0.0)
+    """Drives and rests of a recording, shifted to begin where the one before ended; of readings (K,), or (K, k)."""
+    out, end = _unread(held.shape, scatter), Stop(0.0, 0.0)
     time_s, age_s = recording.time_s, recording.ages_s[:, rig.index("displacement")]
     for driving, ticks in phases(recording):
         if driving:
@@ -88,7 +89,7 @@ def _settled(ticks: Array, recording: Recording) -> Array:
 
 def _join(left: Array, read_at: Array, time_s: Array, ticks: Array, before: Stop, out: Joined) -> Stop:
     """Fill one drive or rest, shifted to join the level at which the one before ended; returns its own last level."""
-    read = ticks[np.isfinite(left[ticks])]
+    read = ticks[np.isfinite(left[ticks]).reshape(len(ticks), -1).all(axis=1)]
     if not len(read):
         return before
     began = time_s[ticks[0] - 1] if ticks[0] else time_s[0]

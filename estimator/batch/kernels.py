@@ -460,20 +460,49 @@ def score(model: Model, data: Data, rows: Array, states: States, r: Array, N: Ar
 
 
 @kernel
-def _coast(F: Array, regime: Array, b: Array, start: Array) -> Array:
+def _coast(F_T: Array, regime: Array, b: Array, start: Array) -> Array:
     out, x = np.empty_like(b), start
     for t in range(len(b)):
-        np.dot(F[regime[t]], x, out[t])
+        np.dot(x, F_T[regime[t]], out[t])
         x = out[t]
-        for i in range(len(x)):
-            x[i] += b[t, i]
+        for k in range(x.shape[0]):
+            for i in range(x.shape[1]):
+                x[k, i] += b[t, k, i]
     return out
 
 
 def coast(F: Array, regime: Array, b: Array, start: Array) -> Array:
-    """x (T, n): x[t] = F[regime[t]] x[t - 1] + b[t] from `start` (n,) on; F (R, n, n), regime (T,), b (T, n)."""
-    F, b, start = (np.require(each, np.float64, ["C", "W"]) for each in (F, b, start))
-    return _coast(F, np.require(regime, np.int64, ["C", "W"]), b, start)
+    """x (..., T, n): x[t] = F[regime[t]] x[t - 1] + b[t] from `start` (..., n) on; F (R, n, n), regime (T,).
+
+    b (..., T, n); of several runs the step of a tick is one product of matrices.
+    """
+    F_T, regime = _of_kind((F.transpose(0, 2, 1), regime))
+    return _in_order(lambda b, start: _coast(F_T, regime, b, start), b, start)
+
+
+@kernel
+def _remember(keep: Array, b: Array, start: Array) -> Array:
+    out, x = np.empty_like(b), start
+    for t in range(len(b)):
+        for k in range(x.shape[0]):
+            for i in range(x.shape[1]):
+                out[t, k, i] = keep[i] * x[k, i] + b[t, k, i]
+        x = out[t]
+    return out
+
+
+def remember(keep: Array, b: Array, start: Array) -> Array:
+    """x (..., T, m): x[t] = keep x[t - 1] + b[t] from `start` (..., m) on, each by its own keep (m,); b (..., T, m)."""
+    keep = np.require(keep, np.float64, ["C", "W"])
+    return _in_order(lambda b, start: _remember(keep, b, start), b, start)
+
+
+def _in_order(run: Callable[[Array, Array], Array], b: Array, start: Array) -> Array:
+    """A run over b (..., T, n) from `start` (..., n) on, as a kernel takes both: (T, k, n) and (k, n)."""
+    ticks, n = b.shape[-2:]
+    side_by_side = np.moveaxis(b, -2, 0).reshape(ticks, -1, n)
+    b_, start_ = (np.require(each, np.float64, ["C", "W"]) for each in (side_by_side, start.reshape(-1, n)))
+    return np.moveaxis(run(b_, start_).reshape(ticks, *b.shape[:-2], n), 0, -2)
 
 
 _carried, _followed = kernel(moves.carried), kernel(moves.followed)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.batch.kernels import coast
+from estimator.batch.kernels import coast, remember
 from estimator.network.assemble import Readings
 from estimator.network.forcing import Drive, Forcing
 from estimator.record import Array
@@ -89,19 +89,15 @@ def open_loop(forcing: Forcing, drive: Drive, start: Array, ages_s: Array) -> Ar
 
 
 def lagging(keep: Array, ramp: Array, spot: Array, pushed: Array) -> Array:
-    """Lagged readings (T, m) of spots (T + 1, m), the first in equilibrium, each pushed (T, m) further at its tick."""
-    return _remembering(keep, ramp * spot[1:] + (1 - keep - ramp) * spot[:-1] + pushed, spot[0])
-
-
-def _remembering(keep: Array, pushed: Array, start: Array) -> Array:
-    """s[t] = keep s[t-1] + pushed[t] from start (m,) on, (T, m)."""
-    return coast(np.diag(keep)[None], np.zeros(len(pushed), dtype=int), pushed, start)
+    """Lagged readings (..., T, m) of spots (..., T + 1, m), at first in equilibrium, pushed (..., T, m) further."""
+    after, before = spot[..., 1:, :], spot[..., :-1, :]
+    return remember(keep, ramp * after + (1 - keep - ramp) * before + pushed, spot[..., 0, :])
 
 
 def pull_back(run: Nominal, F: Array, regime: Array, to_lag: Array, to_late: Array, to_grown: Array) -> NominalScore:
     """From derivatives with respect to lag (T, m), late (T, m) and grown (T,) to those of NominalScore."""
     keep, ramp = lag_filter(run.readings.tau, run.tick_s)
-    to_lagged = _remembering(keep, to_lag[::-1], np.zeros_like(keep))[::-1]
+    to_lagged = remember(keep, to_lag[::-1], np.zeros_like(keep))[::-1]
     moved = to_late * run.late_share
     to_spot = np.zeros_like(run.spot)
     to_spot[1:] += ramp * to_lagged - to_lag - moved
@@ -110,7 +106,7 @@ def pull_back(run: Nominal, F: Array, regime: Array, to_lag: Array, to_late: Arr
     given = to_spot @ run.readings.rows
     given[1:] += to_grown[:, None] * run.growth
     given[0] -= to_grown.sum() * run.growth
-    to_z = coast(np.ascontiguousarray(F.transpose(0, 2, 1)), regime[::-1], given[-2::-1], given[-1])[::-1]
+    to_z = coast(F.transpose(0, 2, 1), regime[::-1], given[-2::-1], given[-1])[::-1]
     to_b = np.vstack([to_z[1:], given[-1]])
     to_F = np.array([to_b[regime == r].T @ run.z[:-1][regime == r] for r in range(len(F))])
     before = np.vstack([run.spot[:1], run.lagged[:-1]])

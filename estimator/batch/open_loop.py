@@ -16,11 +16,12 @@ def open_loop_misfit(trial: Trial, posed: Posed) -> Array:
 
 
 def where_measured(values: Array, trial: Trial) -> Array:
-    """Values (T, m) where a reading was taken and fused, else NaN; less their mean where its zero has no meaning."""
-    values = np.where(measured(trial), values, np.nan)
+    """Values (..., T, m) where a reading was taken and fused, else NaN; less their mean where a zero has no meaning."""
+    taken = measured(trial)
+    values = np.where(taken, values, np.nan)
     for channel in trial.floating:
-        if np.isfinite(values[:, channel]).any():
-            values[:, channel] -= np.nanmean(values[:, channel])
+        if (at := np.flatnonzero(taken[:, channel])).size:
+            values[..., channel] -= values[..., at, channel].mean(axis=-1, keepdims=True)
     return values
 
 

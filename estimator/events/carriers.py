@@ -62,7 +62,7 @@ def _parts(trial: Trial, posed: Posed, model: Model) -> Iterator[Carrier]:
         for path in paths:
             moved = tangent(trial, posed, model, path)
             if moved.moves_states and np.ndim(model[path]) == 0:
-                push += model[path] * pushed(posed, moved)
+                push += model[path] * pushed(posed, [moved])[0]
         if push.any():
             yield Carrier(PART, name, None, push, _watts(push, posed))
 

@@ -21,7 +21,7 @@ from estimator.missing_heat.misfit import spikes
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.sensitivity.sensitivity import nominal_column
+from estimator.sensitivity.sensitivity import nominal_columns
 from estimator.sensitivity.tangent import tangent
 
 
@@ -78,10 +78,11 @@ def signature(model: Model, trial: Trial) -> Signature:
     def mean(values: Array) -> Array:
         return without_zeros(averaged.mean(values), zeroed, averaged.count)
 
+    doubtful = [path for path in model.free() if model.param(path).sd]
+    moved = nominal_columns(posed, (tangent(trial, posed, model, path) for path in doubtful))
     columns = {
-        path: mean(nominal_column(trial, posed, tangent(trial, posed, model, path)).reading) * float(sd)
-        for path in model.free()
-        if (sd := model.param(path).sd)
+        path: mean(column.reading) * float(model.param(path).sd or 0.0)
+        for path, column in zip(doubtful, moved, strict=True)
     }
     variance = averaged.mean(np.broadcast_to(posed.system.R, rest.shape)) / averaged.count
     moves = without_zeros(_moves(posed, found, cut, averaged), zeroed, averaged.count)

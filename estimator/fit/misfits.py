@@ -12,7 +12,7 @@ what a model at hand leaves of it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.signal import lfilter
@@ -24,7 +24,7 @@ from estimator.fit.bodies import Lumps, body_misfit, body_slope, shown
 from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.objective import BLOCK_S, good, weights
-from estimator.sensitivity.sensitivity import nominal_column
+from estimator.sensitivity.sensitivity import nominal_columns
 from estimator.sensitivity.tangent import tangent
 from estimator.work import Runs
 
@@ -65,10 +65,8 @@ class Misfits:
 
     def slopes(self, model: Model, paths: Sequence[str]) -> tuple[Array, Array]:
         """How these move with each parameter, (misfits, p) each."""
-        posed = [trial.pose(model) for trial in self.trials]
-        pairs = list(zip(self.trials, posed, strict=True))
-        found = [self._rows([_slope(*pair, model, path) for pair in pairs]) for path in paths]
-        lasting, others = zip(*found, strict=True)
+        of_trials = [_slopes(trial, trial.pose(model), model, paths) for trial in self.trials]
+        lasting, others = zip(*(self._rows(parts) for parts in zip(*of_trials, strict=True)), strict=True)
         return np.array(lasting).T, np.array(others).T
 
     def mean_square(self, lasting: Array) -> float:
@@ -90,10 +88,10 @@ class Misfits:
         return np.vstack([each - _running_mean(each, self._keep) for each in channels])
 
 
-def _slope(trial: Trial, posed: Posed, model: Model, path: str) -> tuple[Array, Array]:
-    """What a step of a parameter takes off the misfits of a recording."""
-    column = nominal_column(trial, posed, tangent(trial, posed, model, path))
-    return -where_measured(column.reading, trial), -body_slope(column.z, trial, posed)
+def _slopes(trial: Trial, posed: Posed, model: Model, paths: Sequence[str]) -> Iterator[tuple[Array, Array]]:
+    """What a step of each parameter takes off the misfits of a recording."""
+    for column in nominal_columns(posed, (tangent(trial, posed, model, path) for path in paths)):
+        yield -where_measured(column.reading, trial), -body_slope(column.z, trial, posed)
 
 
 def _running_mean(values: Array, keep: float) -> Array:

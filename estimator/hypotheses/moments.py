@@ -15,14 +15,14 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.accuracy.reference import grown, slope
+from estimator.accuracy.reference import grown, slopes
 from estimator.batch.open_loop import open_loop_misfit, where_measured
 from estimator.batch.trial import Posed, Trial
 from estimator.batch.trials import Trials
 from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.objective import BLOCK_S, GOOD_K, GOOD_UM
-from estimator.sensitivity.sensitivity import NominalColumn, nominal_column
+from estimator.sensitivity.sensitivity import NominalColumn, nominal_columns
 from estimator.sensitivity.tangent import tangent
 
 
@@ -98,11 +98,12 @@ def moments_of(trial: Trial, model: Model, columns: Sequence[Column]) -> Moments
     """Moments of one recording."""
     posed = trial.pose(model)
     misfit = open_loop_misfit(trial, posed)
-    stack, lengths = np.empty((len(columns) + 1, *misfit.shape)), np.empty((len(columns) + 1, len(misfit)))
-    for row, length, column in zip(stack, lengths, columns, strict=False):
-        moved = nominal_column(trial, posed, tangent(trial, posed, column.model, column.path))
-        row[:], length[:] = where_measured(moved.reading, trial), slope(_reads(moved, trial, posed), trial)
-    stack[-1], lengths[-1] = misfit, grown(trial, posed, model) - posed.run.grown
+    stack, reads = np.empty((len(columns) + 1, *misfit.shape)), np.empty((len(columns), len(misfit)))
+    tangents = (tangent(trial, posed, column.model, column.path) for column in columns)
+    for row, read, moved in zip(stack, reads, nominal_columns(posed, tangents), strict=False):
+        row[:], read[:] = moved.reading, _reads(moved, trial, posed)
+    stack[:-1], stack[-1] = where_measured(stack[:-1], trial), misfit
+    lengths = np.vstack([slopes(reads, trial), grown(trial, posed, model) - posed.run.grown])
     since, heat = trial.rest.time_s - trial.rest.time_s[0], trial.rig.is_thermometer
     starts = np.flatnonzero(np.diff(since // BLOCK_S, prepend=-1.0))
     (heats, heat_count), (reads, read_count), (grows, grown_count) = (

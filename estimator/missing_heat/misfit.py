@@ -19,7 +19,7 @@ from estimator.missing_heat.zones import Zone, heat_of, zones
 from estimator.model import Model
 from estimator.network.assemble import Network
 from estimator.record import Array
-from estimator.sensitivity.sensitivity import nominal_column
+from estimator.sensitivity.sensitivity import nominal_columns
 from estimator.sensitivity.tangent import Tangent
 
 SPIKE = 6.0  # sd from the middle of its bin, from which on a reading does not count
@@ -64,25 +64,22 @@ def misfit(model: Model, trial: Trial) -> Misfit:
         return np.asarray(np.bincount(row, values[known]) / count)
 
     places = zones(trial.rig, posed.forcing.place)
-    A = np.empty((len(rows), len(cut) * len(places)))
-    for k, column in enumerate(_columns(trial, posed, cut, places)):
-        A[:, k] = mean(column)
+    moved = nominal_columns(posed, _tangents(trial, posed, cut, places))
+    A = np.array([mean(column.reading) for column in moved]).T.reshape(len(rows), -1)
     variance = mean(np.broadcast_to(posed.system.R, rest.shape)) / count
     rate = np.diff(posed.run.lagged, axis=0, prepend=posed.run.spot[:1]) / tick_s
     return Misfit(trial, cut, places, rest, mean(rest), variance, rows % m, rows // m, mean(rate), A)
 
 
-def _columns(trial: Trial, posed: Posed, cut: Blocks, places: tuple[Zone, ...]) -> Iterator[Array]:
-    """How each reading moves, (T, m), with the heat of each block and zone."""
-    R, n = posed.system.F.shape[:2]
-    boundaries = posed.forcing.place.boundaries
-    none = Network(np.zeros((n, n)), np.zeros((R, n, n)), np.zeros((R, n, boundaries)), np.zeros((R, n, n)))
+def _tangents(trial: Trial, posed: Posed, cut: Blocks, places: tuple[Zone, ...]) -> Iterator[Tangent]:
+    """The heat of each block and zone."""
+    none = Network.none(posed.forcing.place, len(posed.system.F))
     still, calm = np.zeros_like(posed.outside), np.zeros_like(trial.rest.channels)
     into = [heat_of(zone, trial.rig, posed.forcing.place) for zone in places]
     for block in range(len(cut)):
         during = (cut.of_tick == block).astype(float)[:, None]
         for heat in into:
-            yield nominal_column(trial, posed, Tangent(none, during * heat, still, calm, None)).reading
+            yield Tangent(none, during * heat, still, calm, None)
 
 
 def spikes(rest: Array, cell: Array, sd: Array) -> Array:

@@ -9,7 +9,7 @@ speed and a place of the nut that hold for a while); q and d belong to a tick.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,7 @@ class Layout:
     knots_mm: Array
     inputs: tuple[str, ...]  # measured inputs that links end at
     shifts: tuple[Shift, ...] = ()  # of them; inputs and shifts together are the boundaries
+    _spots: dict[float, Array] = field(default_factory=dict)
 
     @property
     def size(self) -> int:
@@ -54,6 +55,11 @@ class Layout:
 
     def spot(self, at_mm: float, rig: Rig) -> Array:
         """What the states say of the screw's temperature at a place, (n,)."""
+        if at_mm not in self._spots:
+            self._spots[at_mm] = self._spot(at_mm, rig)
+        return self._spots[at_mm]
+
+    def _spot(self, at_mm: float, rig: Rig) -> Array:
         if self.size == len(self.shapes):
             return np.asarray(rig.the_screw().at(at_mm) @ self.rows(SCREW))
         row = np.zeros(self.size)
@@ -73,6 +79,13 @@ class Network:
     conductance: Array
     inflow: Array
     noise: Array
+
+    @classmethod
+    def none(cls, place: Layout, regimes: int, dtype: Any = float) -> Network:
+        """Of nothing that stores, conducts or scatters."""
+        n = place.size
+        inflow = np.zeros((regimes, n, place.boundaries), dtype)
+        return cls(np.zeros((n, n), dtype), np.zeros((regimes, n, n), dtype), inflow, np.zeros((regimes, n, n), dtype))
 
 
 @dataclass(frozen=True)
@@ -126,9 +139,8 @@ def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
 
     A link between two nodes whose temperatures are a'z and b'z is the matrix g (a - b)(a - b)'.
     """
-    n, dtype = place.size, _dtype(terms)
-    mass, inflow = np.zeros((n, n), dtype), np.zeros((regimes, n, place.boundaries), dtype)
-    conductance, noise = np.zeros((2, regimes, n, n), dtype)
+    network = Network.none(place, regimes, _dtype(terms))
+    mass, conductance, inflow, noise = network.mass, network.conductance, network.inflow, network.noise
     for term in terms:
         if isinstance(term, Store):
             rows = place.rows(term.node)
@@ -140,14 +152,14 @@ def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
         elif isinstance(term, Link):
             _link(conductance, inflow, place, term)
         elif isinstance(term, Heat) and term.node in place.nodes:
-            scatter = np.broadcast_to(spread(term.noise, term.over, place.rows(term.node)), (regimes, n))
+            scatter = np.broadcast_to(spread(term.noise, term.over, place.rows(term.node)), (regimes, place.size))
             noise += scatter[:, :, None] * scatter[:, None, :]
-    return Network(mass, conductance, inflow, noise)
+    return network
 
 
 def _dtype(terms: Sequence[Term]) -> Any:
     """complex where a term's value is, else float."""
-    return complex if any(_complex(value) for term in terms for value in _values(term)) else float
+    return complex if any(is_complex(value) for term in terms for value in _values(term)) else float
 
 
 def _values(term: Term) -> Iterator[object]:
@@ -157,7 +169,8 @@ def _values(term: Term) -> Iterator[object]:
             yield part.weight if isinstance(part, Spot) else part
 
 
-def _complex(value: object) -> bool:
+def is_complex(value: object) -> bool:
+    """Whether a value of a term, a number or an array, is complex."""
     return isinstance(value, complex) or (isinstance(value, np.ndarray) and value.dtype.kind == "c")
 
 
@@ -222,7 +235,7 @@ def span_growth(terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
 def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
     """d: what the channels read beside the temperatures, (ticks, m)."""
     reads = [term for term in terms if isinstance(term, Read)]
-    total = np.zeros((ticks, len(rig.names)), complex if any(_complex(term.offset) for term in reads) else float)
+    total = np.zeros((ticks, len(rig.names)), complex if any(is_complex(term.offset) for term in reads) else float)
     for term in reads:
         i = rig.index(term.channel)
         total[:, i : i + 1] += term.offset

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from estimator.network.sound import Sound
 from estimator.network.unknown import unknown_heat
 from estimator.record import Array, Recording
 from estimator.rig import Rig
+from estimator.terms import OF_READINGS
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,8 @@ class Forcing:
         self._keep = keep
         self._solved: dict[int, Solved] = {}
         self._sound = Sound(model, rig)
-        self.terms = checked_terms(model, nothing(rig), rig, self._sound)
+        self.nothing = nothing(rig)
+        self.terms = checked_terms(model, self.nothing, rig, self._sound)
         self.place = assemble.layout(self.terms, rig, reduced)
         self.readings = assemble.readings(self.terms, rig, self.place)
 
@@ -103,10 +106,21 @@ class Forcing:
         """Why each input was held at the last tick read, (p,), a Fault each."""
         return self._reader.gate.fault
 
+    @cached_property
+    def reading(self) -> list[str]:
+        """Effects that say how channels read."""
+        said = {name: self.model.terms_of(name, self.nothing, self.rig) for name in self.model.effects}
+        return [name for name, terms in said.items() if any(isinstance(term, OF_READINGS) for term in terms)]
+
+    @property
+    def regimes(self) -> int:
+        """How many have been met so far."""
+        return len(self._regimes.omega)
+
     @property
     def modes(self) -> list[Modes]:
         """Modes of all regimes met so far."""
-        return [self._solved[regime].modes for regime in range(len(self._regimes.omega))]
+        return [self._solved[regime].modes for regime in range(self.regimes)]
 
     def modes_of(self, regime: int) -> Modes:
         """Modes of a regime."""
@@ -152,13 +166,13 @@ class Forcing:
 
     def regime_inputs(self, which: Sequence[int] | None = None) -> Inputs:
         """Speed and coverage of some regimes met so far, or of all; every other input is zero."""
-        which = range(len(self._regimes.omega)) if which is None else which
+        which = range(self.regimes) if which is None else which
         omega = np.array([self._regimes.omega[r] for r in which])[:, None]
         return no_inputs(self.rig, omega, np.array([self._regimes.coverage[r] for r in which]))
 
     def _solve(self, needed: Sequence[int]) -> None:
         """Assemble and discretise all regimes met and not solved; those that are needed, where not all are kept."""
-        wanted = range(len(self._regimes.omega)) if self._keep is None else needed
+        wanted = range(self.regimes) if self._keep is None else needed
         self._forget(needed)
         missing = [regime for regime in wanted if regime not in self._solved]
         if not missing:

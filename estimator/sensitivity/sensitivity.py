@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
 from estimator.batch.kernels import coast
 from estimator.batch.nominal import lagging
-from estimator.batch.trial import Posed, Trial
+from estimator.batch.trial import Posed
 from estimator.record import Array
 from estimator.sensitivity.tangent import Tangent
 from estimator.state.open_loop import lag_filter
-from estimator.state.tangent import ReadingsTangent
+
+TOGETHER = 32  # tangents that run side by side: more would leave the processor's cache
 
 
 @dataclass(frozen=True)
@@ -25,56 +28,48 @@ class NominalColumn:
     z: Array
 
 
-def nominal_column(trial: Trial, posed: Posed, moved: Tangent) -> NominalColumn:
-    """Take a tangent through the open-loop run."""
-    system, run = posed.system, posed.run
-    if not moved.moves_states and moved.readings is None:
-        return NominalColumn(moved.offset, np.zeros(len(moved.offset)), np.zeros_like(posed.heat))
-    readings = moved.readings or _none(posed)
-    z0 = readings.x0[posed.state.temperatures]
-    z = np.vstack([z0, coast(system.F, system.regime, pushed(posed, moved), z0)])
-    spot = z @ run.readings.rows.T + run.z @ readings.rows.T
+def nominal_columns(posed: Posed, moved: Iterable[Tangent]) -> Iterator[NominalColumn]:
+    """Take tangents through the open-loop run, some side by side."""
+    rest = iter(moved)
+    while some := list(islice(rest, TOGETHER)):
+        yield from _side_by_side(posed, some)
+
+
+def _side_by_side(posed: Posed, moved: Sequence[Tangent]) -> Iterator[NominalColumn]:
+    run, zeros = posed.run, np.zeros((len(moved), posed.state.size))
+    for x0, each in zip(zeros, moved, strict=True):
+        x0[:] = each.readings.x0 if each.readings is not None else 0.0
+    z0 = zeros[:, posed.state.temperatures]
+    z = np.concatenate([z0[:, None], coast(posed.system.F, posed.system.regime, pushed(posed, moved), z0)], axis=1)
+    spot, grown = z @ run.readings.rows.T, (z[:, 1:] - z[:, :1]) @ run.growth
+    quick = np.zeros_like(spot[:, 1:])
     before = np.vstack([run.spot[:1], run.lagged[:-1]])
-    keep, ramp = lag_filter(run.readings.tau, run.tick_s)
-    quick = (before - run.spot[:-1]) * readings.keep + np.diff(run.spot, axis=0) * readings.ramp
-    lagged = lagging(keep, ramp, spot, quick)
-    late = -np.diff(spot, axis=0) * run.late_share
-    grown = (z[1:] - z[0]) @ run.growth + (run.z[1:] - run.z[0]) @ readings.growth
-    return NominalColumn(moved.offset + lagged + late + posed.state.channel_zeros(readings.x0), grown, z[1:])
+    for k, each in enumerate(moved):
+        if each.readings is not None:
+            spot[k] += run.z @ each.readings.rows.T
+            grown[k] += (run.z[1:] - run.z[0]) @ each.readings.growth
+            quick[k] = (before - run.spot[:-1]) * each.readings.keep + np.diff(run.spot, axis=0) * each.readings.ramp
+    lagged = lagging(*lag_filter(run.readings.tau, run.tick_s), spot, quick)
+    late = -np.diff(spot, axis=1) * run.late_share
+    for k, each in enumerate(moved):
+        zero = posed.state.channel_zeros(zeros[k])
+        yield NominalColumn(each.offset + lagged[k] + late[k] + zero, grown[k], z[k, 1:])
 
 
-def pushed(posed: Posed, moved: Tangent) -> Array:
-    """What each tick adds to how the states move, K, beside what is carried over from the tick before: (T, n)."""
-    b, F = _states(posed, moved)
-    return np.asarray(b + _by_regime(F, posed.system.regime, posed.run.z[:-1]))
-
-
-def _states(posed: Posed, moved: Tangent) -> tuple[Array, Array]:
-    """How the response to heat, (T, n), and F, (R, n, n), move."""
-    regime, forcing, network = posed.system.regime, posed.forcing, moved.network
-    b, F = np.zeros_like(posed.heat), np.zeros_like(posed.system.F)
-    conducts = np.any(network.mass) or np.any(network.conductance)
+def pushed(posed: Posed, moved: Sequence[Tangent]) -> Array:
+    """What each tick adds to how the states move, K, beside what is carried over from the tick before: (k, T, n)."""
+    regime, forcing, before = posed.system.regime, posed.forcing, posed.run.z[:-1]
+    out = np.empty((len(moved), *posed.heat.shape))
+    conducts = [np.any(each.network.mass) or np.any(each.network.conductance) for each in moved]
+    shifts = [np.any(each.network.inflow) or np.any(each.outside) for each in moved]
     for r in np.unique(regime):
-        at = regime == r
-        heat = moved.heat[at] + posed.outside[at] @ network.inflow[r].T + moved.outside[at] @ forcing.inflow(r).T
-        b[at] = heat @ forcing.transition(r).J.T
-        if conducts:
-            F[r], J = forcing.modes[r].along(network.mass, network.conductance[r])
-            b[at] += posed.heat[at] @ J.T
-    return b, F
-
-
-def _by_regime(F: Array, regime: Array, x: Array) -> Array:
-    """F[regime] x of each tick, (T, n)."""
-    out = np.zeros_like(x)
-    if not np.any(F):
-        return out
-    for r in np.unique(regime):
-        out[regime == r] = x[regime == r] @ F[r].T
+        at = np.flatnonzero(regime == r)
+        heat = np.array([each.heat[at] for each in moved])
+        for k in np.flatnonzero(shifts).tolist():
+            heat[k] += posed.outside[at] @ moved[k].network.inflow[r].T + moved[k].outside[at] @ forcing.inflow(r).T
+        b = heat @ forcing.transition(r).J.T
+        for k in np.flatnonzero(conducts).tolist():
+            F, J = forcing.modes_of(r).along(moved[k].network.mass, moved[k].network.conductance[r])
+            b[k] += posed.heat[at] @ J.T + before[at] @ F.T
+        out[:, at] = b
     return out
-
-
-def _none(posed: Posed) -> ReadingsTangent:
-    """Readings that do not move."""
-    channels, n = posed.run.readings.rows.shape
-    return ReadingsTangent.none(channels, n, posed.state.size)

@@ -12,7 +12,6 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.inputs.inputs import nothing
 from estimator.model import Model
 from estimator.network import assemble
 from estimator.network.assemble import Network
@@ -20,7 +19,7 @@ from estimator.network.forcing import Drive, Forcing
 from estimator.record import Array
 from estimator.state.open_loop import lag_filter
 from estimator.state.run import Run
-from estimator.terms import OF_TICKS, Chain, Expand, Lag, Link, Read, Shift, Store
+from estimator.terms import OF_READINGS, OF_TICKS, Chain, Heat, Link, Shift, Store, Term
 
 STEP = 1e-30
 
@@ -70,10 +69,12 @@ class Moved:
 
     def network(self, which: Sequence[int] | None = None) -> Network:
         """Derivatives of the network of some regimes met so far, or of all."""
-        rig = self._forcing.rig
+        rig, place = self._forcing.rig, self._forcing.place
+        if not (self.in_regimes or self._scatters):
+            return Network.none(place, self._forcing.regimes if which is None else len(which))
         u = self._model.inputs(self._forcing.regime_inputs(which), rig)
         terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
-        moves = assemble.network_of(terms, self._forcing.place, len(u))
+        moves = assemble.network_of(terms, place, len(u))
         return Network(**{key: slope(value) for key, value in vars(moves).items()})
 
     def ticks(self, drive: Drive) -> TicksTangent:
@@ -92,9 +93,10 @@ class Moved:
     def readings(self, run: Run, offset: Array, moved_offset: Array) -> ReadingsTangent | None:
         """Derivatives of how the channels read, None where nothing of it moves; `offset` (m,): of the first sample."""
         rig, place = self._forcing.rig, self._forcing.place
-        if not self._kinds & {Read, Lag, Expand}:
+        if not self._kinds & {*OF_READINGS}:
             return None
-        terms = list(self._model.terms(nothing(rig), rig))
+        u = self._forcing.nothing
+        terms = [term for name in self._forcing.reading for term in self._model.terms_of(name, u, rig)]
         moved = assemble.readings(terms, rig, place)
         keep, ramp = lag_filter(moved.tau, rig.tick_s)
         known = np.isfinite(moved.sd)
@@ -126,6 +128,13 @@ class Moved:
         return bool(self._kinds & {Store, Chain, Link})
 
     @property
+    def _scatters(self) -> bool:
+        """Whether it moves how the heat of its effects scatters, and where."""
+        heats = [term for some in self._still.values() for term in some if isinstance(term, Heat)]
+        noisy = [term for term in heats if np.ndim(term.noise) or term.noise != 0.0]
+        return any(assemble.is_complex(value) for term in noisy for value in (term.noise, term.over))
+
+    @cached_property
     def _kinds(self) -> set[type]:
         """Of which kinds the terms are that move."""
         return set().union(*self._kinds_of.values())
@@ -133,8 +142,13 @@ class Moved:
     @cached_property
     def _kinds_of(self) -> dict[str, set[type]]:
         """The same by effect, whatever the inputs."""
-        u, rig = nothing(self._forcing.rig), self._forcing.rig
-        return {name: {type(term) for term in self._model.terms_of(name, u, rig)} for name in self._effects}
+        return {name: {type(term) for term in terms} for name, terms in self._still.items()}
+
+    @cached_property
+    def _still(self) -> dict[str, list[Term]]:
+        """What its effects say at rest, by effect."""
+        rig, u = self._forcing.rig, self._forcing.nothing
+        return {name: self._model.terms_of(name, u, rig) for name in self._effects}
 
 
 class MovedApart:

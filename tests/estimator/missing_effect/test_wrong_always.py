@@ -19,7 +19,7 @@ from estimator.missing_effect.wrong_always import WRONG_INPUTS, inputs_in
 from estimator.missing_effect.wrong_input import ALL, ZERO, corrected, moved
 from estimator.record import Recording
 from estimator.rig import Rig
-from estimator.sensitivity.sensitivity import nominal_column
+from estimator.sensitivity.sensitivity import nominal_columns
 from estimator.sensitivity.tangent import tangent
 from estimator.work import Runs
 
@@ -70,7 +70,8 @@ def test_readings_move_with_an_error_as_differences_say(path, at, plain, bar, li
     model, step = model.with_values({path: at}), STEPS[path.partition(".")[2]]
     trial = unjudged(model, bar, lives(plain)[0])
     ends = [trial.pose(model.with_values({path: at + h})).run.lagged for h in (-step, step)]
-    exact = nominal_column(trial, trial.pose(model), tangent(trial, trial.pose(model), model, path)).reading
+    posed = trial.pose(model)
+    exact = next(nominal_columns(posed, [tangent(trial, posed, model, path)])).reading
     thermometers = bar.is_thermometer
     difference = (ends[1] - ends[0])[:, thermometers] / (2 * step)
     assert np.abs(difference).max() > 1e-4

@@ -13,7 +13,7 @@ from estimator.effect import Effect, Param
 from estimator.model import Model, model_of
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.sensitivity.sensitivity import nominal_column
+from estimator.sensitivity.sensitivity import nominal_columns
 from estimator.sensitivity.tangent import tangent
 from estimator.terms import SCREW, Heat
 from tests.conftest import SMALL, SMALL_VALUES
@@ -109,7 +109,7 @@ def alike(found: Array, differences: Array, model: Model, path: str) -> None:
 def test_the_open_loop_reading_moves_as_differences_say(path, small_trial):
     trial, model = small_trial
     posed = trial.pose(model)
-    column = nominal_column(trial, posed, tangent(trial, posed, model, path))
+    (column,) = nominal_columns(posed, [tangent(trial, posed, model, path)])
     alike(column.reading, difference(lambda m: alone(trial, m), model, path), model, path)
     alike(column.grown, difference(lambda m: trial.pose(m).run.grown, model, path), model, path)
 
@@ -118,7 +118,7 @@ def test_the_open_loop_reading_moves_as_differences_say(path, small_trial):
 def test_it_does_so_on_the_paper_s_rig(path, linear):
     trial, model = linear
     posed = trial.pose(model)
-    column = nominal_column(trial, posed, tangent(trial, posed, model, path))
+    (column,) = nominal_columns(posed, [tangent(trial, posed, model, path)])
     moved = difference(lambda m: alone(trial, m), model, path)
     assert abs(moved).max() * model[path] > 1e-3
     alike(column.reading, moved, model, path)
@@ -130,5 +130,5 @@ def test_noise_moves_the_open_loop_run_through_the_first_estimate_only(small_tri
     for path, moves in (("thermometers.sd", True), ("thermometers.zero_sd", True), ("conduction.noise", False)):
         moved = tangent(trial, posed, model, path)
         assert not moved.moves_mean
-        reading = nominal_column(trial, posed, moved).reading
+        reading = next(nominal_columns(posed, [moved])).reading
         assert (abs(reading).max() > 1e-3) == moves, path
