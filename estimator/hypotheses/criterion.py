@@ -12,6 +12,7 @@ CHANCE = 0.05  # the share of searches in which something may be named although 
 APART_SE = 2.0  # standard errors between what can be told apart
 WORTH_K, WORTH_UM = 0.016, 0.12  # an effect takes at least so much off one of the errors: a third of a good model's
 PROMISE = 4.0  # times less than the screen says may be left of a misfit once an effect is fitted in full
+ROUNDING = 1e-9  # of a misfit: nearer are the same but for the processor's rounding
 GOOD = 1.3  # a misfit that is good enough not to look for what is unknown: what its own scatter over recordings allows
 
 
@@ -36,7 +37,7 @@ def nats(a: Explanation, b: Explanation) -> float:
 
 def behind(a: Explanation, best: Explanation) -> float:
     """Standard errors by which one leaves more than another: of the difference in each block of ten minutes."""
-    if a.misfit == best.misfit:
+    if abs(a.misfit - best.misfit) <= ROUNDING * best.misfit:
         return 0.0
     apart = (a.blocks - best.blocks).sum(axis=0)
     return (a.misfit - best.misfit) / _error_of(apart, best)

@@ -36,7 +36,7 @@ def test_at_one_speed_the_drive_and_every_law_of_the_speed_are_rivals(plain, bar
     there = [r for r in one_speed.rivals if unknown_of(r.candidate, bar).at_mm == best.at_mm]
     laws = [r for r in there if unknown_of(r.candidate, bar).follower.name in ("speed2", "drive")]
     assert laws
-    assert all(abs(r.difference_se) < 1 for r in laws)
+    assert all(r.difference_se == 0 for r in laws)
     others = [each.at_mm for each in here if each.at_mm not in (None, best.at_mm)]
     assert all(abs(at - best.at_mm) >= NEAR_MM for at in others)
     assert "As well, by these recordings: " in unknown_sentence(one_speed, bar)
