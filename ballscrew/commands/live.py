@@ -80,8 +80,9 @@ def command(
     with stop_asked() as stopped, ExitStack() as open_parts, display(terminal) as screen:
         about = {"bus": str(bus), "rig": rig.name, "model": model.name, "speed_up": speed_up}
         recorder = open_parts.enter_context(Recorder(record, about, own=decoder.own)) if record else None
-        receiver = Receiver(bus.listen, clock, recorder.write if recorder else lambda frame: None, bus.name)
         publisher = Publisher(rig, bus.open) if publish else None
+        hear = [*([recorder.write] if recorder else []), *([publisher.heard] if publisher else [])]
+        receiver = Receiver(bus.listen, clock, hear, bus.name)
         views, views_at = _views(terminal, rig, model.name, view, bind, rrd, open_parts)
         late_s = LATE_S * max(speed_up - 1.0, 0.0)
         lines = open_parts.enter_context(json_lines(terminal.json_path))

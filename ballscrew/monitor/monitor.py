@@ -26,6 +26,7 @@ from estimator.state.warmth import Warmth, warmth
 from estimator.step import Mode, Step
 
 LATE_TICKS = 2.5  # a bus that brings no frame for so long is silent
+MOST_ALONE = 10  # ticks of the model alone at a time: frames that come meanwhile must not wait for it
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ class Monitor:
         return map(self._moment, self.ticker.flush())
 
     def idle(self, silent_s: float) -> Iterator[Moment]:
-        """No frame has come for so long, on the rig's clock: the model goes on alone.
+        """No frame has come for so long, on the rig's clock: the model goes on alone, a few ticks at a time.
 
         It goes on from the last stamp that counts: one in doubt may be years ahead.
         """
@@ -133,7 +134,8 @@ class Monitor:
             self._ahead = copy.deepcopy((self.ticker, self.filter), shared)
             self._ahead[0].tally = self._ahead[0].clock.tally = Tally()
         ticker, alone = self._ahead
-        for sample in ticker.advance(self.ticker.clock.stamp + silent_s):
+        upto = min(self.ticker.clock.stamp + silent_s, ticker.clock.stamp + MOST_ALONE * self.rig.tick_s)
+        for sample in ticker.advance(upto):
             step = self.left_out.step(alone, sample, self.filter)
             silent = Alarm("bus", "", self.ticker.clock.now, "nothing of the rig on the bus")
             alarms = {silent.key: silent, **self.left_out.alarms, **self.tests.active}

@@ -110,8 +110,6 @@ class Session:
             if isinstance(item, Notice):
                 self._say(item.text, item.level)
                 continue
-            if self.publisher is not None:
-                self.publisher.heard(item)
             self._all(partial(self.monitor.feed, item))
 
     def _all(self, moments: Callable[[], Iterator[Moment]]) -> None:
@@ -131,7 +129,8 @@ class Session:
     def _idle(self) -> None:
         """No frame: the model goes on alone, and who relies on the estimate hears that it is not to be trusted."""
         silent_s = self.clock.silence()
-        self._all(partial(self.monitor.idle, silent_s))
+        if not self.receiver.waiting:  # else the rig has said more than is estimated so far
+            self._all(partial(self.monitor.idle, silent_s))
         if self.latest is not None and self.latest.trust.valid:
             self._judge(self.monitor.trust(silent_s))
 

@@ -103,7 +103,7 @@ class Publisher:
         return [_frame(m, values) for m, values in zip(self._messages, (estimate, compensation), strict=True)]
 
     def heard(self, frame: Received) -> None:
-        """A frame has come on the bus: is it somebody else's with an id of ours?"""
+        """A frame comes on the bus: is it somebody else's with an id of ours? Ask at once: echoes are forgotten."""
         if self._stopped or frame.kind != "data" or (frame.id, frame.extended) not in self._ids:
             return
         if frame.data not in self._own:

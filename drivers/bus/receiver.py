@@ -12,7 +12,7 @@ import math
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from drivers.bus.age import Age
 from drivers.bus.bus import Listener, hang_up, told
@@ -32,7 +32,7 @@ TOLD_S = 10.0  # between two sentences about the same
 
 
 class Receiver:
-    """Receives in the background; `record` is called there with every frame, before anything else.
+    """Receives in the background; all who `hear` are told there of every frame, before anything else.
 
     frames   taken so far, of all kinds;  errors  error frames among them
     missed   that the kernel had no room for
@@ -41,12 +41,12 @@ class Receiver:
     state    "opening", "open", "silent" or "lost"
     """
 
-    def __init__(self, opens: Callable[[], Listener], clock: RigTime, record: Callable[[Received], None],
+    def __init__(self, opens: Callable[[], Listener], clock: RigTime, hear: Sequence[Callable[[Received], None]],
                  channel: str = "can0") -> None:  # fmt: skip
         self.clock, self.state = clock, "opening"
         self.frames = self.errors = self.missed = self.dropped = 0
         self.failure: BallscrewError | None = None
-        self._opens, self._record, self._channel = opens, record, channel
+        self._opens, self._hear, self._channel = opens, hear, channel
         self.age_s = self._came_old_s = 0.0
         self._queue: queue.SimpleQueue[tuple[float, Received | Notice]] = queue.SimpleQueue()
         self._halt = threading.Event()
@@ -84,6 +84,11 @@ class Receiver:
         self.age_s = time.monotonic() - came if items else 0.0
         self._give_up()
         return items
+
+    @property
+    def waiting(self) -> bool:
+        """Whether something has come that was not taken yet."""
+        return not self._queue.empty()
 
     def _give_up(self) -> None:
         if self.failure is None and not self._opened_before and time.monotonic() - self._began_s > OPEN_S:
@@ -143,7 +148,8 @@ class Receiver:
 
     def _pass_on(self, frames: list[Received]) -> None:
         for frame in frames:
-            self._record(frame)
+            for hear in self._hear:
+                hear(frame)
             if frame.kind == "error":
                 continue
             if self._queue.qsize() < MOST_WAITING:

@@ -89,7 +89,7 @@ def _settled(ticks: Array, recording: Recording) -> Array:
 
 def _join(left: Array, read_at: Array, time_s: Array, ticks: Array, before: Stop, out: Joined) -> Stop:
     """Fill one drive or rest, shifted to join the level at which the one before ended; returns its own last level."""
-    read = ticks[np.isfinite(left[ticks]).reshape(len(ticks), -1).all(axis=1)]
+    read = ticks[np.isfinite(left[ticks]).all(axis=tuple(range(1, left.ndim)))]
     if not len(read):
         return before
     began = time_s[ticks[0] - 1] if ticks[0] else time_s[0]

@@ -73,7 +73,7 @@ def send(port: int, frames: Frames, speed_up: float = SPEED_UP) -> list[can.Mess
                 heard.append(message)
             time.sleep(max(0.0, begin + (frame.time_s - frames[0].time_s) / speed_up - time.monotonic()))
             opened.send(can.Message(arbitration_id=frame.id, is_extended_id=False, data=frame.data))
-        while (message := opened.recv(0.3)) is not None and len(heard) < 1000:
+        while (message := opened.recv(0.3)) is not None and len(heard) < 200:
             heard.append(message)
     return heard
 

@@ -60,7 +60,7 @@ def received(impatient) -> Callable[..., tuple[list[Received], list[Notice], Rec
                 raise bus
             return Listener(bus)
 
-        receiver = Receiver(opens, RigTime(), recorded.append)
+        receiver = Receiver(opens, RigTime(), [recorded.append])
         receiver.start()
         found = []
 
@@ -78,6 +78,20 @@ def received(impatient) -> Callable[..., tuple[list[Received], list[Notice], Rec
         return taken, notices, receiver
 
     return of
+
+
+def test_all_who_hear_are_told_before_anybody_takes_a_frame(impatient):
+    """A publisher knows its own echo for some seconds: it cannot wait until the estimate has time for it."""
+    told: list[list[Received]] = [[], []]
+    receiver = Receiver(lambda: Listener(Script(message(1), message(2))), RigTime(), [each.append for each in told])
+    receiver.start()
+    until(lambda: len(told[1]) == 2)
+    assert told[0] == told[1]
+    assert receiver.waiting
+    receiver.stop()
+    while receiver.take(0.0):
+        pass
+    assert not receiver.waiting
 
 
 def test_frames_come_in_order_and_the_bus_is_closed(received):
@@ -129,7 +143,7 @@ def test_error_frames_are_counted_and_bus_off_is_told(received):
 def test_what_the_estimate_is_too_slow_for_is_counted(received, monkeypatch):
     monkeypatch.setattr(receiving, "MOST_WAITING", 10)
     recorded: list[Received] = []
-    receiver = Receiver(lambda: Listener(Script(*(message(k) for k in range(50)))), RigTime(), recorded.append)
+    receiver = Receiver(lambda: Listener(Script(*(message(k) for k in range(50)))), RigTime(), [recorded.append])
     receiver.start()
     until(lambda: len(recorded) == 50)
     receiver.stop()
@@ -145,7 +159,7 @@ def test_how_old_a_frame_is_counts_the_buffers_before_us(monkeypatch):
     monkeypatch.setattr(receiving, "AT_ONCE", 1)
     monkeypatch.setattr(receiving, "time", SimpleNamespace(monotonic=lambda: received_s[3 - len(bus.items)]))
     bus = Script(message(1), message(2), message(3))
-    receiver = Receiver(lambda: Listener(bus), RigTime(), lambda frame: None)
+    receiver = Receiver(lambda: Listener(bus), RigTime(), [])
     receiver.start()
     until(lambda: receiver.frames == 3)
     assert isinstance(receiver.take(0)[0], Notice)
@@ -156,7 +170,7 @@ def test_how_old_a_frame_is_counts_the_buffers_before_us(monkeypatch):
 
 def test_what_the_kernel_had_no_room_for_is_counted_and_told(impatient):
     bus, lost = Script(*(message(k) for k in range(5))), [0, 0, 7, 7, 9]
-    receiver = Receiver(lambda: Listener(bus, lambda: lost[4 - len(bus.items)]), RigTime(), lambda frame: None)
+    receiver = Receiver(lambda: Listener(bus, lambda: lost[4 - len(bus.items)]), RigTime(), [])
     receiver.start()
     until(lambda: receiver.missed == 9)
     receiver.stop()
@@ -165,7 +179,7 @@ def test_what_the_kernel_had_no_room_for_is_counted_and_told(impatient):
 
 
 def test_an_interface_that_does_not_exist_ends_it():
-    receiver = Receiver(BusAddress("nonsense", "can0").listen, RigTime(), print)
+    receiver = Receiver(BusAddress("nonsense", "can0").listen, RigTime(), [])
     receiver.start()
     until(lambda: receiver.failure)
     receiver.stop()
@@ -183,7 +197,7 @@ def test_an_interface_that_never_opens_is_an_error(impatient, monkeypatch, why):
             ended.wait()
         raise OSError(19, "No such device")
 
-    receiver = Receiver(opens, RigTime(), print, "can7")
+    receiver = Receiver(opens, RigTime(), [], "can7")
     receiver.start()
     until(lambda: receiver.take(0.01) is None or receiver.failure)
     ended.set()
@@ -201,7 +215,7 @@ def test_a_bus_that_has_been_open_is_waited_for(impatient, monkeypatch):
             raise found
         return found
 
-    receiver = Receiver(opens, RigTime(), lambda frame: None)
+    receiver = Receiver(opens, RigTime(), [])
     receiver.start()
     until(lambda: receiver.frames and receiver.state == "lost")
     monkeypatch.setattr(receiving, "OPEN_S", 0.0)
