@@ -94,6 +94,11 @@ def rig_option(help: str) -> Decorator:
     return click.option("--rig", "rig_path", type=PATH, help=help)
 
 
+def model_option(help: str) -> Decorator:
+    """--model."""
+    return click.option("--model", "model_path", type=PATH, help=help)
+
+
 def terminal_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """--json, --quiet and --debug, the same on every command, which gets a `terminal` that heeds them."""
 
@@ -154,7 +159,7 @@ logs_argument = click.argument(
 )
 rig_options = stacked(  # --rig and --model
     rig_option(f"Rig folder; {NEAREST_RIG}"),
-    click.option("--model", "model_path", type=PATH, help="Model TOML; else the rig folder's model.toml."),
+    model_option("Model TOML; else the rig folder's model.toml."),
 )
 save_option = output_file("--save", "rrd", metavar="OUT.rrd", help="Write the views as a rerun file.")
 view_option = click.option("--view", is_flag=True, help="Open the views in the rerun viewer, where there is a screen.")

@@ -15,6 +15,7 @@ from estimator.effects import CATALOGUE
 from estimator.faults.use import Use
 from estimator.hypotheses.candidates import unfit
 from estimator.missing_effect.suggestion import Suggestion
+from estimator.model import file_and_class
 from estimator.next_run.next_run import NextRun, next_run
 from estimator.work import Runs
 
@@ -41,7 +42,7 @@ def effects_to_try(work: Workspace, own: Sequence[str]) -> list[Named]:
     Says which of one's own cannot be tried on this rig, and why.
     """
     model = work.model
-    files = [str((model.folder or Path()) / use.partition(":")[0]) for use in model.use.values()]
+    files = [str((model.folder or Path()) / file_and_class(use)[0]) for use in model.use.values()]
     mine = {one.effect.name: one for word in dict.fromkeys([*files, *own]) for one in named_effects(word)}
     for one in mine.values():
         if one.file and one.effect.name not in model.effects and (why := unfit(model, work.rig, one.effect)):

@@ -224,9 +224,15 @@ def model_of(effects: Sequence[type[Effect]], name: str = "model") -> Model:
     return model
 
 
+def file_and_class(use: str) -> tuple[str, str]:
+    """Of "effects.py:Rub" the file and the class, which is empty where none is named; a folder may have a ':' in it."""
+    file, _, cls = use.rpartition(":")
+    return (file, cls) if file and cls.isidentifier() else (use, "")
+
+
 def _line(error: BaseException, use: str) -> str:
     """Where in a user's own file it went wrong."""
-    file = Path(use.partition(":")[0]).name
+    file = Path(file_and_class(use)[0]).name
     lines = [frame.lineno for frame in extract_tb(error.__traceback__) if Path(frame.filename).name == file]
     return f"line {lines[-1]}: " if lines else ""
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 from rich.markup import escape
 
-from ballscrew.options import rig_option, terminal_options
+from ballscrew.options import model_option, rig_option, terminal_options
 from ballscrew.own_effect.named import Named, named_effects
 from ballscrew.own_effect.printed import as_json, print_effect
 from ballscrew.terminal import Terminal
@@ -25,9 +25,12 @@ KINDS = {"structure": STRUCTURE, "heat": HEAT, "reading": READING}
 @click.command("effects")
 @click.argument("name", required=False, metavar="[NAME]")
 @click.option("--check", is_flag=True, help="Run the battery on it that every effect must pass.")
-@rig_option("Check it on this rig folder and its model; else the nearest at or above the file, else the built-in rig.")
+@rig_option("Check it on this rig folder; else the nearest at or above the file, else the built-in rig.")
+@model_option("Check it beside this model's effects; else the rig folder's model.toml.")
 @terminal_options
-def command(terminal: Terminal, name: str | None, check: bool, rig_path: Path | None) -> int:
+def command(
+    terminal: Terminal, name: str | None, check: bool, rig_path: Path | None, model_path: Path | None
+) -> int:  # fmt: skip
     """Print the catalogue, or the effect NAME with its equation, its parameters and what it leaves in the readings.
 
     NAME is an effect of the catalogue, or your own: FILE.py or FILE.py:Class. That file is Python, and runs.
@@ -44,7 +47,7 @@ def command(terminal: Terminal, name: str | None, check: bool, rig_path: Path | 
         told[one.effect.name] = as_json(one.effect)
     if check:
         rig = open_rig([found[0].file] if found[0].file else [], rig_path, terminal)
-        model = open_model(rig, None, terminal)
+        model = open_model(rig, model_path, terminal)
         for one in found:
             findings = _checked(terminal, one, model, rig)
             told[one.effect.name]["checks"] = [vars(finding) for finding in findings]

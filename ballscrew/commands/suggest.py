@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,7 +50,7 @@ def command(
     print_verdict(work.terminal, verdict, work.rig)
     written = _written(found, compose)
     for one in written:
-        work.terminal.say(f"{one.file}: {one.effect.__name__} written; next: ballscrew effects {one.use} --check")
+        work.terminal.say(f"{one.file}: {one.effect.__name__} written; next: {_check(one, work)}")
     if compose is not None and not written:
         work.terminal.say(f"{compose}: nothing was composed, nothing is written")
     work.terminal.json(as_json(verdict, work.rig, compose if written else None))
@@ -61,6 +62,16 @@ def command(
 def _written(found: Suggestion, file: Path | None) -> list[Named]:
     """The composed effect in its file, where there is one and that was asked for."""
     return write_composed([found.composed], file) if file is not None and found.composed is not None else []
+
+
+def _check(one: Named, work: Workspace) -> str:
+    """The command that checks it on this rig and model, which need not be those nearest to the file."""
+    words, rig, model = ["ballscrew", "effects", one.use, "--check"], work.rig.folder, work.model
+    assert one.file is not None
+    if work.rig_path or rig.resolve() not in one.file.resolve().parents:
+        words += ["--rig", str(work.rig_path or rig)]
+    path = (model.folder or Path()) / model.name
+    return shlex.join([*words, *(["--model", str(path)] if path.resolve() != (rig / "model.toml").resolve() else [])])
 
 
 def _save(path: Path, work: Workspace, verdict: Verdict) -> None:

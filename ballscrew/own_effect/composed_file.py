@@ -14,8 +14,8 @@ from estimator.unknown.effect_text import VOCABULARY
 
 def taken_in(path: Path) -> list[str]:
     """Names that a file has already; nothing of it runs. A SetupError where no effect can be put behind them."""
-    if path.suffix != ".py" or ":" in path.name:
-        raise SetupError(f"{path}: effects are Python: take a file whose name ends with .py and has no ':'")
+    if path.suffix != ".py":
+        raise SetupError(f"{path}: effects are Python: take a file whose name ends with .py")
     text = _text(path)
     names = names_in(tree_of(text, path))
     if foreign := sorted(names & set(VOCABULARY) - imported_names(tree_of(text, path))):

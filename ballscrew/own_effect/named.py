@@ -10,7 +10,7 @@ from ballscrew.own_effect.patience import patience
 from estimator.effect import Effect
 from estimator.effects import CATALOGUE
 from estimator.errors import SetupError, nearest
-from estimator.model import Model
+from estimator.model import Model, file_and_class
 from estimator.rig_folder.model_toml import own_effect, own_effects
 
 
@@ -37,7 +37,7 @@ class Named:
 
 def named_effects(word: str) -> list[Named]:
     """The effects that a word means; a FILE.py runs as code, and means all that are written in it."""
-    file, colon, _ = word.partition(":")
+    file, cls = file_and_class(word)
     if not file.endswith(".py"):
         if word not in CATALOGUE:
             raise SetupError(f"no effect '{word}' in the catalogue; {nearest(word, CATALOGUE)}")
@@ -46,7 +46,7 @@ def named_effects(word: str) -> list[Named]:
     if not path.is_file():
         raise SetupError(f"{path}: no such effect file")
     with patience(path):
-        if colon:
+        if cls:
             return [Named(own_effect(word, Path()), path)]
         found = [Named(effect, path) for effect in own_effects(path).values() if effect.__module__ == path.stem]
     if not found:

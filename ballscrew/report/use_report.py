@@ -58,6 +58,7 @@ def as_json(use: Use) -> dict[str, Any]:
         "jumps": [{"at_s": jump.time_s, "sizes": dict(jump.sizes)} for jump in use.jumps],
         "inputs": {name: _spells_json(spells) for name, spells in use.inputs.items()},
         "silent_inputs": dict(use.silent),
+        "inputs_never_read": list(use.never),
         "travel": [{"from_s": from_s, "why": why} for from_s, why in use.travel],
     }
 

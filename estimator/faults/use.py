@@ -99,7 +99,7 @@ class Use:
     """What was used of one recording. `again`: the run had begun before, with what were no temperatures.
 
     inputs  when those that were broken were so
-    silent  since when, s, inputs were not read any more
+    silent  since when, s, inputs were not read any more;   never  inputs that were not read at all
     travel  what was wrong with position and speed, and since when, s
     """
 
@@ -110,6 +110,7 @@ class Use:
     jumps: tuple[Jump, ...]
     inputs: Mapping[str, tuple[Spell, ...]]
     silent: Mapping[str, float]
+    never: tuple[str, ...]
     travel: tuple[tuple[float, str], ...]
 
     @property
@@ -136,8 +137,9 @@ def use_of(recording: Recording, rig: Rig, told: Told) -> Use:
     broken = {name: some for name, some in held.items() if some}
     again, travel = bool(told.begins.sum() > 1), tuple(disagreements(recording, rig))
     return Use(
-        recording.name, float(told.time_s[begin]), again, tuple(found), tuple(jumps), broken, _silent(recording), travel
-    )
+        recording.name, float(told.time_s[begin]), again, tuple(found), tuple(jumps), broken, _silent(recording),
+        tuple(name for name in rig.inputs if not np.isfinite(recording.inputs[name]).any()), travel,
+    )  # fmt: skip
 
 
 def _silent(recording: Recording) -> dict[str, float]:

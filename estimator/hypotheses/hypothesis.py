@@ -63,13 +63,17 @@ class Hypothesis:
         return {path: values[path] for path in self.paths if path.partition(".")[0] in self.names}
 
     def at_bound(self) -> list[str]:
-        """Parameters of the effects to add that ended at a bound which is no null: of no size that can be."""
+        """Parameters of the effects to add that ended at a bound which is no null: of no size that can be.
+
+        A place or a width may end where the screw does.
+        """
         found = []
         for path in self.paths:
             param, value = self.model.param(path), float(self.model[path])
             near = BOUND * (param.hi - param.lo if np.isfinite(param.hi - param.lo) else max(abs(value), 1e-9))
             ends = [end for end in (param.lo, param.hi) if end != param.null]
-            if path.partition(".")[0] in self.names and any(abs(value - end) <= near for end in ends):
+            extent = param.unit == "mm" and param.null is None
+            if path.partition(".")[0] in self.names and not extent and any(abs(value - end) <= near for end in ends):
                 found.append(path)
         return found
 

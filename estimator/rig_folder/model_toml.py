@@ -15,7 +15,7 @@ import tomlkit
 from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
 from estimator.errors import SetupError, nearest
-from estimator.model import Model, Value
+from estimator.model import Model, Value, file_and_class
 from estimator.rig_folder import fields
 
 
@@ -77,7 +77,7 @@ def save_model(model: Model, path: Path) -> None:
 
 def _seen_from(folder: Path, model: Model, name: str) -> str:
     """Where an own effect is, for a model file in `folder`."""
-    file, _, cls = model.use[name].partition(":")
+    file, cls = file_and_class(model.use[name])
     if model.folder is None:
         return model.use[name]
     return f"{Path(os.path.relpath(model.folder / file, folder)).as_posix()}:{cls}"
@@ -150,7 +150,7 @@ def _value(item: Any, param: Param, place: str) -> Value:
 
 def own_effect(use: str, folder: Path) -> type[Effect]:
     """Import `file.py:Class`, seen from a folder. Runs the user's code: only for a file that is named."""
-    file, _, cls = use.partition(":")
+    file, cls = file_and_class(use)
     path = folder / file
     if not cls or not path.is_file():
         raise SetupError(f'{path}: no such effect file; write use = "effects.py:ClassName"')

@@ -1,7 +1,7 @@
 """What no effect of the catalogue explains: the stand-in that leaves least, and those that leave as little.
 
-All stand-ins are screened; the best moves to its place. There every follower that can reach the place is asked again,
-those too that the screen has not. The rest are rivals where recordings cannot tell them from the best.
+All stand-ins are screened, and the best few move to their places. At the best of these every follower that can reach
+it is asked again, those too that the screen has not. The rest are rivals where recordings cannot tell them from it.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from estimator.rig import Rig
 from estimator.unknown.stand_ins import STAND_INS, UnknownHeat, unknown_of
 
 SEATS = 30  # of each stand-in, that are judged: whatever may be a rival
+PLACES = 3  # that are fitted in full: the screen, straight from no effect at all, may promise most of a wrong one
 NEAR_MM = 2 * APART_MM  # what is nearer is the same place
 
 
@@ -73,8 +74,9 @@ def best_stand_in(ground: Ground, trials: Trials) -> Unexplained | None:
     seats = sorted(screening(ground, wide, listed, trials, SEATS).found, key=_misfit)
     if not seats:
         return None
-    h = refined(ground, trials, [seats[0].candidate], seats[0].first)
-    here = _moved(seats[0].candidate, h)
+    few = [(seat.candidate, refined(ground, trials, [seat.candidate], seat.first)) for seat in _places(seats)[:PLACES]]
+    best_seat, h = min(few, key=lambda one: one[1].misfit)
+    here = _moved(best_seat, h)
     asked = sorted(_asked(ground, wide, here, trials), key=_misfit)
     best = asked[0]
     if best.candidate.at != here.at:

@@ -89,6 +89,30 @@ def test_a_recording_without_a_temperature_is_told_and_the_others_are_reviewed(t
     assert run("review", rod / "blind.csv")[0] == 1
 
 
+def test_an_input_that_was_never_read_is_said_first(tmp_path):
+    shutil.copytree(ROD, tmp_path / "rod")
+    log = tmp_path / "rod" / "steps.csv"
+    head, *rows = log.read_text().splitlines()
+    heater = head.split(",").index("heater_W")
+    cells = [row.split(",") for row in rows[:60]]
+    log.write_text("\n".join([head, *(",".join([*row[:heater], "", *row[heater + 1 :]]) for row in cells), ""]))
+    status, out, _ = run("review", log)
+    assert status == 0
+    told = [line for line in out.splitlines() if line.startswith("steps.csv: ")]
+    assert told[1] == "steps.csv: input heater was never read: 0 stands for it"
+    assert json.loads(run("review", log, "--json")[1])["recordings"][0]["inputs_never_read"] == ["heater"]
+
+
+def test_a_copy_of_a_recording_is_no_other_witness(tmp_path):
+    shutil.copytree(ROD, tmp_path / "rod")
+    log = tmp_path / "rod" / "steps.csv"
+    shutil.copy(log, tmp_path / "rod" / "copy.csv")
+    status, out, err = run("suggest", log, tmp_path / "rod" / "copy.csv", "--json")
+    assert status == 0
+    assert "copy.csv is steps.csv once more: used once" in err
+    assert [one["name"] for one in json.loads(out)["recordings"]] == ["steps.csv"]
+
+
 def test_a_filter_that_is_worse_than_a_polyline_says_so(folder):
     model = load_model(folder / "model.toml")
     save_model(model.with_values({"expansion_error.error": 0.04}), folder / "poor.toml")

@@ -13,7 +13,7 @@ from estimator.effects.air import StillAir
 from estimator.effects.nut import NutBody, NutFriction
 from estimator.errors import SetupError
 from estimator.filter import Filter
-from estimator.model import Prior, Value, model_of
+from estimator.model import Prior, Value, file_and_class, model_of
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests.conftest import stepped
 
@@ -194,6 +194,20 @@ def test_what_an_effect_file_gets_wrong_is_named(tmp_path, use, own, message):
     with pytest.raises(SetupError) as caught:
         load_model(path)
     assert str(caught.value) == f"{tmp_path}/{message}"
+
+
+@pytest.mark.parametrize(
+    ("use", "file", "cls"),
+    [
+        ("effects.py:Rub", "effects.py", "Rub"),
+        ("run 12:30/effects.py:Rub", "run 12:30/effects.py", "Rub"),
+        ("run 12:30/effects.py", "run 12:30/effects.py", ""),
+        ("effects.py", "effects.py", ""),
+        ("churning", "churning", ""),
+    ],
+)
+def test_a_folder_may_have_a_colon_in_its_name(use, file, cls):
+    assert file_and_class(use) == (file, cls)
 
 
 def test_plus_and_minus_compose(full):

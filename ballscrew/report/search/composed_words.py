@@ -5,10 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from ballscrew.report.search.with_sd import with_sd
 from estimator.accuracy.noise_floor import Error
-from estimator.model import Value
 from estimator.unknown.composed import Composed
 from estimator.unknown.stand_ins import Unknown
 
@@ -30,7 +28,7 @@ def composed_sentence(made: Composed) -> str:
     sentence = made.effect.sentence().rstrip(".")
     law = made.effect.equation().splitlines()[0].rstrip(",")
     values = ", ".join(
-        f"{path.partition('.')[2]} {_known(value, made.hypothesis.model.param(path).unit)}"
+        f"{path.partition('.')[2]} {with_sd(value, made.hypothesis.model.param(path).unit)}"
         for path, value in made.hypothesis.own().items()
     )
     off = 1.0 - made.hypothesis.misfit / made.before.misfit
@@ -41,13 +39,6 @@ def composed_sentence(made: Composed) -> str:
         f"As an effect: {sentence}; {law}, with {values}. It takes {off:.0%} off the misfit; of {made.tried} that were"
         f" tried the best takes {made.by_chance:.0%} off by chance in one search of twenty.{as_well}{sense}"
     )
-
-
-def _known(value: Value, unit: str) -> str:
-    """A value to the first digit of its sd: 923 +- 46 s, 2.1 +- 0.2."""
-    sd = value.sd or 0.0
-    digits = max(0, -int(np.floor(np.log10(sd)))) if sd > 0 else 3
-    return f"{value.value:.{digits}f} +- {sd:.{digits}f} {unit if unit != '1' else ''}".strip()
 
 
 def _sense(made: Composed) -> str:

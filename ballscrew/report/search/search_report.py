@@ -12,6 +12,7 @@ from ballscrew.began import events_json
 from ballscrew.report.search.composed_words import composed_json
 from ballscrew.report.search.next_run_words import next_run_json
 from ballscrew.report.search.verdict import sentence
+from ballscrew.report.search.with_sd import with_sd
 from ballscrew.report.sections import Section, cells
 from ballscrew.report.use_report import recordings_json
 from ballscrew.search import Verdict
@@ -66,7 +67,7 @@ def ranked(verdict: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
 def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
     errors = [h.judged.error, *([held] if held is not None else [])]
     values = ", ".join(
-        f"{path.partition('.')[2]} {value.value:.3g} +- {value.sd:.1g} {h.model.param(path).unit}"
+        f"{path.partition('.')[2]} {with_sd(value, h.model.param(path).unit)}"
         for path, value in h.own().items()
         if path == (h.freed or path)
     )
@@ -82,7 +83,7 @@ def _stand_ins(verdict: Verdict, rig: Rig) -> list[list[str]]:
     blank = ["", ""] if verdict.held_out else []
     fitted = "all" if found.hypothesis.refit else "it alone"
     per = _per(unknown_of(found.candidate, rig).follower)
-    value = ", ".join(f"{v.value:.3g} +- {v.sd:.1g} {key}{per}" for key, v in found.strength().items())
+    value = ", ".join(with_sd(v, f"{key}{per}") for key, v in found.strength().items())
     rows = [[_title(found.candidate, rig), *cells([found.judged.error]), *blank, fitted, value]]
     if suggestion.composed is not None:
         made = suggestion.composed

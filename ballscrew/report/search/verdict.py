@@ -9,6 +9,7 @@ import numpy as np
 from ballscrew import began
 from ballscrew.report.search.composed_words import composed_sentence
 from ballscrew.report.search.next_run_words import next_run_sentence
+from ballscrew.report.search.with_sd import with_sd
 from ballscrew.search import Verdict
 from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.hypothesis import Hypothesis
@@ -135,7 +136,7 @@ def _nothing(suggestion: Suggestion) -> str:
     if suggestion.changed:
         best = suggestion.found[0]
         value, unit = best.own()[suggestion.changed], best.model.param(suggestion.changed).unit
-        here = f"{suggestion.changed} is {value.value:.3g} +- {value.sd:.1g} {unit} here"
+        here = f"{suggestion.changed} is {with_sd(value, unit)} here"
         was = suggestion.as_given.ground.model[suggestion.changed]
         return f"Nothing is missing, but {here}, not {was:.3g}: {_gain(suggestion.before, best)}."
     if suggestion.before.refit and suggestion.as_given.misfit > max(GOOD, 1.2 * suggestion.before.misfit):

@@ -248,7 +248,7 @@ def test_suggest_saves_the_model_and_the_best_effect(fs20_log, tmp_path, monkeyp
     status, _, err = run("suggest", fs20_log, "--model", PAPER / "base.toml", "--save", tmp_path / "s.rrd")
     assert status == 0, err
     text = fixed(tmp_path / "s.rrd", "/summary", "TextDocument:text")[0]
-    assert "| + churning | 0.100 | 0.40 | it alone | share 0.4 +- 0.2 1 |" in text
+    assert "| + churning | 0.100 | 0.40 | it alone | share 0.4 +- 0.2 |" in text
     assert "after: with churning: thermometer − open-loop, mean of 1 min [K]" in view_names(tmp_path / "s.rrd")
 
 

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import ast
+import shlex
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+from ballscrew.commands.suggest import _check
 from ballscrew.own_effect.composed_file import taken_in, write_composed
+from ballscrew.own_effect.named import Named
+from ballscrew.terminal import Terminal
+from ballscrew.workspace import Workspace
 from estimator.errors import SetupError
 from estimator.inputs.follower import SPEED
 from estimator.model import Value
-from estimator.rig_folder.model_toml import own_effects
+from estimator.rig_folder.model_toml import load_model, own_effects
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.unknown.effect_text import effect_text
 from estimator.unknown.stand_ins import Unknown
@@ -47,11 +52,20 @@ def test_what_a_file_has_stays_as_it_is(before, tmp_path):
     assert kept in [ast.dump(node) for node in ast.parse(path.read_text(encoding="utf-8-sig")).body]
 
 
+def test_the_check_that_comes_next_is_on_the_rig_and_the_model_that_were_asked(tmp_path):
+    one, rig = Named(made().effect, tmp_path / "my effects.py"), load_rig(PAPER)
+    model = load_model(PAPER / "base.toml")
+    said = _check(one, Workspace(Terminal(), rig, model))
+    words = ["--check", "--rig", str(PAPER), "--model", str(PAPER / "base.toml")]
+    assert shlex.split(said) == ["ballscrew", "effects", f"{tmp_path}/my effects.py:HeatNear300", *words]
+    beside = Named(made().effect, PAPER / "effects.py")
+    assert _check(beside, Workspace(Terminal(), rig, load_model(PAPER / "model.toml"))).endswith("HeatNear300 --check")
+
+
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [
         ("effects.txt", b"", "effects.txt: effects are Python: take a file whose name ends with .py"),
-        ("a:b.py", b"", "has no ':'"),
         ("effects.py", b"def Heat():\n    pass\n", "effects.py: 'Heat' is something else there"),
         ("effects.py", b"x = '\xe4'\n", "effects.py: byte 5 is not UTF-8"),
         ("effects.py", b"x = 1\x00\n", "effects.py: "),

@@ -57,6 +57,23 @@ def made_of(plain, bar, runs) -> Composed | None:
     return composed(*looked(plain, bar, runs), taken=())
 
 
+class AtTheEnd(Effect):
+    """Something narrow rubs at the end of the screw."""
+
+    power = Param(6.0, "W")
+
+    def terms(self, p, u, rig):
+        yield Heat(SCREW, p.power * u.speed_law(rig.the_screw(), 1.5), over=spot(rig, 0.0, 6.0))
+
+
+def test_an_effect_may_end_where_the_screw_does(plain, bar, lives):
+    made = made_of(plain, bar, lives(plain + AtTheEnd))
+    assert made is not None
+    own = {path.partition(".")[2]: value.value for path, value in made.hypothesis.own().items()}
+    assert own["at"] == pytest.approx(0.0, abs=10.0)
+    assert own["power"] == pytest.approx(6.0, rel=0.1)
+
+
 @pytest.fixture(scope="module")
 def rubbing(plain, bar, lives):
     return looked(plain, bar, lives(plain + Rubbing))
