@@ -18,6 +18,8 @@ from estimator.model import Prior
 from estimator.work import Runs
 from tests.estimator.conftest import Chips, with_effect
 
+pytestmark = pytest.mark.study
+
 CRITERION = ("CHANCE", "APART_SE", "WORTH_K", "WORTH_UM", "GOOD", "FAR")
 SHARES = (0.7, 1.3)
 

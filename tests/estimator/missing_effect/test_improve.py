@@ -43,6 +43,7 @@ def test_what_an_earlier_step_added_moves_with_the_next(plain, bar, lives):
     assert found.as_given.misfit < refined(Ground(bent, ()), trials, []).misfit
 
 
+@pytest.mark.study
 def test_a_run_within_which_something_began_is_left_out(plain, bar, lives):
     """All steps are judged by the others, so that leaving it out is not what makes the model look better."""
     truth = with_effect(plain, "churning", share=0.5)

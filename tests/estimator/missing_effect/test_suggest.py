@@ -43,6 +43,7 @@ def test_the_planted_effect_is_the_verdict(name, values, plain, bar, lives):
             assert found.found[0].model[f"{name}.{key}"] == pytest.approx(value, rel=0.3)
 
 
+@pytest.mark.study
 def test_what_leaves_little_takes_more_recordings(plain, bar, lives):
     """An expansion of 6 % more leaves no more than a good model does: four short recordings do not prove it."""
     truth = with_effect(plain, "expansion_error", error=0.06)

@@ -87,6 +87,7 @@ def test_a_parameter_is_known_afterwards_as_well_as_foretold(plain, bar, lives, 
     assert now.own()[path].sd < 0.8 * h.own()[path].sd
 
 
+@pytest.mark.study
 def test_no_run_tells_radiation_from_still_air(plain, bar, lives, made):
     """That is foretold, and the run that would tell most tells nothing."""
     plain = plain.with_values({"still_air.h": replace(plain.values["still_air.h"], prior=Prior(8.0, 50.0))})
@@ -102,6 +103,7 @@ def test_no_run_tells_radiation_from_still_air(plain, bar, lives, made):
     assert suggest(plain, Runs(bar, [*runs, made(run.plan, truth)]), CATALOGUE.values()).verdict == "tie"
 
 
+@pytest.mark.study
 def test_what_is_not_proven_is_by_the_run_that_is_named(plain, bar, lives, made):
     """An expansion of 6 % more is worth having and four short recordings do not prove it."""
     truth = with_effect(plain, "expansion_error", error=0.06)
