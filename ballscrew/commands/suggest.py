@@ -77,6 +77,8 @@ def _check(one: Named, work: Workspace) -> str:
 def _save(path: Path, work: Workspace, verdict: Verdict) -> None:
     from ballscrew.report.comparison_views import error_bars, save_views  # rerun takes half a second to import
 
-    best = [replace(h.model, name=f"with {h.names[0]}") for h in verdict.suggestion.found[:1]]
+    suggestion = verdict.suggestion
+    best = [suggestion.composed.hypothesis] if suggestion.composed is not None else suggestion.found[:1]
+    models = [work.model, *(replace(h.model, name=f"with {h.names[0]}") for h in best)]
     figures = error_bars([(title, h.judged.error, held) for title, h, held in ranked(verdict)])
-    save_views(path, work, [work.model, *best], [section_of(verdict, work.rig)], figures)
+    save_views(path, work, models, [section_of(verdict, work.rig)], figures)

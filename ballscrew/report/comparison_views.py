@@ -14,6 +14,7 @@ from estimator.accuracy.displacement import joined
 from estimator.accuracy.noise_floor import Error
 from estimator.batch.replay import replay
 from estimator.batch.trials import slow_trials_of
+from estimator.missing_heat.brought import brought
 from estimator.missing_heat.misfit import misfit
 from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
 from estimator.model import Model
@@ -67,11 +68,12 @@ def write_pictures(
 
 
 def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], workers: Workers = map) -> list[ComparedRun]:
-    """Run each model over all recordings."""
+    """Run each model over all recordings; of effects that the last one has more than the first, what they bring."""
     recordings = [one.recording for one in loaded]
-    sides = [_sides(model, Runs(rig, recordings, workers)) for model in models]
+    added = tuple(name for name in models[-1].effects if name not in models[0].effects)
+    sides = [_sides(model, added if model is models[-1] else (), Runs(rig, recordings, workers)) for model in models]
     return [
-        ComparedRun(one.path.stem, rig, r.time_s, r.channels, joined(r, rig, models[-1]).um, own)
+        ComparedRun(one.path.stem, rig, r.time_s, r.channels, joined(r, rig, models[-1]).um, own, added)
         for one, r, own in zip(loaded, recordings, zip(*sides, strict=True), strict=True)
     ]
 
@@ -123,11 +125,11 @@ def _rms(runs: Sequence[ComparedRun], shown: Array) -> list[BarSeries]:
     return series
 
 
-def _sides(model: Model, runs: Runs) -> list[Side]:
+def _sides(model: Model, added: Sequence[str], runs: Runs) -> list[Side]:
     tracks = runs.each(lambda recording: _kept(replay(model, runs.rig, recording)))
     trials = slow_trials_of(model, runs)
     heats = missing_heat(trials.each(lambda trial: misfit(model, trial)), runs.workers)
-    return [Side(**track, **_missed(heat)) for track, heat in zip(tracks, heats, strict=True)]
+    return [Side(**track, **_missed(heat, model, added)) for track, heat in zip(tracks, heats, strict=True)]
 
 
 def _kept(track: Track) -> dict[str, Array]:
@@ -136,11 +138,19 @@ def _kept(track: Track) -> dict[str, Array]:
     return {key: getattr(track, key) for key in keys}
 
 
-def _missed(heat: MissingHeat) -> dict[str, object]:
-    time_s, zones = heat.misfit.trial.rest.time_s, heat.zones
-    begins, mean = minutes(time_s, heat.mean[heat.blocks.of_tick])
-    places = np.array([zone.middle_mm for zone in zones if zone.node is None])
-    bodies = [zone.node for zone in zones if zone.node is not None]
-    on_screw = np.array([zone.node is None for zone in zones])
-    by_place = HeatMap(begins, places, mean[:, on_screw], bodies, mean[:, ~on_screw])
-    return {"misfit_time_s": time_s, "misfit": heat.misfit.open_loop, "heat": by_place}
+def _missed(heat: MissingHeat, model: Model, added: Sequence[str]) -> dict[str, object]:
+    trial, told = heat.misfit.trial, heat.mean[heat.blocks.of_tick]
+    more = brought(added, trial, trial.pose(model), heat.zones) if added else np.zeros((1, 1))
+    return {
+        "misfit_time_s": trial.rest.time_s, "misfit": heat.misfit.open_loop,
+        "heat": _by_place(heat, told), "brought": _by_place(heat, more) if more.any() else None,
+    }  # fmt: skip
+
+
+def _by_place(heat: MissingHeat, values: Array) -> HeatMap:
+    """Of each tick and zone, (T, zones), a map."""
+    begins, mean = minutes(heat.misfit.trial.rest.time_s, values)
+    places = np.array([zone.middle_mm for zone in heat.zones if zone.node is None])
+    bodies = [zone.node for zone in heat.zones if zone.node is not None]
+    on_screw = np.array([zone.node is None for zone in heat.zones], dtype=bool)
+    return HeatMap(begins, places, mean[:, on_screw], bodies, mean[:, ~on_screw])

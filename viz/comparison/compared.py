@@ -12,7 +12,7 @@ from viz.drawing import paths
 
 @dataclass(frozen=True)
 class HeatMap:
-    """Heat that would repair a model alone, at n times.
+    """Heat that would repair a model alone, or that some of its effects bring, at n times.
 
     time_s   (n,);  places_mm  (x,) on the screw;  W_m  (n, x)
     bodies   names of what is not a place;  W  (n, bodies)
@@ -32,6 +32,7 @@ class Side:
     open_loop, predicted, innovation   (K, m) what channels read by the model alone, and a tick ahead by the filter
     elongation_um, sigma_um, open_loop_um  (K,) by the filter, with its sd, and by the model alone
     misfit   reading minus the model alone at times of its own, (n,) and (n, m); a zero without meaning taken out
+    brought  heat that the effects bring that the other model has not
     """
 
     open_loop: Array
@@ -43,6 +44,7 @@ class Side:
     misfit_time_s: Array
     misfit: Array
     heat: HeatMap
+    brought: HeatMap | None = None
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ class ComparedRun:
 
     name         shown as the title of its tab
     measured     (K, m);   readings_um  (K,) displacement joined to the start, NaN where there is none
+    added        effects of the model after that the one before has not
     """
 
     name: str
@@ -59,6 +62,7 @@ class ComparedRun:
     measured: Array
     readings_um: Array
     sides: tuple[Side, ...]
+    added: tuple[str, ...] = ()
 
     @property
     def named(self) -> dict[str, Side]:

@@ -8,7 +8,7 @@ import rerun.blueprint as rrb
 
 from viz.comparison import curves
 from viz.comparison.compared import ComparedRun
-from viz.comparison.maps import BODIES, HEAT, INNOVATION, OPEN_LOOP, TITLES, UNITS, frame_of, map_of
+from viz.comparison.maps import BODIES, BROUGHT, HEAT, INNOVATION, OPEN_LOOP, TITLES, UNITS, brings, frame_of, map_of
 from viz.drawing import paths
 from viz.drawing.bars import Bars
 from viz.drawing.views import below_legend, by_run, ends, flat, key, paged, plot, summary_view, tabbed, whole
@@ -69,8 +69,10 @@ def _maps(run: ComparedRun, models: Sequence[str], what: str) -> rrb.Container:
         flat(paths.compared(root, what, side), f"{title}: {TITLES[what]}", bounds)
         for side, title in titles(models).items()
     ]
-    views.append(key(paths.compared(root, f"{what}_key"), UNITS[what]))
-    return rrb.Horizontal(*views, column_shares=[*[9] * len(models), 1.9])
+    if what == HEAT and brings(run):
+        views.append(flat(paths.compared(root, BROUGHT, list(run.named)[-1]), brings(run), bounds))
+    shares = [*[9.0] * len(views), 1.9]
+    return rrb.Horizontal(*views, key(paths.compared(root, f"{what}_key"), UNITS[what]), column_shares=shares)
 
 
 def _elongation(run: ComparedRun) -> rrb.Container:

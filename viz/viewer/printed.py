@@ -11,7 +11,7 @@ import numpy as np
 
 from viz.comparison.compared import ComparedRun
 from viz.comparison.layout import titles
-from viz.comparison.maps import TITLES, UNITS, Map, map_of, scales_of
+from viz.comparison.maps import BROUGHT, HEAT, TITLES, UNITS, Map, brings, map_of, scales_of
 from viz.drawing import paths
 from viz.drawing.bars import Bars
 from viz.drawing.scale import DIVERGING
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 DOTS = 120  # per inch
 INCHES = 6.4  # width of one map
 ROW_INCHES = 0.15
+FAINT = 0.03  # of the range of colours: not to be told from nothing
+SHORT_MIN = 15.0  # no map of heat is cut shorter
 SHADES = 257  # an odd number: one of them is zero
 
 
@@ -35,15 +37,21 @@ def print_bars(path: Path, figures: Sequence[Bars]) -> None:
 
 
 def print_maps(path: Path, runs: Sequence[ComparedRun], models: Sequence[str], what: str) -> None:
-    """A row for each run, a column for each model."""
+    """A row for each run; a column for each model, and beside heat missing one for what added effects bring."""
     maps = [[map_of(run, side, what) for side in run.sides] for run in runs]
+    columns = [*titles(models).values()]
+    if what == HEAT and brings(runs[0]):
+        maps = [[*row, map_of(run, run.sides[-1], BROUGHT)] for run, row in zip(runs, maps, strict=True)]
+        columns.append(brings(runs[0]))
     extent, rows = scales_of(runs)[what], len(maps[0][0].rows)
-    with _sheet(path, INCHES * len(models) + 0.8, 0.9 + len(runs) * (0.55 + ROW_INCHES * rows)) as sheet:
-        grid = sheet.subplots(len(runs), len(models), squeeze=False, sharex="row", sharey=True)
+    with _sheet(path, INCHES * len(columns) + 0.8, 0.9 + len(runs) * (0.55 + ROW_INCHES * rows)) as sheet:
+        grid = sheet.subplots(len(runs), len(columns), squeeze=False, sharex="row", sharey=True)
         for run, row, found in zip(runs, grid, maps, strict=True):
-            for axes, title, one in zip(row, titles(models).values(), found, strict=True):
+            for axes, title, one in zip(row, columns, found, strict=True):
                 axes.set_title(f"{run.name}, {title}", fontsize=9)
                 drawn = _map(axes, one, extent)
+            if what == HEAT:
+                row[0].set_xlim(0.0, _until(found, extent))
         for axes in grid[-1]:
             axes.set_xlabel("time [min]")
         sheet.suptitle(TITLES[what])
@@ -77,6 +85,13 @@ def _bars(axes: Axes, bars: Bars) -> None:
     axes.set_xlim(0.0, bars.end)
     axes.set_xlabel(bars.title)
     axes.legend(loc="lower right", fontsize=8)
+
+
+def _until(found: Sequence[Map], extent: tuple[float, float]) -> float:
+    """Minutes after which none of a run's maps shows anything to speak of, and a third more."""
+    seen = [np.flatnonzero((np.abs(one.values) > FAINT * extent[1]).any(axis=1)) for one in found]
+    last = max((minute[-1] + 1 for minute in seen if len(minute)), default=0)
+    return float(min(max(4 * last / 3, SHORT_MIN), len(found[0].begins_s)))
 
 
 def _map(axes: Axes, found: Map, extent: tuple[float, float]) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from tests.viz_read import fixed, rows, view_names
 from viz.comparison.compared import ComparedRun, HeatMap, Side
 from viz.comparison.comparison import save
 from viz.comparison.layout import bars_at
-from viz.comparison.maps import HEAT, OPEN_LOOP, frame_of, map_of, scales_of
+from viz.comparison.maps import BROUGHT, HEAT, OPEN_LOOP, frame_of, map_of, scales_of
 from viz.drawing import paths
 from viz.drawing.bars import Bars, BarSeries
 from viz.drawing.file import opens_at
@@ -114,6 +115,28 @@ def test_maps_before_and_after_are_on_one_scale(saved: Path, small: Rig) -> None
             assert tuple(drawn[row, 0]) == DIVERGING[2]
     assert fixed(saved, "/FS-20/compared/heat/after/channels", "Points2D:labels") == ["25 mm", "75 mm"]
     assert fixed(saved, "/FS-20/compared/heat_key/labels", "Points2D:labels")[0] == "-20 W/m"
+
+
+def test_what_added_effects_bring_stands_beside_what_is_missing_on_its_scale(small: Rig, tmp_path: Path) -> None:
+    run = compared(small)
+    before, after = run.sides
+    more = np.zeros((10, 2))
+    more[:5, 0] = 44.0
+    heat = HeatMap(after.heat.time_s, after.heat.places_mm, more, ("nut",), np.ones((10, 1)))
+    added = replace(run, sides=(before, replace(after, brought=heat)), added=("wiper", "jet"))
+    assert scales_of([added])[HEAT] == scales_of([added])[BROUGHT] == (-60.0, 60.0)
+    save(tmp_path / "more.rrd", [added], MODELS, {"Channels": [ERRORS]}, "")
+    assert "heat that wiper and jet bring [W/m]" in view_names(tmp_path / "more.rrd")
+    assert fixed(tmp_path / "more.rrd", "/FS-20/compared/brought/after/channels", "Points2D:labels") == [
+        "25 mm",
+        "75 mm",
+    ]
+    legend = fixed(tmp_path / "more.rrd", "/FS-20/compared/bodies/brought", "SeriesLines:names")
+    assert legend == ["that wiper and jet bring into nut [W]"]
+    print_maps(tmp_path / "heat.png", [added], MODELS, HEAT)
+    print_maps(tmp_path / "plain.png", [run], MODELS, HEAT)
+    wide, plain = (np.asarray(Image.open(tmp_path / name)).shape[1] for name in ("heat.png", "plain.png"))
+    assert wide > 1.4 * plain
 
 
 def test_bars_begin_at_zero_and_carry_their_values(saved: Path) -> None:
