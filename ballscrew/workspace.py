@@ -67,8 +67,7 @@ class Workspace:
 
     @contextmanager
     def runs(self, label: str, total: float | None = 1.0) -> Iterator[Runs]:
-        """The recordings to use, each once, with a thread for each core, and a bar that shows how far the work is."""
-        self._once()
+        """The recordings to use, with a thread for each core, and a bar that shows how far the work is."""
         with self.terminal.progress(label, total) as update, threads() as workers:
             yield Runs(self.rig, self.recordings, workers, lambda stage, done: update(done, stage))
 
@@ -90,6 +89,15 @@ class Workspace:
         if not self.loaded:
             raise click.exceptions.Exit(InputError.exit_code)
 
+    def read_once(self, held_out: Sequence[Path] = ()) -> None:
+        """The same, but a copy of a recording is used once: it would count as another witness, and as one left out."""
+        self.read(held_out)
+        first: dict[str, Loaded] = {}
+        for one in self.loaded:
+            if (same := first.setdefault(one.recording.fingerprint, one)) is not one:
+                self.terminal.warn(f"{one.recording.name} is {same.recording.name} once more: used once")
+        self.loaded = list(first.values())
+
     def read_besides(self, logs: Sequence[Path]) -> list[Loaded]:
         """More recordings of the same machine, of which at least one must be of use."""
         found, failed = load(logs, self.rig, self.terminal)
@@ -109,14 +117,6 @@ class Workspace:
         elif both:
             self.terminal.say(f"held out, and so not used: {', '.join(one.path.name for one in both)}")
             self.loaded = [one for one in self.loaded if one.recording.fingerprint not in kept]
-
-    def _once(self) -> None:
-        """Use a copy of a recording only once: it would count as another witness, and as one left out."""
-        first: dict[str, Loaded] = {}
-        for one in self.loaded:
-            if (same := first.setdefault(one.recording.fingerprint, one)) is not one:
-                self.terminal.warn(f"{one.recording.name} is {same.recording.name} once more: used once")
-        self.loaded = list(first.values())
 
     def fail(self, error: InputError) -> None:
         """Go on without what cannot be used."""

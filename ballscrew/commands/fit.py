@@ -27,7 +27,7 @@ def command(work: Workspace, out: Path, learned: bool) -> int:
     fixed in the model file stays, and so does what has no table value and is like others in these recordings. Ctrl-C
     ends the search; the best model so far is written, if there is one.
     """
-    work.read()
+    work.read_once()
     work.terminal.say_if_compiling("passes", "score", "ahead")
     label = f"fitting {len(work.model.free())} parameters to {len(work.loaded)} recordings"
     with work.runs(label, None) as runs:

@@ -55,7 +55,7 @@ def command(
     """
     effects = effects_to_try(work, own)
     taken = taken_in(compose) if compose is not None else None
-    work.read(held_out)
+    work.read_once(held_out)
     with work.runs("improving") as runs:
         kept_apart = runs_of(work.rig, work.held_out, runs.workers)
         improvement = improve(work.model, runs, kept_apart, [one.effect for one in effects], taken)

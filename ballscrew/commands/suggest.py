@@ -40,7 +40,7 @@ def command(
     """
     effects = [one.effect for one in effects_to_try(work, own)]
     taken = taken_in(compose) if compose is not None else []
-    work.read(held_out)
+    work.read_once(held_out)
     before = work.read_besides(healthy) if healthy else []
     with work.runs("looking for what is missing") as runs:
         known = runs_of(work.rig, before, runs.workers) if before else None

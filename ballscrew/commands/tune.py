@@ -25,7 +25,7 @@ def command(work: Workspace, out: Path, rrd: Path | None) -> int:
     Measurement noise is the most likely one a tick ahead. Process noise is the most likely one after ten minutes
     without readings: a tick ahead, errors that build up over minutes cannot be seen. A truth file is never opened.
     """
-    work.read()
+    work.read_once()
     work.terminal.say_if_compiling("passes", "loglike", "score", "ahead")
     with work.runs(f"tuning on {len(work.loaded)} recordings", None) as runs:
         tuned = tune(work.model, runs)
