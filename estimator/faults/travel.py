@@ -2,7 +2,8 @@
 
     path  speed x time x lead of this tick or the one before, the longer: the most that the position can change by
 
-A table that turns back within a tick moves less: a jump that is shorter than the path of a tick is not seen.
+A table that turns back within a tick moves less: a jump that is shorter than the path of a tick is not seen. Where a
+drive begins or ends the mean speed of the tick hangs on when in it that was: on a fast bus nobody knows.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class Travel:
         before, self._before, self._last = self._before, path, position_mm
         if not np.isfinite(path + moved):
             return
-        most = (1.0 + SLACK) * max(path, before) + SLACK_MM
+        most = (1.0 + SLACK) * max(path, before) + abs(path - before) + SLACK_MM
         slips = abs(moved) > most
         self._slips = self._slips + 1 if slips else 0
         if slips:

@@ -123,6 +123,7 @@ def test_two_processes_record_estimate_and_publish(frames, tmp_path):
     assert np.isfinite(same).sum() >= 88
     assert {message.arbitration_id for message in heard} == {0x610, 0x611}
     assert told[-1]["channels"] == 15
+    assert not any("position" in why for line in told for why in line["why_invalid"] or ())
     assert told[-1]["dropped"] <= 1
 
 

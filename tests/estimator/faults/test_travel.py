@@ -33,6 +33,14 @@ def test_strokes_and_gaps_are_right(rig, drive):
     assert set(told(rig, position, omega)) == {""}
 
 
+@pytest.mark.parametrize("share", [0.5, 2.0])
+def test_of_the_tick_in_which_a_drive_begins_or_ends_the_speed_need_not_be_right(share, rig, drive):
+    """On a bus sixty times as fast as the rig the frames of a tick have no time of their own."""
+    position, omega = drive
+    omega[[21, 140]] *= share
+    assert set(told(rig, position, omega)) == {""}
+
+
 @pytest.mark.parametrize("at", [10, 70, 170])
 def test_a_shift_is_said_until_it_is_back(at, rig, drive):
     position, omega = drive
