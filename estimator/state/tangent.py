@@ -70,7 +70,7 @@ class Moved:
     def network(self, which: Sequence[int] | None = None) -> Network:
         """Derivatives of the network of some regimes met so far, or of all."""
         rig, place = self._forcing.rig, self._forcing.place
-        if not (self.in_regimes or self._scatters):
+        if not (self.in_regimes or self._scatters or self._is_own):
             return Network.none(place, self._forcing.regimes if which is None else len(which))
         u = self._model.inputs(self._forcing.regime_inputs(which), rig)
         terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
@@ -120,12 +120,17 @@ class Moved:
         """Whether columns of values can be asked of its effects: a user's own need not work on them."""
         effect, _, key = self.path.partition(".")
         chooses = self._model.effects[effect].params[key].over == "channel"
-        return self.in_ticks and not chooses and Shift not in self._kinds and not {*self._effects} & {*self._model.use}
+        return self.in_ticks and not chooses and Shift not in self._kinds and not self._is_own
 
     @property
     def in_regimes(self) -> bool:
         """Whether it may move what a regime stores and conducts."""
         return bool(self._kinds & {Store, Chain, Link})
+
+    @property
+    def _is_own(self) -> bool:
+        """Whether a user's own effect moves: what it says at rest need not be all."""
+        return bool({*self._effects} & {*self._model.use})
 
     @property
     def _scatters(self) -> bool:
