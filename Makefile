@@ -1,6 +1,6 @@
 # make demo   a machine that is no longer as its model knows it: where the model fails, what is missing, the error after
 # make live   a simulated rig on a bus, sixty times as fast as it would be, and the monitor beside it
-# make test   everything that must hold
+# make test   everything that must hold, but for studies that take minutes: make bench runs these
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin

@@ -140,10 +140,10 @@ def _kept(track: Track) -> dict[str, Array]:
 
 def _missed(heat: MissingHeat, model: Model, added: Sequence[str]) -> dict[str, object]:
     trial, told = heat.misfit.trial, heat.mean[heat.blocks.of_tick]
-    more = brought(added, trial, trial.pose(model), heat.zones) if added else np.zeros((1, 1))
+    more = _by_place(heat, brought(added, trial, trial.pose(model), heat.zones)) if added else None
     return {
         "misfit_time_s": trial.rest.time_s, "misfit": heat.misfit.open_loop,
-        "heat": _by_place(heat, told), "brought": _by_place(heat, more) if more.any() else None,
+        "heat": _by_place(heat, told), "brought": more,
     }  # fmt: skip
 
 

@@ -24,12 +24,8 @@ TITLES = {
     INNOVATION: "innovation of the filter, mean of 1 min [K]",
     HEAT: "heat missing, by place on the screw [W/m]",
 }
-WIDTHS = {
-    OPEN_LOOP: 1600,
-    INNOVATION: 1600,
-    HEAT: 950,
-    BROUGHT: 950,
-}  # about, pixels: as the views they stand in are shaped
+# about, pixels: as the views they stand in are shaped
+WIDTHS = {OPEN_LOOP: 1600, INNOVATION: 1600, HEAT: 950, BROUGHT: 950}
 LINES = {OPEN_LOOP: 55.0, INNOVATION: 55.0, HEAT: 40.0, BROUGHT: 40.0}  # heights of a line of text there
 
 

@@ -40,9 +40,9 @@ def print_maps(path: Path, runs: Sequence[ComparedRun], models: Sequence[str], w
     """A row for each run; a column for each model, and beside heat missing one for what added effects bring."""
     maps = [[map_of(run, side, what) for side in run.sides] for run in runs]
     columns = [*titles(models).values()]
-    if what == HEAT and brings(runs[0]):
+    if what == HEAT and (said := max(map(brings, runs), key=len)):  # in some run it may bring nothing
         maps = [[*row, map_of(run, run.sides[-1], BROUGHT)] for run, row in zip(runs, maps, strict=True)]
-        columns.append(brings(runs[0]))
+        columns.append(said)
     extent, rows = scales_of(runs)[what], len(maps[0][0].rows)
     with _sheet(path, INCHES * len(columns) + 0.8, 0.9 + len(runs) * (0.55 + ROW_INCHES * rows)) as sheet:
         grid = sheet.subplots(len(runs), len(columns), squeeze=False, sharex="row", sharey=True)

@@ -133,7 +133,8 @@ def test_what_added_effects_bring_stands_beside_what_is_missing_on_its_scale(sma
     ]
     legend = fixed(tmp_path / "more.rrd", "/FS-20/compared/bodies/brought", "SeriesLines:names")
     assert legend == ["that wiper and jet bring into nut [W]"]
-    print_maps(tmp_path / "heat.png", [added], MODELS, HEAT)
+    idle = replace(added, name="CS", sides=(before, replace(after, brought=replace(heat, W_m=0 * more))))
+    print_maps(tmp_path / "heat.png", [idle, added], MODELS, HEAT)
     print_maps(tmp_path / "plain.png", [run], MODELS, HEAT)
     wide, plain = (np.asarray(Image.open(tmp_path / name)).shape[1] for name in ("heat.png", "plain.png"))
     assert wide > 1.4 * plain
