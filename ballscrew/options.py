@@ -17,6 +17,7 @@ Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 PATH = click.Path(path_type=Path)
 MANY = ("--held-out", "--healthy", "--bus-kwargs")  # options that a shell's *.log may follow
 INPUTS = {".log", ".blf", ".asc", ".trc", ".mf4", ".csv", ".toml"}
+TABLES = (".csv", ".parquet")
 NEAREST_RIG = "else the nearest one at or above the first log that holds a rig.toml, else the built-in rig."
 
 
@@ -55,6 +56,13 @@ def writable(ctx: click.Context, param: click.Parameter, value: Path | str | Non
     if path.is_file() or path.is_dir() or not path.exists():
         _try_to_write(path)
     return value
+
+
+def writable_table(ctx: click.Context, param: click.Parameter, value: Path | None) -> Path | str | None:
+    """A table's file: its name says in which format."""
+    if value is not None and value.suffix.lower() not in TABLES:
+        raise SetupError(f"--table {value}: a table is written as one of {', '.join(TABLES)}")
+    return writable(ctx, param, value)
 
 
 def _try_to_write(path: Path) -> None:
@@ -162,6 +170,10 @@ rig_options = stacked(  # --rig and --model
     model_option("Model TOML; else the rig folder's model.toml."),
 )
 save_option = output_file("--save", "rrd", metavar="OUT.rrd", help="Write the views as a rerun file.")
+table_option = click.option(
+    "--table", type=PATH, metavar="OUT.csv|.parquet", callback=writable_table,
+    help="Write what was measured and estimated, a row a tick.",
+)  # fmt: skip
 view_option = click.option("--view", is_flag=True, help="Open the views in the rerun viewer, where there is a screen.")
 channel_options = stacked(
     click.option("--channels", metavar="2,4,..", help="Use only these thermometers, by number or name; default: all."),

@@ -10,7 +10,14 @@ import click
 
 from ballscrew.machine import MachineVerdict
 from ballscrew.muting import chosen_thermometers, muted
-from ballscrew.options import channel_options, join_option, save_option, view_option, workspace_options
+from ballscrew.options import (
+    channel_options,
+    join_option,
+    save_option,
+    table_option,
+    view_option,
+    workspace_options,
+)
 from ballscrew.report.review_report import as_json, print_reviews
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.machine import Match
@@ -27,12 +34,13 @@ from estimator.state.gate import Mute
     "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO]",
     help="Do not use a channel, `telemeter` or `displacement` from FROM to TO: seconds from the start, or stop1 ...",
 )  # fmt: skip
+@table_option
 @save_option
 @view_option
 @workspace_options
 def command(
-    work: Workspace, join: bool, channels: str | None, no_displacement: bool, spans: tuple[str, ...], rrd: Path | None,
-    view: bool,
+    work: Workspace, join: bool, channels: str | None, no_displacement: bool, spans: tuple[str, ...],
+    table: Path | None, rrd: Path | None, view: bool,
 ) -> int:  # fmt: skip
     """Run the Kalman filter over each LOG and print how far its elongation is from the reference.
 
@@ -52,6 +60,11 @@ def command(
     verdict = MachineVerdict(work, work.model, Match([r.off_sd for r in reviews]), loaded)
     print_reviews(work.terminal, reviews, fitted, work.rig, verdict.sentence)
     work.terminal.json(as_json(reviews, fitted, seconds) | {"machine": verdict.as_json()})
+    if table is not None:
+        from ballscrew.table.columns import table as ticks  # pyarrow takes a while to import
+        from ballscrew.table.file import write
+
+        write(ticks(reviews, work.rig), table)
     if rrd is not None:
         from ballscrew.report.review_views import save_views  # rerun takes half a second to import
 

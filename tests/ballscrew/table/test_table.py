@@ -1,0 +1,94 @@
+"""What `review --table` writes is what review found, in the units it says, without pandas."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from pyarrow import csv, parquet
+
+import ballscrew as face
+from tests.conftest import PAPER, ballscrew
+
+ROD = PAPER.parent / "examples" / "heated_rod"
+
+
+@pytest.fixture(scope="module")
+def short_log(tmp_path_factory, fs20_log):
+    """The first five minutes of FS-20."""
+    lines = fs20_log.read_text().splitlines(keepends=True)
+    first = float(lines[0][1:].partition(")")[0])
+    path = tmp_path_factory.mktemp("short") / "short.log"
+    path.write_text("".join(line for line in lines if float(line[1:].partition(")")[0]) < first + 300.0))
+    return path
+
+
+@pytest.fixture(scope="module")
+def found(short_log):
+    rig, model = face.load_rig(PAPER), face.load_model(PAPER / "model.toml")
+    return rig, face.review(face.read(short_log, rig), rig, model)
+
+
+def test_a_parquet_holds_what_review_found_to_the_bit_with_units(short_log, found, tmp_path):
+    rig, review = found
+    path = tmp_path / "ticks.parquet"
+    assert ballscrew("review", short_log, "--rig", PAPER, "--table", path)[0] == 0
+    rows, track = parquet.read_table(path), review.track
+    assert rows.column_names[:11] == [
+        "time_s", "mode", "elongation_um", "sigma_um", "smoothed_um", "smoothed_sigma_um", "open_loop_um",
+        "error_at_table_um", "error_at_table_sd_um", "nis", "reference_um",
+    ]  # fmt: skip
+    for name, series in {
+        "time_s": track.time_s, "elongation_um": track.elongation_um, "sigma_um": track.sigma_um,
+        "smoothed_um": review.estimates["smoothed"], "open_loop_um": track.open_loop_um, "nis": track.nis,
+        "error_at_table_um": track.error_at_table_um, "reference_um": review.reference,
+        "T07_innovation": track.innovation[:, 6], "displacement_measured": track.measured[:, 15],
+        "input_speed": review.recording.inputs["speed"],
+    }.items():  # fmt: skip
+        np.testing.assert_array_equal(rows[name].to_numpy(), series, err_msg=name)
+    assert rows["T07_used"].to_pylist() == track.fused[:, 6].tolist()
+    assert set(rows["mode"].to_pylist()) <= {"predict", "update", "coasting"}
+    units = {name: rows.schema.field(name).metadata[b"unit"].decode() for name in rows.column_names}
+    assert [units[n] for n in ("T07_measured", "T07_innovation_sd", "displacement_innovation", "x_100_C")] == [
+        "degC", "K", "um", "degC",
+    ]  # fmt: skip
+    assert rig.screw is not None
+    assert units["input_speed"] == "rpm"
+
+
+def test_what_is_not_known_is_null_and_the_profile_is_at_round_places(short_log, found, tmp_path):
+    rig, review = found
+    path = tmp_path / "ticks.csv"
+    assert ballscrew("review", short_log, "--rig", PAPER, "--table", path)[0] == 0
+    rows = csv.read_csv(path)
+    assert rows["nis"].null_count == np.isnan(review.track.nis).sum() > 0
+    np.testing.assert_allclose(rows["elongation_um"].to_numpy(), review.track.elongation_um, atol=1e-6)
+    assert pa.types.is_timestamp(rows["clock"].type)
+    since = rows["clock"].to_numpy().astype("datetime64[ms]").astype(float) / 1000
+    np.testing.assert_allclose(since, review.recording.began_s + review.track.time_s, atol=1e-3)
+    places = {name: float(name[2:-2]) for name in rows.column_names if name.startswith("x_")}
+    assert min(places.values()) >= rig.screw.from_mm
+    assert max(places.values()) <= rig.screw.to_mm
+    written = [rows[name][-1].as_py() for name in places]
+    profile = np.interp(list(places.values()), review.track.x_mm, review.track.profile_C[-1])
+    np.testing.assert_allclose(written, profile, atol=1e-6)
+
+
+def test_several_recordings_of_a_rig_without_a_screw_are_told_apart(tmp_path):
+    path = tmp_path / "rods.csv"
+    assert ballscrew("review", ROD / "steps.csv", ROD / "check.csv", "--table", path)[0] == 0
+    rows = csv.read_csv(path)
+    assert rows.column_names[:2] == ["recording", "time_s"]
+    assert rows["recording"].unique().to_pylist() == ["steps.csv", "check.csv"]
+    assert rows["elongation_um"].null_count in (0, len(rows))
+
+
+def test_a_table_of_another_format_is_refused_before_the_work(short_log, tmp_path):
+    status, _, err = ballscrew("review", short_log, "--table", tmp_path / "ticks.xlsx")
+    assert status == 2
+    assert "ticks.xlsx: a table is written as one of .csv, .parquet" in err
+    status, out, _ = ballscrew("review", short_log, "--rig", PAPER, "--table", tmp_path / "ticks.csv", "--json")
+    assert status == 0
+    assert json.loads(out)["recordings"][0]["ticks"] == len(csv.read_csv(tmp_path / "ticks.csv"))
