@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -73,6 +74,7 @@ class Trial:
                   from then on that is taken off `rest`
     floating      channels whose zero has no meaning: open loop it is the mean of the misfit
     unread_zeros  channels whose unknown zero the first sample did not tell
+    slopes        how its readings move with parameters at points lately asked for (`hypotheses.slopes`)
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class Trial:
     ) -> None:
         self.rig, self.recording = rig, recording
         self.begun: list[int] = []
+        self.slopes: dict[Hashable, Any] = {}
         self._begin(model, mute or unmuted(rig), since)
         if gated:
             self._judge(model, mute or unmuted(rig))

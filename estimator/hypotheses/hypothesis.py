@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -11,16 +12,17 @@ import numpy as np
 from estimator.batch.trials import Trials
 from estimator.hypotheses.candidates import APART_MM, Candidate
 from estimator.hypotheses.ground import Ground
-from estimator.hypotheses.moments import Column
 from estimator.hypotheses.panel import Explanation, Panel
+from estimator.hypotheses.slopes import Column
 from estimator.model import Model, Value
 from estimator.rig import Rig
 from estimator.sensitivity.prior import Belief
 
-ROUNDS = 6
+ROUNDS = 4  # of steps, each with the slopes of its beginning
+STEPS = 6
 HALVINGS = 4
 BOUND = 1e-3  # of a parameter's range: nearer to its end it is at it
-DONE = 0.01  # a round that gains less than this share of the misfit is the last
+DONE = 0.002  # share of the misfit: a step that gains less, or a round that can gain no more, is the last
 
 NONE: Mapping[str, float] = MappingProxyType({})
 
@@ -81,40 +83,48 @@ class Hypothesis:
 def refined(
     ground: Ground, trials: Trials, added: Sequence[Candidate], first: Mapping[str, float] = NONE
 ) -> Hypothesis:
-    """Follow the recordings with these effects, in steps (Gauss-Newton), from the values `first` of some parameters."""
+    """Follow the recordings with these effects, from the values `first` of some parameters.
+
+    Gauss-Newton, in rounds of steps: within one the model's own parameters keep their slopes, in the first those that
+    they have without the effects (Shamanskii 1967, for Newton's method).
+    """
     wider = ground.model
     for each in added:
         wider = wider + each.effect if each.name not in wider.effects else wider
         wider = each.place(wider)
     own = [p for each in added for p in wider.free() if p.partition(".")[0] == each.name]
     paths = tuple(dict.fromkeys([*ground.paths, *own]))
-    known = ground.belief(wider, paths)
-    best = wider.with_values(first)
-    panel = _panel(best, trials, paths, known)
-    cost = panel.cost
-    for _ in range(ROUNDS if paths else 0):
-        there, seen = _step(best, panel, known, trials, cost)
-        if there is None:
-            break
-        gained = 1.0 - seen.cost / cost
-        best, panel, cost = there, seen, seen.cost
-        if gained < DONE:
+    seen = partial(_panel, trials, paths, ground.belief(wider, paths))
+    best, slopes_at = wider.with_values(first), ground.model
+    for _ in range(ROUNDS):
+        best = _walked(best, partial(seen, slopes_at), trials[0].rig)
+        panel, slopes_at = seen(best, best), best
+        if panel.promise < DONE:
             break
     return Hypothesis(tuple(each.name for each in added), ground, best, paths, panel.judge(), panel.told)
 
 
-def _step(
-    model: Model, panel: Panel, known: Belief, trials: Trials, cost: float
-) -> tuple[Model, Panel] | tuple[None, Panel]:
-    """One step, shortened until the misfit falls; None where it does not."""
-    explained, paths = panel.judge(), [column.path for column in panel.columns]
+def _walked(model: Model, seen: Callable[[Model], Panel], rig: Rig) -> Model:
+    """The model after steps, as long as they gain."""
+    panel = seen(model)
+    for _ in range(STEPS if panel.columns else 0):
+        before = panel.cost
+        model, panel = _step(model, panel, seen, rig)
+        if 1.0 - panel.cost / before < DONE:
+            break
+    return model
+
+
+def _step(model: Model, panel: Panel, seen: Callable[[Model], Panel], rig: Rig) -> tuple[Model, Panel]:
+    """One step, shortened until the misfit falls; none where it does not."""
+    explained = panel.judge()
     for halving in range(HALVINGS):
         values = panel.values(explained, 0.5**halving)
-        there = model.with_values({p: _inside(model, trials[0].rig, p, value) for p, value in values.items()})
-        alone = Panel.of(trials, there, [])
-        if alone.cost + known.unlikely(np.array([there[p] for p in paths])) / alone.weight < cost:
-            return there, _panel(there, trials, paths, known)
-    return None, panel
+        there = model.with_values({p: _inside(model, rig, p, value) for p, value in values.items()})
+        after = seen(there)
+        if after.cost < panel.cost:
+            return there, after
+    return model, panel
 
 
 def _inside(model: Model, rig: Rig, path: str, value: float) -> float:
@@ -127,5 +137,6 @@ def _inside(model: Model, rig: Rig, path: str, value: float) -> float:
     return float(np.clip(value, lo, hi))
 
 
-def _panel(model: Model, trials: Trials, paths: Sequence[str], known: Belief) -> Panel:
-    return Panel.of(trials, model, [Column(model, path) for path in paths], known)
+def _panel(trials: Trials, paths: Sequence[str], known: Belief, own: Model, model: Model) -> Panel:
+    """Moments about a model; slopes of what another, `own`, has too are those that they have there."""
+    return Panel.of(trials, model, [Column(model, path) for path in paths], known, own)

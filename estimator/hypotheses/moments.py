@@ -15,23 +15,14 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.accuracy.reference import grown, slopes
-from estimator.batch.open_loop import open_loop_misfit, where_measured
-from estimator.batch.trial import Posed, Trial
+from estimator.accuracy.reference import grown
+from estimator.batch.open_loop import open_loop_misfit
+from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials
+from estimator.hypotheses.slopes import Column, slopes_beside, slopes_of
 from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.objective import BLOCK_S, GOOD_K, GOOD_UM
-from estimator.sensitivity.sensitivity import NominalColumn, nominal_columns
-from estimator.sensitivity.tangent import tangent
-
-
-@dataclass(frozen=True)
-class Column:
-    """One parameter "effect.param" of a model, which says where its effect sits."""
-
-    model: Model
-    path: str
 
 
 @dataclass(frozen=True)
@@ -89,21 +80,20 @@ class Moments:
         return self.independent * ((self.heat_count > 0) + (self.length_count > 0))
 
 
-def moments(trials: Trials, model: Model, columns: Sequence[Column]) -> list[Moments]:
+def moments(trials: Trials, model: Model, columns: Sequence[Column], own: Model | None = None) -> list[Moments]:
     """Moments of each recording."""
-    return trials.each(lambda trial: moments_of(trial, model, columns))
+    return trials.each(lambda trial: moments_of(trial, model, columns, own))
 
 
-def moments_of(trial: Trial, model: Model, columns: Sequence[Column]) -> Moments:
-    """Moments of one recording."""
+def moments_of(trial: Trial, model: Model, columns: Sequence[Column], own: Model | None = None) -> Moments:
+    """Moments of one recording.
+
+    own  a model near this one, at whose values the slopes of its own parameters are taken; None: all of them at `model`
+    """
     posed = trial.pose(model)
-    misfit = open_loop_misfit(trial, posed)
-    stack, reads = np.empty((len(columns) + 1, *misfit.shape)), np.empty((len(columns), len(misfit)))
-    tangents = (tangent(trial, posed, column.model, column.path) for column in columns)
-    for row, read, moved in zip(stack, reads, nominal_columns(posed, tangents), strict=False):
-        row[:], read[:] = moved.reading, _reads(moved, trial, posed)
-    stack[:-1], stack[-1] = where_measured(stack[:-1], trial), misfit
-    lengths = np.vstack([slopes(reads, trial), grown(trial, posed, model) - posed.run.grown])
+    found = slopes_beside(own, trial, posed, columns) if own else slopes_of(trial, posed, columns)
+    stack = np.array([*(slope.reading for slope in found), open_loop_misfit(trial, posed)])
+    lengths = np.array([*(slope.length for slope in found), grown(trial, posed, model) - posed.run.grown])
     since, heat = trial.rest.time_s - trial.rest.time_s[0], trial.rig.is_thermometer
     starts = np.flatnonzero(np.diff(since // BLOCK_S, prepend=-1.0))
     (heats, heat_count), (reads, read_count), (grows, grown_count) = (
@@ -118,11 +108,3 @@ def _by_block(rows: Array, starts: Array) -> tuple[Array, int]:
     ends = [*starts[1:], len(known)]
     parts = [rows[:, a:b][:, known[a:b]] for a, b in zip(starts, ends, strict=True)]
     return np.array([part @ part.T for part in parts]), int(known.sum())
-
-
-def _reads(moved: NominalColumn, trial: Trial, posed: Posed) -> Array:
-    """How what the displacement would read moves, (T,); the growth, where the model does not read it."""
-    rig, known = trial.rig, np.isfinite(posed.forcing.readings.sd)
-    if "displacement" in rig.channels and known[rig.index("displacement")]:
-        return moved.reading[:, rig.index("displacement")]
-    return moved.grown

@@ -16,7 +16,8 @@ from scipy.optimize import lsq_linear
 
 from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import Trials
-from estimator.hypotheses.moments import Column, Moments, moments
+from estimator.hypotheses.moments import Moments, moments
+from estimator.hypotheses.slopes import Column
 from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.objective import prior_roots
@@ -70,9 +71,19 @@ class Panel:
         self._weighted = np.array([each.weighted for each in found])
 
     @classmethod
-    def of(cls, trials: Trials, model: Model, columns: Sequence[Column], prior: Belief | None = None) -> Panel:
-        """All recordings about a model, and these parameters; their prior, of tables if None."""
-        return cls(columns, moments(trials, model, columns), prior)
+    def of(
+        cls,
+        trials: Trials,
+        model: Model,
+        columns: Sequence[Column],
+        prior: Belief | None = None,
+        own: Model | None = None,
+    ) -> Panel:
+        """All recordings about a model, and these parameters; their prior, of tables if None.
+
+        own  a model near this one, at whose values the slopes of its own parameters are taken
+        """
+        return cls(columns, moments(trials, model, columns, own), prior)
 
     def believing(self, prior: Belief) -> Panel:
         """The same moments with another prior."""
@@ -92,6 +103,14 @@ class Panel:
     def cost(self) -> float:
         """Misfit of all recordings as it stands, with what the prior adds, in the units of `judge`."""
         return float(self._weighted[:, -1, -1].sum() + self._off @ self._prior @ self._off) / self.weight
+
+    @property
+    def promise(self) -> float:
+        """Share of `cost` that one step of all parameters takes off, if readings move as their slopes say."""
+        everything, whole = np.arange(len(self.columns)), self._weighted.sum(axis=0)
+        change = self._solve(whole, everything)
+        left = float(_rest(whole, everything, change)) + self._unlikely(everything, change)
+        return 1.0 - left / self.weight / self.cost
 
     @property
     def told(self) -> float:

@@ -14,8 +14,8 @@ import numpy as np
 from estimator.batch.trials import Trials
 from estimator.hypotheses.candidates import Candidate
 from estimator.hypotheses.ground import Ground
-from estimator.hypotheses.moments import Column
 from estimator.hypotheses.panel import Explanation, Panel
+from estimator.hypotheses.slopes import Column
 from estimator.model import Model
 
 GROUP = 96  # columns in one pass
@@ -62,14 +62,14 @@ def screening(
     for group in _groups(candidates):
         more = [*columns, *(Column(c.place(wide), path) for c in group for path in c.paths)]
         known = ground.belief(wide, [column.path for column in more])
-        found += _screened(group, len(columns), Panel.of(trials, wide, more, known), seats)
+        found += _screened(group, len(columns), Panel.of(trials, wide, more, known, ground.model), seats)
     return Screening(ground, own_parameters(ground, trials), tuple(found))
 
 
 def own_parameters(ground: Ground, trials: Trials) -> dict[str, Explanation]:
     """What each own parameter explains that alone is of another value than the ground says: learned, or held."""
     paths = [*ground.paths, *_held(ground)]
-    panel = Panel.of(trials, ground.model, [Column(ground.model, path) for path in paths])
+    panel = Panel.of(trials, ground.model, [Column(ground.model, path) for path in paths], own=ground.model)
     found = {}
     for path, shows in zip(paths, panel.shows(), strict=True):
         if shows and (path in ground.learned or path not in ground.paths):

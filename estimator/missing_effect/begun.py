@@ -9,8 +9,9 @@ from estimator.events.event import EXCHANGED, GROWING, Event
 from estimator.events.events import events_of
 from estimator.events.taken_out import taken_out
 from estimator.hypotheses.ground import Ground
-from estimator.hypotheses.moments import Column, moments_of
+from estimator.hypotheses.moments import moments_of
 from estimator.hypotheses.panel import Explanation, Panel
+from estimator.hypotheses.slopes import Column
 from estimator.work import Runs
 
 LEAST_GAIN = (

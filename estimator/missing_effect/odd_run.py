@@ -6,8 +6,9 @@ import numpy as np
 
 from estimator.batch.trials import Trials
 from estimator.hypotheses.ground import Ground
-from estimator.hypotheses.moments import Column, moments
+from estimator.hypotheses.moments import moments
 from estimator.hypotheses.panel import Panel
+from estimator.hypotheses.slopes import Column
 
 ODD = 3.0  # times the others' misfit makes a run odd ...
 BAD = 2.0  # ... if it is no good model either
@@ -19,7 +20,7 @@ def odd_run(ground: Ground, trials: Trials) -> int | None:
     if len(trials) < FEWEST:
         return None
     columns = [Column(ground.model, path) for path in ground.paths]
-    known, found = ground.belief(ground.model, ground.paths), moments(trials, ground.model, columns)
+    known, found = ground.belief(ground.model, ground.paths), moments(trials, ground.model, columns, ground.model)
     missed = Panel(columns, found, known).judge().runs
     without = [Panel(columns, [*found[:i], *found[i + 1 :]], known).judge() for i in range(len(found))]
     at = int(np.argmin([each.misfit for each in without]))

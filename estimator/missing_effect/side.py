@@ -15,9 +15,9 @@ from estimator.hypotheses.candidates import Candidate, candidates
 from estimator.hypotheses.criterion import PROMISE, clearly, material
 from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.hypothesis import Hypothesis, refined
-from estimator.hypotheses.moments import Column
 from estimator.hypotheses.panel import Explanation, Panel
 from estimator.hypotheses.screening import Screened, screening
+from estimator.hypotheses.slopes import Column
 from estimator.missing_effect.wrong_always import is_input, too_small, wrong_inputs
 
 REFINED = (
@@ -105,7 +105,7 @@ class Side:
             at.append(range(len(columns), len(columns) + len(each.paths)))
             columns += [Column(each.place(self.wide), path) for path in each.paths]
         known = self.ground.belief(self.wide, [column.path for column in columns])
-        panel = Panel.of(self.trials, self.wide, columns, known)
+        panel = Panel.of(self.trials, self.wide, columns, known, self.ground.model)
         two = [pair for pair in combinations(range(len(few)), 2) if not all(is_input(few[i]) for i in pair)]
         both = [([few[i], few[j]], panel.judge([*beside, *at[i], *at[j]])) for i, j in two]
         return sorted(both, key=lambda one: one[1].misfit)

@@ -15,8 +15,9 @@ from scipy.optimize import minimize_scalar
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials, slow_trial, unjudged
 from estimator.hypotheses.ground import Ground
-from estimator.hypotheses.moments import Column, moments_of
+from estimator.hypotheses.moments import moments_of
 from estimator.hypotheses.panel import Explanation, Panel
+from estimator.hypotheses.slopes import Column
 from estimator.inputs.inputs import nothing
 from estimator.model import Model
 from estimator.record import Array, Recording

@@ -19,8 +19,9 @@ import numpy as np
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials, slow_trials_of
 from estimator.hypotheses.hypothesis import Hypothesis
-from estimator.hypotheses.moments import Column, Moments, moments_of
+from estimator.hypotheses.moments import Moments, moments_of
 from estimator.hypotheses.panel import Panel
+from estimator.hypotheses.slopes import Column
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.next_run.foretold import lived, planned

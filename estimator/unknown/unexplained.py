@@ -14,9 +14,9 @@ from estimator.hypotheses.candidates import APART_MM, Candidate, candidates
 from estimator.hypotheses.criterion import alike, behind
 from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.hypothesis import Hypothesis, refined
-from estimator.hypotheses.moments import Column
 from estimator.hypotheses.panel import Explanation, Panel
 from estimator.hypotheses.screening import Screened, screening
+from estimator.hypotheses.slopes import Column
 from estimator.inputs.follower import all_followers
 from estimator.inputs.reach import reaches
 from estimator.model import Model, Value
@@ -124,7 +124,7 @@ def _asked(ground: Ground, wide: Model, here: Candidate, trials: Trials) -> Iter
     columns = [Column(wide, path) for path in ground.paths]
     more = [Column(each.place(wide), path) for each in seats for path in each.paths]
     known = ground.belief(wide, [column.path for column in (*columns, *more)])
-    panel = Panel.of(trials, wide, [*columns, *more], known)
+    panel = Panel.of(trials, wide, [*columns, *more], known, ground.model)
     for i, (each, shows) in enumerate(zip(seats, panel.shows()[len(columns) :], strict=True), start=len(columns)):
         if shows:
             explained = panel.judge([*range(len(columns)), i])

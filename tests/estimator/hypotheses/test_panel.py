@@ -8,8 +8,9 @@ import pytest
 from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
 from estimator.hypotheses.candidates import candidates
-from estimator.hypotheses.moments import Column, moments
+from estimator.hypotheses.moments import moments
 from estimator.hypotheses.panel import Panel
+from estimator.hypotheses.slopes import Column
 from estimator.work import Runs
 from tests.estimator.conftest import with_effect
 
