@@ -159,13 +159,13 @@ def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
 
 def _dtype(terms: Sequence[Term]) -> Any:
     """complex where a term's value is, else float."""
-    return complex if any(is_complex(value) for term in terms for value in _values(term)) else float
+    return complex if any(is_complex(value) for term in terms for value in values(term)) else float
 
 
-def _values(term: Term) -> Iterator[object]:
-    """Everything that a term says, the weights of a Read one by one."""
-    for value in vars(term).values():
-        for part in value.values() if isinstance(value, Mapping) else (value,):
+def values(term: Term, but: str = "") -> Iterator[object]:
+    """Everything that a term says, the weights of a Read one by one; one field left out."""
+    for key, value in vars(term).items():
+        for part in value.values() if isinstance(value, Mapping) else () if key == but else (value,):
             yield part.weight if isinstance(part, Spot) else part
 
 

@@ -45,7 +45,7 @@ def _side_by_side(posed: Posed, moved: Sequence[Tangent]) -> Iterator[NominalCol
     quick = np.zeros_like(spot[:, 1:])
     before = np.vstack([run.spot[:1], run.lagged[:-1]])
     for k, each in enumerate(moved):
-        if each.readings is not None:
+        if each.readings is not None and each.readings.moves:
             spot[k] += run.z @ each.readings.rows.T
             grown[k] += (run.z[1:] - run.z[0]) @ each.readings.growth
             quick[k] = (before - run.spot[:-1]) * each.readings.keep + np.diff(run.spot, axis=0) * each.readings.ramp

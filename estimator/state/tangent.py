@@ -7,7 +7,7 @@ Trapp 1998). No effect writes a derivative.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -38,6 +38,11 @@ class ReadingsTangent:
     ramp: Array
     x0: Array
     P0: Array
+
+    @property
+    def moves(self) -> bool:
+        """Whether channels read temperatures otherwise, and not only what the run began with."""
+        return any(np.any(part) for part in (self.rows, self.growth, self.keep, self.ramp))
 
     @classmethod
     def none(cls, channels: int, n: int, size: int) -> ReadingsTangent:
@@ -95,6 +100,9 @@ class Moved:
         rig, place = self._forcing.rig, self._forcing.place
         if not self._kinds & {*OF_READINGS}:
             return None
+        if not self._in_readings:
+            x0, _ = run.estimate(self._forcing.readings, self._forcing.terms, place, offset + 1j * STEP * moved_offset)
+            return replace(ReadingsTangent.none(len(rig.names), place.size, len(x0)), x0=slope(x0))
         u = self._forcing.nothing
         terms = [term for name in self._forcing.reading for term in self._model.terms_of(name, u, rig)]
         moved = assemble.readings(terms, rig, place)
@@ -126,6 +134,12 @@ class Moved:
     def in_regimes(self) -> bool:
         """Whether it may move what a regime stores and conducts."""
         return bool(self._kinds & {Store, Chain, Link})
+
+    @property
+    def _in_readings(self) -> bool:
+        """Whether it moves how channels read the temperatures, and not only what they read beside them."""
+        said = [term for some in self._still.values() for term in some if isinstance(term, OF_READINGS)]
+        return any(assemble.is_complex(value) for term in said for value in assemble.values(term, but="offset"))
 
     @property
     def _is_own(self) -> bool:
