@@ -12,13 +12,14 @@ Machines 1 - 20 are for setting thresholds (`dev`, with seeds of their own), 101
 here: 121 - 220 on the first road, 221 - 320 on the second, 321 - 420 on the third.
 
 python -m benchmarks hidden [WORD ...]    some two hours on two cores; `whole`: over night
-    one half double none two three stranger drawn bare event label sensor shifted    rows, see cases
+    one half double none two three stranger drawn bare reading event label sensor shifted    rows, see cases
     healthy same shipped    roads;   7 or 0-9: these cases of each;   dev: machines 1 - 20;   alone: one process
 
 Each case leaves a line in benchmarks/hidden.jsonl, so that a study that was stopped goes on where it was, as long as
 the commit is the same and nothing has been changed since.
 
-In the order to read them: cases, plants, true_law, models, recorded, outcome, study, judge, lines, tables.
+In the order to read them: cases, plants, true_law, drawn_reading, models, recorded, outcome, study, judge, lines,
+tables.
 """
 
 from benchmarks.hidden.tables import markdown

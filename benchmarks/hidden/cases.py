@@ -43,7 +43,7 @@ class Hidden(NamedTuple):
     plant     strengths of effects planted in the rig;   taken: effects taken out of the model
     event     what is planted begins within one run, and is in no other
     speed, position, ambient_K  factors and shift of inputs of one run;   shift_mm: of the position in all runs
-    fault     of one thermometer in one run (injected.FAILURES)
+    fault     of one thermometer in one run (injected.FAILURES);   reading: of a drawn shape, in all runs
     """
 
     plant: Mapping[str, float] = MappingProxyType({})
@@ -54,6 +54,7 @@ class Hidden(NamedTuple):
     ambient_K: float = 0.0
     shift_mm: float = 0.0
     fault: str = ""
+    reading: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -93,9 +94,19 @@ ROWS = {
     "shifted": Row(20, 1, lambda n: Hidden(shift_mm=40.0)),
     "drawn": Row(40, 2, lambda n: _effects(["drawn_heat"])),
     "bare": Row(28, 1, lambda n: _effects([HEATS[n % len(HEATS)]])),
+    "reading": Row(20, 2, lambda n: Hidden(reading=True)),
 }
 MOVED_ON = 7  # from road to road, so that the smaller study meets every effect on one of them
-HELD_OUT = ("one", "half", "double", "two", "three", "drawn", "bare")  # where the error afterwards is a matter
+HELD_OUT = (
+    "one",
+    "half",
+    "double",
+    "two",
+    "three",
+    "drawn",
+    "bare",
+    "reading",
+)  # where the error afterwards is a matter
 SIX = "label"  # is told by the other runs, and there are six
 
 

@@ -13,7 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from benchmarks import paper_rig
 from benchmarks.hidden.cases import ODD, Case
+from benchmarks.hidden.drawn_reading import ALL as ALL_READ
+from benchmarks.hidden.drawn_reading import drawn_reading
 from benchmarks.hidden.outcome import Outcome
 from benchmarks.hidden.plants import BY_LAW, DRAWN, OWN, STRANGERS, kind_of
 from drivers.virtual_rig.machine.drawn import drawn
@@ -127,6 +130,13 @@ def _bare(case: Case, out: Outcome) -> bool:
     return min(gained(out), default=1.0) >= CARRIED
 
 
+def _reading(case: Case, out: Outcome) -> bool:
+    """The channel, and what its shift follows, or that as well."""
+    one = drawn_reading(case.seed, paper_rig.rig())
+    channel = "" if one.channel == ALL_READ else one.channel
+    return any(found[0] == channel and {*found[1:]} & {*one.follows} for found in out.misread)
+
+
 def _event(case: Case, out: Outcome) -> bool:
     """A time of heat: all that is planted so is."""
     run, onset_s = out.happened or ("", 0.0)
@@ -163,6 +173,7 @@ RULES: Mapping[str, Callable[[Case, Outcome], bool]] = {
     "stranger": _stranger,
     "drawn": _drawn,
     "bare": _bare,
+    "reading": _reading,
     "event": _event,
     "label": _label,
     "sensor": _sensor,

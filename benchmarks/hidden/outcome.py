@@ -12,6 +12,7 @@ from estimator.missing_effect.improve import Improvement
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model
 from estimator.rig import Rig
+from estimator.unknown.composed import Composed
 from estimator.unknown.stand_ins import unknown_of
 
 PATHS = sorted({path for paths in OWN.values() for path in paths})
@@ -28,7 +29,7 @@ class Outcome:
               leaves: those with what is said, or the model without any effect more
     held      values of such parameters that the model has fixed, or has not (0)
     place_mm, follows, channel  of what is in no catalogue;   as_well: what it may follow as well
-    composed  names of effects that were composed of it
+    composed  names of effects that were composed of it;   misread: of those of a reading, channel and what it follows
     wrong     (run, signal) of an input that is said to be wrong;   shift_mm: by which a position is
     faulty    (run, channel) of thermometers that are said to be broken or suspected
     began     (run, s since its first sample, kind) of what is told to begin within a run
@@ -48,6 +49,7 @@ class Outcome:
     channel: str = ""
     as_well: Sequence[str] = ()
     composed: Sequence[str] = ()
+    misread: Sequence[Sequence[str]] = ()
     wrong: Sequence[str] = ()
     shift_mm: float = 0.0
     faulty: Sequence[Sequence[str]] = ()
@@ -97,7 +99,14 @@ def of_improvement(done: Improvement, model: Model) -> Outcome:
         first = next((one for one in done.composed if one.unknown.at_mm is not None), done.composed[0])
         out.place_mm, out.follows = first.unknown.at_mm, first.unknown.follower.name
         out.as_well = [rival.follower.name for rival in first.rivals]
+        out.misread = [_read(one) for one in done.composed if one.unknown.channel is not None]
     return out
+
+
+def _read(one: Composed) -> list[str]:
+    """The channel, "" for all thermometers, and all that its shift may follow, best first."""
+    followers = [one.unknown.follower, *(rival.follower for rival in one.rivals)]
+    return [one.unknown.channel or "", *(each.name for each in followers)]
 
 
 def said_by(found: Suggestion) -> list[str]:

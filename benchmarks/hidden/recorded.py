@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from benchmarks.handed_over import record
 from benchmarks.hidden.cases import ODD, Case
+from benchmarks.hidden.drawn_reading import drawn_reading, misread
 from benchmarks.injected import failing
 from drivers.virtual_rig import Run, simulate
 from drivers.virtual_rig.dice import dice
@@ -40,6 +41,9 @@ def recorded(case: Case, rig: Rig) -> Recorded:
         return _eventful(case, rig)
     runs = [simulate(name, machine=case.machine, seed=case.seed, plant=hidden.plant) for name in (*used, *apart)]
     all_ = [record(run, rig, shift_mm=hidden.shift_mm) for run in runs]
+    if hidden.reading:
+        all_ = [misread(each, drawn_reading(case.seed, rig), rig) for each in all_]
+        return Recorded(all_[: len(used)], all_[len(used) :], runs[0].places)
     wrong, channel = _wrong(case, rig, runs[ODD])
     seen = [wrong if i == ODD else each for i, each in enumerate(all_[: len(used)])]
     return Recorded(seen, all_[len(used) :], runs[0].places, wrong.name, channel=channel)

@@ -23,7 +23,7 @@ from estimator.model import Model
 from estimator.rig import Rig
 from estimator.work import Runs
 
-COMPOSED = ("drawn", "bare")  # rows that ask `improve --compose`; the last of them without any catalogue
+COMPOSED = ("drawn", "reading", "bare")  # rows that ask `improve --compose`; the last of them without any catalogue
 IMPROVED = ("two", "three", *COMPOSED)  # rows that ask `improve`; the others ask `suggest`
 TIMED = ("event", "none")  # rows that are asked what began within a run, by `diagnose` and by `suggest`
 PLACED = {"local_heat": "at", "local_heat_driving": "at", "channel_offset": "channel", "channel_gain": "channel"}
@@ -49,7 +49,8 @@ def _searched(case: Case) -> Outcome:
         compose = () if case.row in COMPOSED else None
         done, search_s, _ = timed(lambda: improve(model, runs, Runs(rig, of.held_out), effects, compose))
         out = of_improvement(done, model)
-        out.knowing = _held_out(knowing(case, model, of, rig), of, rig)
+        if case.hidden.names:
+            out.knowing = _held_out(knowing(case, model, of, rig), of, rig)
     else:
         found, search_s, _ = timed(lambda: suggest(model, runs, effects))
         out = of_suggestion(found, model, rig)

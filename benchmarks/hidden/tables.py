@@ -32,6 +32,7 @@ TITLES = {
     "stranger": ("in no catalogue: said so, within 60 mm, right input", ">= 90 %"),
     "drawn": ("heat of a drawn place, length and law: composed, within 60 mm", ">= 90 %"),
     "bare": ("one heat effect, the catalogue taken away: half of its gain by what is composed", ""),
+    "reading": ("a reading wrong by a drawn law: composed, right channel, follower right or tied", ">= 85 %"),
     "event": ("an event within one run: told by diagnose or suggest, within 10 min", ">= 90 %"),
     "label": ("a wrong input of one run of six: run and signal named", ">= 95 %"),
     "sensor": ("a thermometer that fails in one run: named, and no heat", ">= 95 %"),
