@@ -11,7 +11,7 @@ from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 from estimator.effect import Effect, Param
 from estimator.errors import EffectError, SetupError, nearest
@@ -168,7 +168,7 @@ class Model:
         rho = covariance / np.maximum(np.outer(sd, sd), SMALLEST)
         old = self.about.get("covariance", UNKNOWN)
         stay = [k for k, path in enumerate(old["paths"]) if path not in paths]
-        together = block_diag(np.asarray(old["correlation"])[np.ix_(stay, stay)], rho).round(DIGITS)
+        together = scipy.linalg.block_diag(np.asarray(old["correlation"])[np.ix_(stay, stay)], rho).round(DIGITS)
         np.fill_diagonal(together, 1.0)
         names = [*(old["paths"][k] for k in stay), *paths]
         values = {path: replace(self.values[path], sd=float(x)) for path, x in zip(paths, sd, strict=True)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from can import CanError
@@ -12,8 +12,10 @@ from ballscrew.options import bus_options, terminal_options, writable
 from ballscrew.terminal import Terminal, duration
 from drivers.bus.bus import FAILURES, BusAddress, told
 from drivers.logs.log_writer import check_format
-from drivers.virtual_rig import Run, play, simulate, write
 from estimator.errors import SetupError
+
+if TYPE_CHECKING:
+    from drivers.virtual_rig import Run  # here and below: what it is compiled with takes a while to import
 
 HOURS = {"h": 3600.0, "min": 60.0, "s": 1.0}
 
@@ -106,6 +108,8 @@ def command(
 
 
 def _simulate(terminal: Terminal, name: str, **options: Any) -> Run:
+    from drivers.virtual_rig import simulate
+
     with terminal.progress(name, None) as update:
         try:
             return simulate(name, progress=lambda t, um: update(t, f"{duration(t)}, {um:.1f} um"), **options)
@@ -122,6 +126,8 @@ def _strength(word: str) -> tuple[str, float]:
 
 
 def _write(terminal: Terminal, run: Run, path: Path) -> dict[str, Any]:
+    from drivers.virtual_rig import write
+
     try:
         write(run, path)
     except ValueError as error:
@@ -139,6 +145,8 @@ def _write(terminal: Terminal, run: Run, path: Path) -> dict[str, Any]:
 
 
 def _play(terminal: Terminal, run: Run, address: BusAddress, speed_up: float) -> None:
+    from drivers.virtual_rig import play
+
     try:
         bus = address.open()
     except FAILURES as error:

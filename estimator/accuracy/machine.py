@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 
 import numpy as np
-from scipy.special import chdtri  # a quantile; scipy.stats would double the start of a command
 
 from estimator.batch import batch
 from estimator.batch.ahead import TICKS
@@ -30,7 +30,7 @@ from estimator.model import Model
 from estimator.record import Array
 
 CHANCE = 0.05  # that a model of this machine is taken for another's
-LIMIT_SD = float(np.sqrt(chdtri(1, CHANCE)))
+LIMIT_SD = NormalDist().inv_cdf(1.0 - CHANCE / 2.0)
 
 
 @dataclass(frozen=True)

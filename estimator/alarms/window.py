@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtri, ndtri  # quantiles; scipy.stats would double the start of `live`
+import scipy
 
 from estimator.faults.fault import Fault
 from estimator.faults.sentences import place_of
@@ -71,7 +71,7 @@ class WindowTest:
 
     def failed(self) -> Iterator[tuple[str, str, str]]:
         """Of a full window: kind, channel and sentence of each test that failed."""
-        if self._channels and self._nis > NIS_ALLOWED * chdtri(self._channels, self.share):
+        if self._channels and self._nis > NIS_ALLOWED * scipy.special.chdtri(self._channels, self.share):
             ratio = np.sqrt(self._nis / self._channels)
             yield "nis", "", f"the innovations are {ratio:.1f} times as large as they should be"
         for i in np.flatnonzero(self._biased()):
@@ -87,5 +87,5 @@ class WindowTest:
     def _biased(self) -> Array:
         """Channels that are off by more than the allowance, (m,) bool."""
         count = np.maximum(self._count, 1.0)
-        limit = self.window.bias - ndtri(self.share / 2) / np.sqrt(count)
+        limit = self.window.bias - scipy.special.ndtri(self.share / 2) / np.sqrt(count)
         return np.asarray(np.abs(self._sum) / count > limit)

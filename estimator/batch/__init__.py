@@ -1,4 +1,5 @@
 """The filter's twin for whole recordings, compiled.
 
-In the order to read them: batch, system, kernels, nominal, open_loop, ahead, judged, trial, trials, replay, coarse.
+In the order to read them: batch, system, compiled, kernels, nominal, open_loop, ahead, judged, trial, trials, replay,
+coarse.
 """

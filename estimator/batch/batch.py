@@ -149,6 +149,7 @@ def _backwards(system: System) -> Iterator[tuple[slice, States, float]]:
 
 def _is_compiled(kernel: Any) -> bool:
     """Whether numba has the code in memory, or in its cache, of this very source and for this processor."""
+    kernel = kernel.dispatcher
     if kernel.signatures or kernel.stats.cache_path is None:
         return bool(kernel.signatures)
     processor = kernel.targetctx.codegen().magic_tuple()

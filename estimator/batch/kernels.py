@@ -26,11 +26,11 @@ only have to be compiled here, `carried` and `followed` of state/moves.py, call 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from estimator.batch.compiled import Function, compiled
 from estimator.record import Array
 from estimator.state import moves
 
@@ -38,8 +38,6 @@ LOG_2PI = float(np.log(2.0 * np.pi))
 VECTOR = 8  # numbers that the processor works on at once: rows of P are filled up to whole vectors
 ROOM = (1e-200, 1e200)
 HOW: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Model(NamedTuple):
@@ -141,16 +139,13 @@ class Slopes(NamedTuple):
 
 
 def kernel(function: Function) -> Function:
-    """Compile on the first call, and keep the code where there is a place for it (not in a read-only install)."""
-    try:
-        return njit(cache=True, **HOW)(function)
-    except RuntimeError:
-        return njit(**HOW)(function)
+    """Compile on the first call, and keep the code."""
+    return compiled(function, cache=True, **HOW)
 
 
 def part(function: Function) -> Function:
     """Compile as a part of kernels, in their place: a call would hand over every field of every array."""
-    return njit(forceinline=True, **HOW)(function)
+    return compiled(function, forceinline=True, **HOW)
 
 
 @part

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.special import stdtr
+import scipy
 
 from estimator.events.event import GROWING, PART, Event
 from estimator.events.onset import Solver
@@ -75,4 +75,4 @@ def _chance(shares: Sequence[float], sd: np.ndarray, freedom: int) -> float:
         return 1.0
     order = np.arange(len(shares)) - (len(shares) - 1) / 2
     of_slope = np.sqrt((order**2 * sd**2).sum())
-    return float(2 * stdtr(freedom, -abs(order @ np.array(shares)) / max(of_slope, 1e-12)))
+    return float(2 * scipy.special.stdtr(freedom, -abs(order @ np.array(shares)) / max(of_slope, 1e-12)))

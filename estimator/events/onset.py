@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+import scipy
 
 from estimator.events.carriers import Carrier
 from estimator.events.event import DRIVING, HOT, LOOSE, READING
@@ -101,8 +101,8 @@ class Solver:
         S = measured.known.copy()
         for name, cause in measured.causes.items():
             S[np.ix_(cause.rows, cause.rows)] += sizes[name] ** 2 * cause.covariance
-        self._factor = cho_factor(S)
-        self._pull = cho_solve(self._factor, measured.y)
+        self._factor = scipy.linalg.cho_factor(S)
+        self._pull = scipy.linalg.cho_solve(self._factor, measured.y)
 
     def gain(self, seen: Signature, step: Step) -> float:
         """The most that any onset of a step adds, less what an end must add where that makes it more."""
@@ -159,7 +159,7 @@ class Solver:
 
     def _products(self, columns: Array) -> tuple[Array, Array]:
         """c' S^-1 y, (k,), and c' S^-1 c, (k, k), of columns (N, k)."""
-        return columns.T @ self._pull, columns.T @ cho_solve(self._factor, columns)
+        return columns.T @ self._pull, columns.T @ scipy.linalg.cho_solve(self._factor, columns)
 
 
 def _may_end(spans: Spans) -> Array:

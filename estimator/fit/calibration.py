@@ -20,7 +20,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 from estimator.batch import batch
 from estimator.batch.replay import gains
@@ -65,7 +65,7 @@ def calibrated(model: Model, trials: Trials, free: Sequence[str]) -> Model:
     hidden[: len(paths)] &= np.array([path in free for path in paths])
     if not hidden.any():
         return model
-    prior = block_diag(model.covariance(paths), np.diag(found[0].own_sd ** 2))
+    prior = scipy.linalg.block_diag(model.covariance(paths), np.diag(found[0].own_sd ** 2))
     best, after = _posterior(found, prior, trials[0].rig.tick_s / BLOCK_S)
     known = prior.copy()
     known[hidden], known[:, hidden] = after[hidden], after[:, hidden]

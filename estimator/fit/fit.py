@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 from estimator.accuracy.horizon import errors
 from estimator.accuracy.noise_floor import Error
@@ -99,7 +99,7 @@ def fit(model: Model, runs: Runs, learned: bool = False) -> Fit:
 def _outcome(model: Model, found: Likely, followed: Followed, trials: Trials, runs: Runs) -> Fit:
     paths = (*followed.paths, *followed.levels)
     own = Likelihood(found.model, trials, followed.levels).covariance() if followed.levels else np.zeros((0, 0))
-    better = found.model.known(paths, block_diag(followed.covariance, own))
+    better = found.model.known(paths, scipy.linalg.block_diag(followed.covariance, own))
     better = calibrated(better, trials, followed.paths)
     covariance = better.covariance(paths)
     fitted = {path: _fitted(model, better, path, covariance[i, i]) for i, path in enumerate(paths)}

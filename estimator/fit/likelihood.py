@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy
 
 from estimator.batch.trials import Trials
 from estimator.effect import Param
@@ -84,7 +84,7 @@ def likely(model: Model, trials: Trials, paths: Sequence[str], stage: str, progr
 
     try:
         first = abs(target.slope(target.start)[0])
-        found = minimize(
+        found = scipy.optimize.minimize(
             unlikely, target.start, jac=True, method="L-BFGS-B", bounds=target.bounds,
             options={"ftol": ENOUGH / max(first, 1.0)},
         )  # fmt: skip

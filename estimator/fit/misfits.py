@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from estimator.batch.open_loop import measured, open_loop_misfit, where_measured
 from estimator.batch.trial import Posed, Trial
@@ -97,7 +97,9 @@ def _slopes(trial: Trial, posed: Posed, model: Model, paths: Sequence[str]) -> I
 def _running_mean(values: Array, keep: float) -> Array:
     """Of each column's finite values up to each row, every row before weighing less by `keep`; 0 before the first."""
     known = np.isfinite(values)
-    total, count = (lfilter([1.0], [1.0, -keep], each, axis=0) for each in (np.nan_to_num(values), known.astype(float)))
+    total, count = (
+        scipy.signal.lfilter([1.0], [1.0, -keep], each, axis=0) for each in (np.nan_to_num(values), known.astype(float))
+    )
     return np.asarray(total / np.where(count > 0.0, count, 1.0))
 
 

@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from estimator.fit.misfits import Misfits
 from estimator.fit.noise import is_level
@@ -107,7 +107,7 @@ class Search:
         try:
             for _ in range(ROUNDS):
                 start = self._inside(self.best)
-                found = least_squares(
+                found = scipy.optimize.least_squares(
                     self._heard, start, self._slopes, self._bounds, x_scale="jac", xtol=1e-4, ftol=1e-5
                 )
                 self.converged = found.status > 0 and self._settled() and not self._lower_beside()

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from estimator.accuracy.blind import blind
 from estimator.accuracy.horizon import errors
@@ -134,5 +134,5 @@ def scaled(
     grid = np.arange(lowest, WIDEST, STEP)
     best = grid[np.argmin([unlikely(float(x)) for x in grid])]
     near = max(best - STEP, lowest), min(best + STEP, WIDEST)
-    found = minimize_scalar(unlikely, bounds=near, method="bounded", options={"xatol": CLOSE})
+    found = scipy.optimize.minimize_scalar(unlikely, bounds=near, method="bounded", options={"xatol": CLOSE})
     return at(found.x), float(np.exp(found.x))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import qr, solve_triangular
+import scipy
 
 from estimator.record import Array
 
@@ -24,10 +24,10 @@ def untold(columns: Array, names: Sequence[str]) -> dict[str, str]:
         return found
     seen = norms > 0.0
     first = 1.0 - EARLIER * np.arange(seen.sum())
-    _, r, order = qr(columns[:, seen] / norms[seen] * first, mode="economic", pivoting=True)
+    _, r, order = scipy.linalg.qr(columns[:, seen] / norms[seen] * first, mode="economic", pivoting=True)
     sorted_names = [[name for name in names if name not in found][i] for i in order]
     kept = int((np.abs(np.diag(r)) > APART).sum())
     for i, name in enumerate(sorted_names[kept:], kept):
-        shares = np.abs(solve_triangular(r[:kept, :kept], r[:kept, i]))
+        shares = np.abs(scipy.linalg.solve_triangular(r[:kept, :kept], r[:kept, i]))
         found[name] = sorted_names[int(shares.argmax())]
     return found

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
+import scipy
 
 from estimator.accuracy.noise_floor import Error
 from estimator.batch.trials import Trials
@@ -205,7 +205,7 @@ class Panel:
         lo, hi = self._lo[chosen], self._hi[chosen]
         if np.any(change < lo) or np.any(change > hi):
             wide = np.maximum(hi, lo + 1e-12)
-            change = lsq_linear(lower.T, half, (lo / scale, wide / scale), method="bvls").x * scale
+            change = scipy.optimize.lsq_linear(lower.T, half, (lo / scale, wide / scale), method="bvls").x * scale
         return np.asarray(change)
 
     def _covariance(self, sums: Array, chosen: Array) -> Array:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials, slow_trial, unjudged
@@ -147,7 +147,9 @@ def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> tuple[fl
         return Panel([], [moments_of(trial, model, [])]).cost
 
     widest = _scale(rig, signal).widest
-    found = minimize_scalar(misfit, bounds=(-widest, widest), method="bounded", options={"xatol": CLOSE * widest})
+    found = scipy.optimize.minimize_scalar(
+        misfit, bounds=(-widest, widest), method="bounded", options={"xatol": CLOSE * widest}
+    )
     return float(found.fun), float(found.x)
 
 

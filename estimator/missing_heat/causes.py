@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf, dpotri
+import scipy
 
 from estimator.record import Array
 from estimator.work import Workers
@@ -57,10 +57,10 @@ def inverted(measured: Averages, sizes: Mapping[str, float]) -> Inverted:
             S += sizes[name] ** 2 * cause.covariance
         else:
             S[np.ix_(cause.rows, cause.rows)] += sizes[name] ** 2 * cause.covariance
-    upper, fault = dpotrf(S)
+    upper, fault = scipy.linalg.lapack.dpotrf(S)
     if fault:
         raise np.linalg.LinAlgError("the covariance of the misfits is not positive definite")
-    inverse = dpotri(upper)[0]
+    inverse = scipy.linalg.lapack.dpotri(upper)[0]
     inverse = np.triu(inverse) + np.triu(inverse, 1).T
     return Inverted(inverse, inverse @ measured.y)
 

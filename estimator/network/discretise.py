@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
+import scipy
 
 from estimator.network.assemble import Network
 from estimator.record import Array
@@ -40,7 +40,7 @@ class Modes:
 
     def __init__(self, network: Network, regime: int, dt: float) -> None:
         self._dt, self._mass = dt, network.mass
-        self._rates, self._shapes = eigh(network.conductance[regime], network.mass)
+        self._rates, self._shapes = scipy.linalg.eigh(network.conductance[regime], network.mass)
         self._noise = self._shapes.T @ network.noise[regime] @ self._shapes
 
     def transition(self) -> Transition:

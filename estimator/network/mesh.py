@@ -12,7 +12,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from estimator.record import Array
 from estimator.rig import Rig
@@ -59,6 +59,6 @@ def shapes(places_mm: Array, x_mm: Array) -> Array:
 def _shapes(places_mm: bytes, x_mm: bytes) -> Array:
     """The same of arrays as bytes: the places of thermometers are asked for again and again."""
     places = np.frombuffer(places_mm)
-    found = CubicSpline(places, np.eye(len(places)), bc_type="not-a-knot")(np.frombuffer(x_mm))
+    found = scipy.interpolate.CubicSpline(places, np.eye(len(places)), bc_type="not-a-knot")(np.frombuffer(x_mm))
     found.flags.writeable = False
     return found

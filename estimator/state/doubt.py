@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 from estimator.faults.machine import Known
 from estimator.network.forcing import Drive, Ticks
@@ -50,7 +50,7 @@ class Doubt:
         readings = run.forcing.readings
         self._own = OwnErrors(readings, readings.rows @ self._start, run.forcing.rig.tick_s)
         self._paths, no_other = doubts.paths, np.zeros_like(self._own.sd)
-        together = block_diag(root(doubts.covariance), np.diag(self._own.sd))
+        together = scipy.linalg.block_diag(root(doubts.covariance), np.diag(self._own.sd))
         self.known = Known(together, np.append(doubts.whole, no_other))
         first = np.zeros(len(run.offset))
         m, n, size = len(first), run.state.n, run.state.size

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import rerun as rr
-from scipy.special import chdtri
+import scipy
 
 from estimator.faults.fault import Fault
 from estimator.record import Array
@@ -113,5 +113,5 @@ def consistency(time_s: Array, nis: Array, channels: Array, first_s: float | Non
     count = sums(time_s, np.where(np.isfinite(nis), channels, 0.0), first_s=first_s)[1]
     some = count > 0
     tails = [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2]
-    bounds = np.stack([chdtri(count[some], tail) / count[some] for tail in tails], axis=-1)
+    bounds = np.stack([scipy.special.chdtri(count[some], tail) / count[some] for tail in tails], axis=-1)
     return begins[some] + MINUTE_S / 2, total[some] / count[some], bounds

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.machine.geometry import CHANNELS
@@ -77,7 +77,7 @@ def lagging(spot: np.ndarray, tau: float) -> np.ndarray:
     a = np.exp(-1.0 / tau)
     b = tau * (1.0 - a)
     rise = spot - spot[0]
-    return spot[0] + lfilter([1.0 - b, b - a], [1.0, -a], rise)
+    return spot[0] + scipy.signal.lfilter([1.0 - b, b - a], [1.0, -a], rise)
 
 
 def quantised(temperature: np.ndarray) -> np.ndarray:

@@ -303,7 +303,10 @@ def test_it_works_where_nothing_can_be_written(tmp_path):
     home = tmp_path / "estimator"
     shutil.copytree(Path(batch.__file__).parents[1], home, ignore=shutil.ignore_patterns("__pycache__"))
     (home / "batch" / "__pycache__").touch()  # nobody can make the folder now, root neither
-    program = "from estimator.batch import batch, kernels; print(kernels.forward.stats.cache_path, batch.is_cold())"
+    program = (
+        "from estimator.batch import batch, kernels\n"
+        "print(kernels.forward.dispatcher.stats.cache_path, batch.is_cold())"
+    )
     clean = {key: value for key, value in os.environ.items() if not key.startswith(("HOME", "XDG", "NUMBA"))}
     clean |= {"HOME": "/proc/none", "PYTHONDONTWRITEBYTECODE": "1"}
     done = ended("-c", program, cwd=tmp_path, env=clean)
@@ -316,7 +319,7 @@ def test_compiled_once_and_known_to_be(system):
     assert not batch.is_cold(passes, smoothed)
     used = batch.kernels
     for kernel in (used.forward, used.compare, used.smooth, used.score, used._coast):
-        assert len(kernel.signatures) == 1
+        assert len(kernel.dispatcher.signatures) == 1
 
 
 def test_what_numba_keeps_counts_and_not_the_dates_of_files(tmp_path):

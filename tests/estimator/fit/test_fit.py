@@ -168,7 +168,7 @@ def test_a_search_goes_on_where_it_is_lower_beside_its_end(rig, full, lived):
         return OptimizeResult(ends[-1], status=1)
 
     settled = mock.patch.object(Search, "_settled", return_value=True)
-    with mock.patch("estimator.fit.open_loop_fit.least_squares", short), settled:
+    with mock.patch("scipy.optimize.least_squares", short), settled:
         found = follow(only(full, *free), runs, free)
     assert len(ends) == 2
     assert found.converged
