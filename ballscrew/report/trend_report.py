@@ -1,0 +1,112 @@
+"""A trend: what has changed since when, every parameter's course as a row, and JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import datetime
+
+import numpy as np
+
+from ballscrew.terminal import Terminal
+from estimator.trend.course import Course
+from estimator.trend.drift import WEEK_S
+from estimator.trend.trend import Told, Trend
+
+HEAD = ["parameter", "unit", "runs", "mean", "scatter", "sd of a run", "first", "last", "change"]
+
+
+def print_trend(terminal: Terminal, trend: Trend) -> None:
+    """The parameters that runs tell of, and what a maintenance engineer should know of them."""
+    known = [course for course in trend.courses if len(course.known)]
+    terminal.table([HEAD, *(_row(course, trend) for course in known)])
+    silent = [course.path for course in trend.courses if not len(course.known)]
+    if silent:
+        terminal.say(f"\nof these a single run tells no more than its table: {', '.join(silent)}")
+    terminal.say()
+    for sentence in sentences(trend):
+        terminal.say(sentence)
+
+
+def _row(course: Course, trend: Trend) -> list[str]:
+    value, sd = course.value[course.known], course.sd[course.known]
+    digits = max(0, 1 - int(np.floor(np.log10(np.median(sd)))))
+    numbers = [value.mean(), value.std(), float(np.median(sd)), value[0], value[-1]]
+    told = next((one.drift for one in trend.told if one.drift.course.path == course.path), None)
+    change = f"{told.share:+.1%}" if told else ""
+    return [course.path, course.unit, str(len(value)), *(f"{x:.{digits}f}" for x in numbers), change]
+
+
+def sentences(trend: Trend) -> list[str]:
+    """What has changed, the clearest first; else that nothing has."""
+    if trend.told:
+        return [*_undated(trend), *(_sentence(one, trend) for one in trend.told)]
+    known = sum(len(course.known) > 0 for course in trend.courses)
+    return [
+        *_undated(trend),
+        f"No parameter has changed over these {len(trend.names)} runs by more than chance gives: of the "
+        f"{len(trend.courses)} that the model leaves open, {known} are told by single runs.",
+    ]
+
+
+def _undated(trend: Trend) -> Iterator[str]:
+    if not trend.dated:
+        yield "These recordings tell no date, or one date more than once: they are taken in the order given."
+
+
+def _sentence(told: Told, trend: Trend) -> str:
+    """friction of the anchor bearing: 12.9 % more (7 sd) since 3 November, 4.1 % a week."""
+    one = told.drift
+    course, size = one.course, f"{abs(one.share):.1%}" if np.isfinite(one.share) else f"{abs(one.change):.3g}"
+    ends = f"from {one.before:.3g} to {one.before + one.change:.3g} {course.unit}".replace(" 1", "")
+    sure = f"{abs(one.change) / one.sd:.0f} sd; p {max(one.p, 0.001):.3f} of all parameters"
+    if one.shape == "step":
+        how = f"has become {size} {'larger' if one.change > 0 else 'smaller'} with {_when(trend, one.run)}"
+    else:
+        rate = per_week(told, trend)
+        weekly = f", {abs(rate[0] / one.before):.1%} a week" if rate and one.before else ""
+        how = f"has {'risen' if one.change > 0 else 'fallen'} by {size} since {_when(trend, one.run - 1)}{weekly}"
+    besides = f"; or as well {', '.join(told.or_else)}" if told.or_else else ""
+    return f"{course.path} {how}, {ends} ({sure}){besides}."
+
+
+def _when(trend: Trend, run: int) -> str:
+    name = trend.names[run]
+    return f"{_date(trend, run)} ({name})" if trend.dated else name
+
+
+def _date(trend: Trend, run: int) -> str:
+    return datetime.fromtimestamp(trend.start_s[run]).isoformat(" ", "minutes")
+
+
+def per_week(told: Told, trend: Trend) -> tuple[float, float] | None:
+    """Of a rise, in the parameter's unit, with its sd; of a step over all runs; None where the runs have no dates."""
+    one = told.drift
+    began = trend.start_s[one.run - 1] if one.shape == "rise" else trend.start_s[0]
+    weeks = (trend.start_s[-1] - began) / WEEK_S
+    return (one.change / weeks, one.sd / weeks) if trend.dated else None
+
+
+def as_json(trend: Trend) -> dict[str, object]:
+    """The trend for programs."""
+    return {
+        "parameters": {course.path: list(_values(course, trend)) for course in trend.courses},
+        "drifts": [_drift(one, trend) for one in trend.told],
+        "sentences": sentences(trend),
+    }
+
+
+def _values(course: Course, trend: Trend) -> Iterator[dict[str, object]]:
+    for i in course.known.tolist():
+        start = _date(trend, i) if trend.dated else None
+        yield {"recording": trend.names[i], "start": start, "value": course.value[i], "sd": course.sd[i]}
+
+
+def _drift(told: Told, trend: Trend) -> dict[str, object]:
+    one, rate = told.drift, per_week(told, trend) or (None, None)
+    first = one.run if one.shape == "step" else one.run - 1
+    return {
+        "parameter": one.course.path, "unit": one.course.unit, "per_week": rate[0], "sd": rate[1],
+        "since": _date(trend, first) if trend.dated else trend.names[first], "recording": trend.names[first],
+        "p": one.p, "shape": one.shape, "before": one.before, "change": one.change, "change_sd": one.sd,
+        "or_else": list(told.or_else),
+    }  # fmt: skip

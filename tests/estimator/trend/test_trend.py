@@ -1,0 +1,56 @@
+"""Of a machine that wears the right parameter is told, with the run; of one that does not, none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimator.errors import InputError
+from estimator.trend.trend import trend
+from estimator.work import Runs
+
+WEAR = 1.15
+SD = {"still_air.h": 0.3, "nut_friction.power": 1.0}
+
+
+@pytest.fixture(scope="module")
+def known(plain):
+    """The model as a fit has left it: with what it knows of its parameters."""
+    values = {path: replace(plain.values[path], sd=sd) for path, sd in SD.items()}
+    return plain.with_values(values)
+
+
+@pytest.fixture(scope="module")
+def life(known, lives):
+    """Twelve runs, one a day; the last four, which are handed over first, of a nut that is tight."""
+    worn = known.with_values({"nut_friction.power": WEAR * known["nut_friction.power"]})
+    runs = [*lives(known, 1), *lives(known, 11), *lives(worn, 21)]
+    dated = [replace(run, name=f"day {k}", began_s=1.7e9 + 86400.0 * k) for k, run in enumerate(runs)]
+    return [*dated[8:], *dated[:8]]
+
+
+def test_the_parameter_that_has_changed_is_told_in_the_order_of_the_clocks(known, bar, life):
+    found = trend(known, Runs(bar, life))
+    assert found.names == tuple(f"day {k}" for k in range(12))
+    assert found.dated
+    assert [one.drift.course.path for one in found.told] == ["nut_friction.power"]
+    drift = found.told[0].drift
+    assert drift.run == 8
+    assert drift.share == pytest.approx(WEAR - 1.0, abs=0.03)
+    assert drift.p < 0.05
+
+
+def test_a_machine_that_does_not_change_has_no_trend(known, bar, life):
+    found = trend(known, Runs(bar, life[4:]))
+    assert found.told == ()
+    (course,) = (one for one in found.courses if one.path == "nut_friction.power")
+    off = (course.value - known["nut_friction.power"]) / course.sd
+    assert np.sqrt(np.mean(off**2)) < 2.0
+
+
+def test_few_runs_are_refused_and_one_date_for_all_is_no_date(known, bar, life):
+    with pytest.raises(InputError, match="needs 6 recordings of one machine at least; here are 5"):
+        trend(known, Runs(bar, life[:5]))
+    assert not trend(known, Runs(bar, [replace(run, began_s=1.7e9) for run in life[4:10]])).dated
