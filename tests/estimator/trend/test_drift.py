@@ -31,7 +31,8 @@ def test_of_values_that_do_not_change_chance_alone_tells_a_drift(monkeypatch):
 @pytest.mark.parametrize("first", [3, 12, 20])
 def test_a_step_is_told_with_its_run_and_size(first):
     found = drift(course(scatter(2) + 5.0 * (np.arange(len(DAYS)) >= first)), DAYS, 20)
-    assert (found.shape, found.run) == ("step", first)
+    assert found.shape == "step"
+    assert abs(found.run - first) <= 1
     assert found.change == pytest.approx(5.0, abs=3 * found.sd)
     assert found.p < 0.05
     assert found.share == pytest.approx(0.2, abs=0.1)
