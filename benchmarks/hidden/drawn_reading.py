@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,7 +26,6 @@ OF_ONE = ("nut", "board")
 OF_THERMOMETERS = ("power", "blast", "soak", "input")  # one that drifts with the clock is a fault
 READ_WHILE_DRIVING = ("clock", "input")  # a run has one speed: what follows that is a part of its unknown zero
 TURNS = 1.0  # rad/s, from which on the screw turns
-TYPICAL_K = 3.0
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class DrawnReading:
 
     kind     "power": |omega|^exponent;   "blast": fades after a stop;   "soak": comes after a stop;   "clock": with the
              hours;   "input": a power of how much an input has risen, its sign kept
-    size     K or um where the law is 1: at 20 m/min, at once after a stop, after one hour, after a rise of 3 K
+    size     K or um where the law is 1: at 20 m/min, at once after a stop, after one hour, at the largest rise met
     """
 
     channel: str
@@ -49,16 +49,16 @@ class DrawnReading:
         """What may be named for it."""
         return KINDS[self.kind] or (self.input,)
 
-    def law(self, recording: Recording) -> Array:
-        """What the size is multiplied by, (K,)."""
+    def law(self, recording: Recording, largest_K: float) -> Array:
+        """What the size is multiplied by, (K,); `largest_K`: rise of the input in any run."""
         turning, time_s = np.nan_to_num(recording.omega) > TURNS, recording.time_s
         if self.kind == "power":
             return np.asarray(np.nan_to_num(recording.omega) / OMEGA_20) ** self.exponent
         if self.kind == "clock":
             return np.asarray((time_s - time_s[0]) / 3600.0)
         if self.kind == "input":
-            rise = recording.inputs[self.input] - recording.inputs[self.input][0]
-            return np.asarray(np.sign(rise) * np.abs(rise / TYPICAL_K) ** (self.exponent / 1.5))
+            rise = _rise(recording, self.input) / largest_K
+            return np.asarray(np.sign(rise) * np.abs(rise) ** (self.exponent / 1.5))
         since = time_s - np.maximum.accumulate(np.where(turning, time_s, -np.inf))
         fading = np.where(turning | ~np.isfinite(since), 0.0, np.exp(-since / self.seconds))
         rested = ~turning & np.isfinite(since)
@@ -81,10 +81,18 @@ def drawn_reading(seed: int, rig: Rig) -> DrawnReading:
     )
 
 
-def misread(recording: Recording, one: DrawnReading, rig: Rig) -> Recording:
-    """The recording as it would be read with it."""
-    names = rig.thermometers if one.channel == ALL else [one.channel]
-    channels = recording.channels.copy()
-    for name in names:
-        channels[:, rig.index(name)] += one.size * one.law(recording)
-    return replace(recording, channels=channels)
+def misread(recordings: Sequence[Recording], one: DrawnReading, rig: Rig) -> list[Recording]:
+    """The recordings as they would be read with it."""
+    at = [rig.index(name) for name in (rig.thermometers if one.channel == ALL else [one.channel])]
+    largest_K = max(float(np.nanmax(np.abs(_rise(each, one.input)))) for each in recordings)
+    found = []
+    for recording in recordings:
+        channels = recording.channels.copy()
+        channels[:, at] += one.size * one.law(recording, largest_K)[:, None]
+        found.append(replace(recording, channels=channels))
+    return found
+
+
+def _rise(recording: Recording, name: str) -> Array:
+    values = recording.inputs[name]
+    return np.asarray(values - values[np.flatnonzero(np.isfinite(values))[0]])

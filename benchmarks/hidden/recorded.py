@@ -42,7 +42,7 @@ def recorded(case: Case, rig: Rig) -> Recorded:
     runs = [simulate(name, machine=case.machine, seed=case.seed, plant=hidden.plant) for name in (*used, *apart)]
     all_ = [record(run, rig, shift_mm=hidden.shift_mm) for run in runs]
     if hidden.reading:
-        all_ = [misread(each, drawn_reading(case.seed, rig), rig) for each in all_]
+        all_ = misread(all_, drawn_reading(case.seed, rig), rig)
         return Recorded(all_[: len(used)], all_[len(used) :], runs[0].places)
     wrong, channel = _wrong(case, rig, runs[ODD])
     seen = [wrong if i == ODD else each for i, each in enumerate(all_[: len(used)])]
