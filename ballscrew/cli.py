@@ -25,7 +25,7 @@ COMMANDS = {
     "diagnose": "Say whether a model is adequate, and where it fails.",
     "suggest": "Say which physical effect is missing from a model.",
     "improve": "Add to a model what is missing, effect by effect.",
-    "trend": "Follow a machine's parameters over weeks: what wears, since when.",
+    "trend": "Say what wears: a machine's parameters over weeks.",
     "export": "Convert logs of CAN frames to another format.",
     "show": "Print a model as equations, with values, bounds and sources.",
     "effects": "Print the catalogue of effects, or one of them; check one.",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -78,6 +79,10 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
     "--seconds", type=click.FloatRange(min=0.0, min_open=True), metavar="S", help="Cut the run after this time."
 )
 @click.option(
+    "--date", type=click.DateTime(["%Y-%m-%d", "%Y-%m-%dT%H:%M", "%Y-%m-%dT%H:%M:%S"]), metavar="DATE",
+    help="When the run began, like 2026-11-03 or 2026-11-03T06:30, local time.",
+)  # fmt: skip
+@click.option(
     "--speed-up", type=click.FloatRange(min=0.0, min_open=True), default=1.0, show_default=True,
     help="On a bus: times faster than the rig.",
 )  # fmt: skip
@@ -85,7 +90,7 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
 def command(
     terminal: Terminal, name: str, out: Path | None, bus: BusAddress | None, machine: int, seed: int,
     plant: tuple[str, ...], without: tuple[str, ...], onset: float, max_drive: float, cycles: int,
-    seconds: float | None, speed_up: float,
+    seconds: float | None, date: datetime | None, speed_up: float,
 ) -> None:  # fmt: skip
     """Simulate experiment NAME: a pattern FS, CS or ES and a speed in m/min, like FS-20 or CS-2.5.
 
@@ -102,7 +107,7 @@ def command(
         onset_s=onset, max_drive_s=max_drive, cycles=cycles, seconds=seconds,
     )  # fmt: skip
     if out is not None:
-        terminal.json(_write(terminal, run, out))
+        terminal.json(_write(terminal, run, out, {"began_s": date.timestamp()} if date else {}))
     if bus is not None:
         _play(terminal, run, bus, speed_up)
 
@@ -125,11 +130,11 @@ def _strength(word: str) -> tuple[str, float]:
         raise SetupError(f"--plant {word}: '{strength}' is no number; write {effect}=0.5") from None
 
 
-def _write(terminal: Terminal, run: Run, path: Path) -> dict[str, Any]:
+def _write(terminal: Terminal, run: Run, path: Path, began: dict[str, float]) -> dict[str, Any]:
     from drivers.virtual_rig import write
 
     try:
-        write(run, path)
+        write(run, path, **began)
     except ValueError as error:
         raise SetupError(f"{path}: {error}") from error
     length, growth = float(run.truth.time_s[-1]), float(run.truth.elongation_um.max())

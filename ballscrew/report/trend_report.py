@@ -19,7 +19,7 @@ def print_trend(terminal: Terminal, trend: Trend) -> None:
     """The parameters that runs tell of, and what a maintenance engineer should know of them."""
     known = [course for course in trend.courses if len(course.known)]
     terminal.table([HEAD, *(_row(course, trend) for course in known)])
-    silent = [course.path for course in trend.courses if not len(course.known)]
+    silent = [course.name for course in trend.courses if not len(course.known)]
     if silent:
         terminal.say(f"\nof these a single run tells no more than its table: {', '.join(silent)}")
     terminal.say()
@@ -31,9 +31,9 @@ def _row(course: Course, trend: Trend) -> list[str]:
     value, sd = course.value[course.known], course.sd[course.known]
     digits = max(0, 1 - int(np.floor(np.log10(np.median(sd)))))
     numbers = [value.mean(), value.std(), float(np.median(sd)), value[0], value[-1]]
-    told = next((one.drift for one in trend.told if one.drift.course.path == course.path), None)
+    told = next((one.drift for one in trend.told if one.drift.course.name == course.name), None)
     change = f"{told.share:+.1%}" if told else ""
-    return [course.path, course.unit, str(len(value)), *(f"{x:.{digits}f}" for x in numbers), change]
+    return [course.name, course.unit, str(len(value)), *(f"{x:.{digits}f}" for x in numbers), change]
 
 
 def sentences(trend: Trend) -> list[str]:
@@ -57,7 +57,9 @@ def _sentence(told: Told, trend: Trend) -> str:
     """friction of the anchor bearing: 12.9 % more (7 sd) since 3 November, 4.1 % a week."""
     one = told.drift
     course, size = one.course, f"{abs(one.share):.1%}" if np.isfinite(one.share) else f"{abs(one.change):.3g}"
-    ends = f"from {one.before:.3g} to {one.before + one.change:.3g} {course.unit}".replace(" 1", "")
+    unit = "" if course.unit == "1" else f" {course.unit}"
+    of = "" if "." in course.name else " of what the model says"
+    ends = f"from {one.before:.3g} to {one.before + one.change:.3g}{unit}{of}"
     sure = f"{abs(one.change) / one.sd:.0f} sd; p {max(one.p, 0.001):.3f} of all parameters"
     if one.shape == "step":
         how = f"has become {size} {'larger' if one.change > 0 else 'smaller'} with {_when(trend, one.run)}"
@@ -66,7 +68,8 @@ def _sentence(told: Told, trend: Trend) -> str:
         weekly = f", {abs(rate[0] / one.before):.1%} a week" if rate and one.before else ""
         how = f"has {'risen' if one.change > 0 else 'fallen'} by {size} since {_when(trend, one.run - 1)}{weekly}"
     besides = f"; or as well {', '.join(told.or_else)}" if told.or_else else ""
-    return f"{course.path} {how}, {ends} ({sure}){besides}."
+    name = course.name if "." in course.name else f"{course.name}, all its powers together,"
+    return f"{name} {how}, {ends} ({sure}){besides}."
 
 
 def _when(trend: Trend, run: int) -> str:
@@ -89,7 +92,7 @@ def per_week(told: Told, trend: Trend) -> tuple[float, float] | None:
 def as_json(trend: Trend) -> dict[str, object]:
     """The trend for programs."""
     return {
-        "parameters": {course.path: list(_values(course, trend)) for course in trend.courses},
+        "parameters": {course.name: list(_values(course, trend)) for course in trend.courses},
         "drifts": [_drift(one, trend) for one in trend.told],
         "sentences": sentences(trend),
     }
@@ -105,7 +108,7 @@ def _drift(told: Told, trend: Trend) -> dict[str, object]:
     one, rate = told.drift, per_week(told, trend) or (None, None)
     first = one.run if one.shape == "step" else one.run - 1
     return {
-        "parameter": one.course.path, "unit": one.course.unit, "per_week": rate[0], "sd": rate[1],
+        "parameter": one.course.name, "unit": one.course.unit, "per_week": rate[0], "sd": rate[1],
         "since": _date(trend, first) if trend.dated else trend.names[first], "recording": trend.names[first],
         "p": one.p, "shape": one.shape, "before": one.before, "change": one.change, "change_sd": one.sd,
         "or_else": list(told.or_else),

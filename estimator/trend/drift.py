@@ -22,6 +22,7 @@ AT_EACH_END = 2  # runs before a change, and after it
 ORDERS = 4999
 SEED = 1  # the same runs give the same answer
 WEEK_S = 7 * 86400.0
+CAUTION = 1.0 / 9.0  # values scatter a third of what they say at least: their sd allow for a model that errs
 TIRED = 1e-12
 
 
@@ -89,11 +90,11 @@ def _white(shape: Array, weight: Array) -> Array:
 
 
 def _fitted(course: Course, known: Array, name: str, first: int, shape: Array, p: float) -> Drift:
-    """The change by weighted least squares; its sd by what is left, or by the values' own, whichever is more."""
+    """The change by weighted least squares; its sd by what is left of the values."""
     value, root = course.value[known], 1.0 / course.sd[known]
     columns = np.column_stack([np.ones_like(shape), shape])
     (before, change), *_ = np.linalg.lstsq(columns * root[:, None], value * root, rcond=None)
     left = float((((value - columns @ (before, change)) * root) ** 2).sum())
-    scatter = max(1.0, left / (len(value) - 3))  # of the constant, the size and the run
+    scatter = max(CAUTION, left / (len(value) - 3))  # the constant, the size and the run are three
     sd = float(np.sqrt(scatter * np.linalg.inv((columns * root[:, None]).T @ (columns * root[:, None]))[1, 1]))
     return Drift(course, name, int(known[first]), float(before), float(change), sd, float((change / sd) ** 2), p)

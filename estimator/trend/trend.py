@@ -15,22 +15,23 @@ import numpy as np
 from estimator.batch.trials import slow_trials_of
 from estimator.errors import InputError
 from estimator.faults.use import Use
-from estimator.hypotheses.moments import Moments, moments
+from estimator.hypotheses.moments import moments
 from estimator.hypotheses.slopes import Column
 from estimator.model import Model
 from estimator.record import Array
-from estimator.trend.course import Course, courses
+from estimator.trend.course import Course, Direction, Known, directions
 from estimator.trend.drift import FEWEST, Drift, drift
 from estimator.work import Runs
 
 SURE = 0.05  # that anything is told of a machine that does not change
+LEAST_GAIN = 9.0  # three sd: less is nothing that anybody would act on
 ALIKE = 6.0  # twice ln 20: what explains less than this less is named beside the best
 MOST = 4  # parameters that are told
 
 
 @dataclass(frozen=True)
 class Told:
-    """A parameter that has changed, and others of which it may as well be."""
+    """What has changed, and what it may as well be."""
 
     drift: Drift
     or_else: tuple[str, ...]
@@ -38,7 +39,7 @@ class Told:
 
 @dataclass(frozen=True)
 class Trend:
-    """Every parameter's course over the runs in order of time, and what has changed.
+    """Every parameter's and effect's course over the runs in order of time, and what has changed.
 
     names, start_s  of the runs, R each; start_s in s since 1970, or their number where a log tells no date
     dated           whether all of them tell one, each its own
@@ -65,25 +66,25 @@ def trend(model: Model, runs: Runs) -> Trend:
     trials = slow_trials_of(model, Runs(runs.rig, some, runs.workers))
     runs.progress("following each parameter", 0.6)
     columns = [Column(model, path) for path in model.free()]
-    found = moments(trials, model, columns, model)
+    known = Known(model, moments(trials, model, columns, model))
     start_s = np.array([float(r.began_s or 0.0) for r in some]) if dated else np.arange(float(len(some)))
-    all_ = courses(model, found, model.free())
     told: list[Told] = []
-    while len(told) < MOST and (next_one := _next(model, found, start_s, all_, told)) is not None:
-        told.append(next_one)
-    return Trend(tuple(r.name for r in some), start_s, dated, tuple(all_), tuple(told), trials.uses)
+    asked = directions(model)
+    while len(told) < MOST and (found := _next(known, asked, start_s, told)) is not None:
+        told.append(found)
+    all_ = tuple(known.course(one) for one in asked)
+    return Trend(tuple(r.name for r in some), start_s, dated, all_, tuple(told), trials.uses)
 
 
-def _next(
-    model: Model, found: Sequence[Moments], start_s: Array, first: Sequence[Course], told: Sequence[Told]
-) -> Told | None:
-    """The parameter that has changed most clearly beside those that are told already."""
-    moved = [one.drift.course.path for one in told]
-    rest = [path for path in model.free() if path not in moved]
-    asked = courses(model, found, rest, moved) if moved else first
-    drifts = [one for course in asked if (one := drift(course, start_s, len(rest))) is not None and one.p < SURE]
+def _next(known: Known, asked: Sequence[Direction], start_s: Array, told: Sequence[Told]) -> Told | None:
+    """What has changed most clearly beside what is told already."""
+    names = [one.drift.course.name for one in told]
+    beside = [one for one in asked if one.name in names]
+    rest = [one for one in asked if one.name not in names]
+    found = [drift(known.course(one, beside), start_s, len(rest)) for one in rest]
+    drifts = [one for one in found if one is not None and one.p < SURE and one.gain > LEAST_GAIN]
     if not drifts:
         return None
     best = max(drifts, key=lambda one: one.gain)
     others = [one for one in drifts if one is not best and one.gain > best.gain - ALIKE]
-    return Told(best, tuple(one.course.path for one in sorted(others, key=lambda one: -one.gain)))
+    return Told(best, tuple(one.course.name for one in sorted(others, key=lambda one: -one.gain)))

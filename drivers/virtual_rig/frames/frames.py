@@ -34,10 +34,10 @@ class FrameTable(NamedTuple):
     id: np.ndarray
     data: np.ndarray
 
-    def messages(self) -> Iterator[can.Message]:
+    def messages(self, began_s: float = EPOCH_S) -> Iterator[can.Message]:
         """The frames as python-can's messages, stamped with a fixed epoch plus the rig's time."""
         for t, frame_id, data in zip(self.time_s.tolist(), self.id.tolist(), self.data, strict=True):
-            yield can.Message(EPOCH_S + t, frame_id, is_extended_id=False, data=data.tobytes())
+            yield can.Message(began_s + t, frame_id, is_extended_id=False, data=data.tobytes())
 
 
 def frame_table(run: Run) -> FrameTable:

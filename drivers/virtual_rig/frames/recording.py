@@ -14,16 +14,19 @@ from drivers.virtual_rig.run import Run
 TRUTH_COLUMNS = ["time_s", "elongation_um", *(f"T{n:02d}" for n in range(1, CHANNELS + 1))]
 
 
-def write(run: Run, path: str | Path) -> Path:
-    """Write a run: frames, truth as NAME.truth.csv, constants as NAME.machine.json; returns the path of the frames."""
+def write(run: Run, path: str | Path, began_s: float = EPOCH_S) -> Path:
+    """Write a run: frames, truth as NAME.truth.csv, constants as NAME.machine.json; returns the path of the frames.
+
+    began_s  when it began, s since 1970
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     sent = frame_table(run)
     if path.suffix == ".log":
-        path.write_text(candump(sent), encoding="ascii")
+        path.write_text(candump(sent, began_s), encoding="ascii")
     else:
         with can.Logger(path) as writer:
-            for message in sent.messages():
+            for message in sent.messages(began_s):
                 writer.on_message_received(message)
     write_truth(run, sent, path.with_name(f"{path.stem}.truth.csv"))
     constants = json.dumps(described(run.machine), indent=2)
@@ -31,11 +34,11 @@ def write(run: Run, path: str | Path) -> Path:
     return path
 
 
-def candump(sent: FrameTable) -> str:
+def candump(sent: FrameTable, began_s: float = EPOCH_S) -> str:
     """candump's log format: (seconds) can0 ID#DATA"""
     frames = zip(sent.time_s.tolist(), sent.id.tolist(), sent.data, strict=True)
     return "".join(
-        f"({EPOCH_S + t:.6f}) can0 {frame_id:03X}#{data.tobytes().hex().upper()}\n" for t, frame_id, data in frames
+        f"({began_s + t:.6f}) can0 {frame_id:03X}#{data.tobytes().hex().upper()}\n" for t, frame_id, data in frames
     )
 
 

@@ -35,7 +35,7 @@ def test_the_parameter_that_has_changed_is_told_in_the_order_of_the_clocks(known
     found = trend(known, Runs(bar, life))
     assert found.names == tuple(f"day {k}" for k in range(12))
     assert found.dated
-    assert [one.drift.course.path for one in found.told] == ["nut_friction.power"]
+    assert [one.drift.course.name for one in found.told] == ["nut_friction.power"]
     drift = found.told[0].drift
     assert drift.run == 8
     assert drift.share == pytest.approx(WEAR - 1.0, abs=0.03)
@@ -45,7 +45,7 @@ def test_the_parameter_that_has_changed_is_told_in_the_order_of_the_clocks(known
 def test_a_machine_that_does_not_change_has_no_trend(known, bar, life):
     found = trend(known, Runs(bar, life[4:]))
     assert found.told == ()
-    (course,) = (one for one in found.courses if one.path == "nut_friction.power")
+    (course,) = (one for one in found.courses if one.name == "nut_friction.power")
     off = (course.value - known["nut_friction.power"]) / course.sd
     assert np.sqrt(np.mean(off**2)) < 2.0
 
