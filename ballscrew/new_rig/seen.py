@@ -1,0 +1,112 @@
+"""What is in a recording, signal by signal, before anybody has said what it is; and what it is taken as."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from drivers.frames import Array
+from estimator.rig import Signal
+
+_ODD = 0.5  # % of the values at either end that may be sentinels
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A signal of a recording.
+
+    source  "Message.Signal", or the column of a CSV
+    unit    as the DBC or the CSV says it, "" where nothing does
+    time    (n,) s     value  (n,) in that unit; readings only
+    raw     (n,) numbers on the wire, of a signal of a DBC
+    texts   of its value table, by raw number
+    """
+
+    source: str
+    unit: str
+    time: Array
+    value: Array
+    raw: Array = field(default_factory=lambda: np.empty(0))
+    texts: Mapping[int, str] = field(default_factory=dict)
+
+    @property
+    def message(self) -> str:
+        """The message that carries it; "" in a CSV."""
+        return self.source.partition(".")[0] if len(self.raw) else ""
+
+    @property
+    def label(self) -> str:
+        """Its name in the message, or the column."""
+        return self.source.partition(".")[2] if len(self.raw) else self.source
+
+    @property
+    def place(self) -> tuple[str | tuple[str, ...], str | None]:
+        """Where rig.toml finds it: the signal of a DBC, or the column of a CSV."""
+        return (self.source, None) if self.message else ((), self.source)
+
+    @cached_property
+    def step_s(self) -> float:
+        """The usual time from one reading to the next, s; infinite for a single one."""
+        return float(np.median(np.diff(self.time))) if len(self.time) > 1 else np.inf
+
+    @cached_property
+    def rate_hz(self) -> float:
+        """Readings a second, over all its time."""
+        return (len(self.time) - 1) / span if len(self.time) > 1 and (span := float(np.ptp(self.time))) else 0.0
+
+    @cached_property
+    def usual(self) -> tuple[float, float]:
+        """Its range without rare sentinels."""
+        low, high = np.percentile(self.value, (_ODD, 100 - _ODD))
+        return float(low), float(high)
+
+    @property
+    def width(self) -> float:
+        """How far apart the ends of that range are."""
+        return self.usual[1] - self.usual[0]
+
+    @cached_property
+    def middle(self) -> float:
+        """Its median."""
+        return float(np.median(self.value))
+
+    def after(self, other: Seen) -> Seen:
+        """The same signal of two recordings as one, the second behind the first."""
+        begin = other.time[-1] + self.step_s - self.time[0] if np.isfinite(self.step_s) else other.time[-1]
+        return replace(
+            self,
+            time=np.concatenate((other.time, self.time + begin)),
+            value=np.concatenate((other.value, self.value)),
+            raw=np.concatenate((other.raw, self.raw)),
+        )
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What signals of a recording are taken as: an entry of rig.toml, and why.
+
+    name     of the channel or input       role    "thermometer", "speed", "ambient" ...: what a model makes of it
+    seen     the signal, or several that are added up
+    rule     how it stands in rig.toml, without its place
+    why      in words                      also    other signals that it might be
+    """
+
+    name: str
+    role: str
+    seen: tuple[Seen, ...]
+    rule: Signal
+    why: str
+    also: tuple[Seen, ...] = ()
+
+    @property
+    def value(self) -> Array:
+        """In the unit of rig.toml, (n,)."""
+        return self.rule.scale * np.sum([one.value for one in self.seen], axis=0) + self.rule.offset
+
+    @property
+    def time(self) -> Array:
+        """When, (n,) s."""
+        return self.seen[0].time
