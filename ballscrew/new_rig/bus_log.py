@@ -12,7 +12,7 @@ import numpy as np
 from ballscrew.new_rig.seen import Seen
 from drivers.budget import Budget
 from drivers.decode.addresses import addressed
-from drivers.decode.buses import on_one_clock
+from drivers.decode.buses import chosen, on_one_clock
 from drivers.decode.dbc import Bits, Dbc, Layout, Words, load_dbc
 from drivers.frames import Frames, Tally, words_of
 from drivers.logs.joined import Progress
@@ -46,9 +46,15 @@ class BusLog:
         return self.frames.take((self.frames.key == layout.key) & (self.frames.dlc == layout.length))
 
 
-def read_bus_log(path: Path, dbc_path: Path | None, tally: Tally, progress: Progress | None = None) -> BusLog:
-    """Read a log; without a DBC only one whose ids are those of the DBC that ships with us. Else a SetupError."""
+def read_bus_log(
+    path: Path, dbc_path: Path | None, tally: Tally, progress: Progress | None = None, bus: str | int | None = None
+) -> BusLog:
+    """Read a log, of `bus` where it is known; without a DBC one with the ids of that which ships with us.
+
+    Else a SetupError.
+    """
     frames = read_log(path, tally, Budget(), progress)
+    frames = frames.take(chosen(frames, bus, str(path)))
     dbc = load_dbc(dbc_path or OURS)
     theirs = [message for message in dbc.messages.values() if not message.own and not message.broken]
     theirs = [message for message in theirs if message.signals and message.length <= 8]

@@ -13,6 +13,7 @@ from drivers.frames import Array
 from estimator.rig import RAD_S, Signal
 
 _TRAVEL_MM = 5.0  # a position moves by more
+EVEN = 0.05  # of the mean: what moves as evenly tells nothing of what it moves with
 FITS = 0.9  # correlation of two that measure one thing
 
 
@@ -57,7 +58,7 @@ def fit_of(speed: Seen, place: Seen) -> float:
     """How well a speed is the change of a position: correlation of their sizes, 0 ... 1."""
     time, rate = rate_of(place)
     at = np.interp(time, speed.time, np.abs(speed.value)) if len(time) else time
-    if len(time) < 10 or not np.ptp(rate) or not np.ptp(at):
+    if len(time) < 10 or not np.std(np.abs(rate)) > EVEN * np.abs(rate).mean() or not np.ptp(at):
         return 0.0
     return max(float(np.corrcoef(at, np.abs(rate))[0, 1]), 0.0)
 

@@ -51,15 +51,18 @@ class LabTable:
     said: tuple[str, ...]
 
 
-def read_lab_table(path: Path, tally: Tally) -> LabTable:
-    """Read a CSV of which only its own names are known; one that cannot be read in any way is an InputError."""
+def read_lab_table(path: Path, tally: Tally, told: Csv = _RULES[0]) -> LabTable:
+    """Read a CSV of which only its own names are known, and what its reader was `told`.
+
+    One that cannot be read in any way is an InputError.
+    """
     sheet = read_sheet(path, Csv(), (), Tally(), Budget())
     if not sheet.rows:
         raise InputError(f"{path}: no rows below the names {', '.join(sheet.names[:6])}")
     time = _time_column(sheet)
     units = {name: unit_in_tail(name) for name in sheet.names}
     first: InputError | None = None
-    for rule in _RULES:
+    for rule in dict.fromkeys((told, *_RULES)):
         try:
             csv, tick_s, guessed = _timing(sheet, time, rule)
             table = Table(path, _rig(sheet, time, csv, tick_s), tally, Budget())

@@ -26,7 +26,7 @@ def temperatures(seen: Sequence[Seen]) -> list[Guess]:
     Thermometers are the largest family of names that differ in a number only; without one, all that no other place is
     known of by their names. None is an InputError that says what there is.
     """
-    found = {one.source: unit for one in seen if (unit := _unit_of(one, seen))}
+    found = {one.source: unit for one in seen if (unit := unit_of(one, seen))}
     warm = [one for one in seen if one.source in found]
     counts = Counter(words.family(one.label) for one in warm if words.number_in(one.label))
     name, most = counts.most_common(1)[0] if counts else ("", 0)
@@ -79,7 +79,7 @@ def _names(ours: Sequence[Seen]) -> list[str]:
     return [(one.label if twice[one.label] < 2 else f"{one.message}_{one.label}").strip()[:64] for one in ours]
 
 
-def _unit_of(one: Seen, seen: Sequence[Seen]) -> Unit | None:
+def unit_of(one: Seen, seen: Sequence[Seen]) -> Unit | None:
     """The unit of a temperature, as it is said or as its numbers can only be; None for what is none."""
     said = words.measure(one.unit)
     if said is not None:
