@@ -51,10 +51,9 @@ def command(terminal: Terminal, folder: Path, logs: tuple[Path, ...]) -> int:
     told = together(found)
     for one in told:
         terminal.say(_line(one, len(paths) - failed))
-    if not told:
-        terminal.say(f"{folder}: no doubt")
+    count = f"{len(told) or 'no'} doubt{'s' * (len(told) > 1)}"
     beside = f"{len(paths) - failed} recording{'s' * (len(paths) - failed != 1)}"
-    terminal.say(f"{folder}: rig.toml and model.toml looked at, beside {beside}")
+    terminal.say(f"{folder}: {count}; rig.toml and model.toml beside {beside}")
     terminal.json([one.doubt._asdict() | {"recordings": one.recordings} for one in told])
     return InputError.exit_code if failed else 0
 

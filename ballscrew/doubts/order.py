@@ -31,7 +31,7 @@ def order(case: Case) -> Iterator[Doubt]:
     base = roughness(x_mm, profile)
     pairs = {pair: roughness(x_mm, _swapped(profile, pair)) for pair in combinations(range(len(names)), 2)}
     best = min(pairs, key=lambda pair: pairs[pair])
-    if base > _UNEVEN_K and pairs[best] < _SMOOTHER * base:
+    if base > _UNEVEN_K and pairs[best] < _SMOOTHER * min(base, *(_without(x_mm, profile, k) for k in best)):
         one, other = (names[k] for k in best)
         what = f"{one} and {other}: the profile is {base / pairs[best]:.1f} times as smooth the other way round"
         yield Doubt("rig.toml: channels", what, "look whether their places, or their signals, are exchanged")
@@ -42,6 +42,11 @@ def roughness(x_mm: Array, profile: Array) -> float:
     weight = (x_mm[1:-1] - x_mm[:-2]) / (x_mm[2:] - x_mm[:-2])
     between = profile[:, :-2] + weight * (profile[:, 2:] - profile[:, :-2])
     return float(np.sqrt(np.mean((profile[:, 1:-1] - between) ** 2)))
+
+
+def _without(x_mm: Array, profile: Array, one: int) -> float:
+    """The roughness without one of them: a thermometer that is dead is no matter of order."""
+    return roughness(np.delete(x_mm, one), np.delete(profile, one, axis=1))
 
 
 def _swapped(profile: Array, pair: tuple[int, int]) -> Array:

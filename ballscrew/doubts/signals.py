@@ -15,7 +15,7 @@ from drivers.lab.names import nearest_name
 from estimator.errors import EffectError
 from estimator.inputs.inputs import nothing
 from estimator.network.check import checked_terms
-from estimator.rig import RAD_S, Signal
+from estimator.rig import RAD_S
 
 _OUTSIDE = 0.02  # share of the readings outside lo ... hi that is no matter of single faults
 _KELVIN = (220.0, 480.0)
@@ -30,7 +30,7 @@ def never_came(case: Case) -> Iterator[Doubt]:
         if isinstance(case.source, BusLog):
             for message in {signal.partition(".")[0] for signal in rule.signals} & {*case.source.never}:
                 lost.setdefault(message, []).append(name)
-        elif not case.of(name, rule) and not _stands_for_nothing(rule):
+        elif not case.of(name, rule) and not (table == "inputs" and _taken_by(case, name)):
             free = [one.source for one in case.source.seen]
             near = nearest_name(rule.column or name, free)
             hint = f"is it '{near}'? Say" if near else "say"
@@ -42,11 +42,6 @@ def never_came(case: Case) -> Iterator[Doubt]:
     closes = case.rig.log.closes
     if isinstance(case.source, BusLog) and closes in case.source.never:
         yield Doubt("rig.toml: log.closes", f"{closes} never came: the timer closes each tick", "name one that comes")
-
-
-def _stands_for_nothing(rule: Signal) -> bool:
-    """As `ballscrew init` writes what nobody measured."""
-    return (rule.column or "").startswith("no ")
 
 
 def unnamed(case: Case) -> Iterator[Doubt]:
@@ -145,4 +140,6 @@ def clocks(case: Case) -> Iterator[Doubt]:
     """What the reader had to mend of the clocks."""
     for note in case.recording.notes:
         if "clock" in note:
-            yield Doubt(case.recording.name, note, "set the clocks of the loggers alike")
+            yield Doubt(
+                case.recording.name, note, "it is mended here; one clock for all loggers, in UTC, needs no mending"
+            )

@@ -13,21 +13,21 @@ from drivers.frames import Array
 from estimator.rig import RAD_S, Signal
 
 _TRAVEL_MM = 5.0  # a position moves by more
+_MOST_W = 30.0  # without a unit: what gets higher is in %
 EVEN = 0.05  # of the mean: what moves as evenly tells nothing of what it moves with
 FITS = 0.9  # correlation of two that measure one thing
 
 
 def drive(seen: Sequence[Seen]) -> list[Guess]:
     """Speed and position, of several those that fit best; then current and heaters."""
-    return [*_motion(seen), *_levels(seen)]
+    moving = list(_motion(seen))
+    return [*moving, *_levels(seen, bool(moving))]
 
 
 def _motion(seen: Sequence[Seen]) -> Iterator[Guess]:
     """Speed and position: of several the pair that fits best, what is measured before what was asked for."""
-    speeds = [
-        one for one in seen if _kind(one) in ("speed", "feed") or (bare(one) and words.says(one.label, words.SPEED))
-    ]
     places = [one for one in seen if _is_place(one)]
+    speeds = [one for one in seen if _is_speed(one, places)]
     none: list[Seen | None] = [None]
     pairs = [(_score(s, p), s, p) for s in speeds or none for p in places or none]
     _, speed, place = max(pairs, key=lambda pair: pair[0])
@@ -36,6 +36,14 @@ def _motion(seen: Sequence[Seen]) -> Iterator[Guess]:
         yield _speed(speed, lead or LEAD_MM, [one for one in speeds if one is not speed], place)
     if place is not None:
         yield _place(place, [one for one in places if one is not place])
+
+
+def _is_speed(one: Seen, places: Sequence[Seen]) -> bool:
+    """Whether it may be the drive's; what is in mm/s may as well be a vibration."""
+    named = words.says(one.label, words.SPEED)
+    if _kind(one) == "feed":
+        return named or any(fit_of(one, place) > FITS for place in places)
+    return _kind(one) == "speed" or (bare(one) and named)
 
 
 def _score(speed: Seen | None, place: Seen | None) -> float:
@@ -114,30 +122,29 @@ def _is_place(one: Seen) -> bool:
     )
 
 
-def _levels(seen: Sequence[Seen]) -> Iterator[Guess]:
-    """Heaters and the like, in W or %, and the drive's current."""
+def _levels(seen: Sequence[Seen], driven: bool) -> Iterator[Guess]:
+    """The drive's current, and heaters in W or %; a power beside a drive is most often the drive's: recorded only."""
     for one in seen:
         kind, unit = _kind(one), words.measure(one.unit)
+        heats = words.says(one.label, words.HEATER)
         if kind == "current" or (bare(one) and words.says(one.label, words.CURRENT)):
             most = round_up(1.5 * float(np.abs(one.usual).max()) or 10.0)
             yield Guess("current", "current", (one,), rule_of(one, "A", 1.0, -most, most), _why(one))
-        elif kind == "power" or (bare(one) and one.unit == "" and words.says(one.label, words.POWER)):
-            scale, name = (unit.scale, unit.unit) if unit else (1.0, "%" if one.usual[1] > 30 else "W")
+        elif (
+            heats
+            or (kind == "power" and unit and unit.unit == "W")
+            or (bare(one) and words.says(one.label, words.POWER))
+        ):
+            scale, name = (unit.scale, unit.unit) if unit else (1.0, "%" if one.usual[1] > _MOST_W else "W")
             most = round_up(1.5 * scale * float(one.value.max()) or 50.0)
             most = 100.0 if name == "%" and scale * one.value.max() <= 100.0 else most
-            yield Guess(_plain(one), "heater", (one,), rule_of(one, name, scale, 0.0, most), _why(one))
+            lo = min(0.0, -most if one.usual[0] < 0 else 0.0)
+            role = "heater" if heats or not driven else "power"
+            yield Guess(words.plain_name(one.label), role, (one,), rule_of(one, name, scale, lo, most), _why(one))
 
 
 def _why(one: Seen) -> str:
     return f"unit {one.unit}" if one.unit else "by its name"
-
-
-def _plain(one: Seen) -> str:
-    """A name for rig.toml: words and numbers, without the unit."""
-    found = words.tokens(one.label)
-    if words.unit_in_tail(one.label):
-        found = found[:-1]
-    return "_".join([*found, *map(str, words.number_in(one.label))]) or one.label
 
 
 def round_up(value: float) -> float:

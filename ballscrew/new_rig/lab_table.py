@@ -58,7 +58,8 @@ def read_lab_table(path: Path, tally: Tally, told: Csv = _RULES[0]) -> LabTable:
     """
     sheet = read_sheet(path, Csv(), (), Tally(), Budget())
     if not sheet.rows:
-        raise InputError(f"{path}: no rows below the names {', '.join(sheet.names[:6])}")
+        names = f"below the names {', '.join(sheet.names[:6])}" if sheet.names else "and no names"
+        raise InputError(f"{path}: no rows {names}; expected a line of names and one row per instant")
     time = _time_column(sheet)
     units = {name: unit_in_tail(name) for name in sheet.names}
     first: InputError | None = None

@@ -109,7 +109,20 @@ def _guesses(seen: Sequence[Seen]) -> tuple[Guess, ...]:
     rest = [one for one in seen if one.source not in taken]
     moving = drive(rest)
     grown = list(growth(rest, moving, _warmth([guess for guess in warm if guess.role == THERMOMETER])))
-    return (*warm, *moving, *grown)
+    return tuple(_named_apart((*warm, *moving, *grown)))
+
+
+def _named_apart(guesses: Sequence[Guess]) -> Iterator[Guess]:
+    """Of two with one name the second is called so with a number."""
+    taken: set[str] = set()
+    for guess in guesses:
+        number = next(k for k in range(1, len(guesses) + 2) if _numbered(guess.name, k) not in taken)
+        yield replace(guess, name=_numbered(guess.name, number))
+        taken.add(_numbered(guess.name, number))
+
+
+def _numbered(name: str, number: int) -> str:
+    return f"{name}_{number}" if number > 1 else name
 
 
 def _warmth(thermometers: Sequence[Guess]) -> tuple[Array, Array]:

@@ -105,7 +105,7 @@ def _missing(guesses: list[Guess], parts: Geometry) -> Iterator[tuple[str, Any, 
     """Surroundings that nobody measured: an input that never comes."""
     for name in ("ambient", "base") if parts.supports else ("ambient",):
         if name not in {guess.name for guess in guesses}:
-            yield name, {"column": f"no {name}"}, "not in the recording: as warm as the rig was at the start"
+            yield name, {"column": name}, "not in the recording: as warm as the rig was at the start"
 
 
 def _marked(guess: Guess) -> str:

@@ -28,15 +28,7 @@ def temperatures(seen: Sequence[Seen]) -> list[Guess]:
     """
     found = {one.source: unit for one in seen if (unit := unit_of(one, seen))}
     warm = [one for one in seen if one.source in found]
-    counts = Counter(words.family(one.label) for one in warm if words.number_in(one.label))
-    name, most = counts.most_common(1)[0] if counts else ("", 0)
-    many = most >= _FAMILY or (most == 2 and not words.role_of(name))
-    if many:
-        ours = sorted((one for one in warm if words.family(one.label) == name), key=lambda o: words.number_in(o.label))
-        why = f"{most} named {name}"
-    else:
-        ours = [one for one in warm if not words.role_of(one.label)]
-        why = "no other by its name"
+    ours, why = _on_it(warm)
     if not ours:
         told = [f"{one.source} ({words.role_of(one.label)})" for one in warm] or [one.source for one in seen[:6]]
         raise InputError(
@@ -49,6 +41,20 @@ def temperatures(seen: Sequence[Seen]) -> list[Guess]:
         for name, one in zip(names, ours, strict=True)
     ]
     return on_it + list(_others([one for one in warm if one not in ours], found, {*names}))
+
+
+def _on_it(warm: Sequence[Seen]) -> tuple[list[Seen], str]:
+    """Which temperatures are on the screw or a body, and why: first of those of no other place by their names."""
+    plain = [one for one in warm if not words.role_of(one.label) and not words.says(one.label, words.WANTED)]
+    for group in (plain, warm):
+        counts = Counter(words.family(one.label) for one in group if words.number_in(one.label))
+        name, most = counts.most_common(1)[0] if counts else ("", 0)
+        if most >= _FAMILY:
+            alike = [one for one in group if words.family(one.label) == name]
+            return sorted(alike, key=lambda one: words.number_in(one.label)), f"{most} named {name}"
+        if plain:
+            return plain, "no other by its name"
+    return [], ""
 
 
 def _others(warm: Sequence[Seen], found: dict[str, Unit], taken: set[str]) -> Iterator[Guess]:
@@ -68,8 +74,7 @@ def _others(warm: Sequence[Seen], found: dict[str, Unit], taken: set[str]) -> It
 
 
 def _free(one: Seen, taken: set[str]) -> str:
-    label = "_".join(words.tokens(one.label)[: -1 if words.unit_in_tail(one.label) else None]) or one.label
-    label += "".join(map(str, words.number_in(one.label)))
+    label = words.plain_name(one.label)
     return label if label not in taken and label not in words.ROLES else f"{label}_input"
 
 

@@ -37,14 +37,15 @@ UNITS = {
     "mm": Unit("length", "mm"),
     "um": Unit("length", "mm", 1e-3),
     "m": Unit("length", "mm", 1000.0),
-    "nm": Unit("length", "mm", 1e-6),
     "A": Unit("current", "A"),
     "W": Unit("power", "W"),
     "kW": Unit("power", "W", 1000.0),
     "mW": Unit("power", "W", 1e-3),
     "%": Unit("power", "%"),
 }
-_WRITTEN = {"°/s": "deg/s", "hz": "1/s", "rps": "1/s", "u/s": "1/s", "percent": "%", "nm": "nm", "degc": "degC"}
+_WRITTEN = {"°/s": "deg/s", "rps": "1/s", "u/s": "1/s", "percent": "%"}
+
+_BRACKETS = re.compile(r"[\[(<{].*?[\])>}]")  # around a unit
 
 # whole words of a name, or from five letters on parts of them
 ROLES = {
@@ -59,14 +60,15 @@ ROLES = {
 }
 _ENDS = {"ambient": ("luft", "raum"), "base": ("bett",)}  # of longer words
 TEMPERATURE = "t temp temperature temperatur tc pt thermo ntc rtd thermocouple thermoelement fuehler pt100 pt1000"
-SPEED = "speed drehzahl rpm velocity geschwindigkeit omega n nist spindlespeed revs"
+SPEED = "speed feed vorschub drehzahl rpm velocity geschwindigkeit omega n nist spindlespeed revs"
 POSITION = "position pos lage place weg x axis achse achsposition stroke hub table tisch schlitten travel encoder"
 LENGTH = (
     "displacement displ dsp growth elongation dehnung laengung verlagerung ausdehnung laengenaenderung expansion probe "
     "taster gauge messtaster verschiebung"
 )
 CURRENT = "current strom amps motorstrom"
-POWER = "heater heizer heizung power leistung heat"
+POWER = "power leistung heat"
+HEATER = "heater heizer heizung heizleistung heizpatrone"
 WANTED = "set soll setpoint target cmd command demand ref reference sollwert"  # what was asked for, not what is
 AT_REST = "direct rest ruhe still static standstill stillstand park"
 COUNTED = "crc checksum chk count counter cnt ctr seq sequence alive zaehler number scanno id status state mode flag"
@@ -74,11 +76,18 @@ COUNTED = "crc checksum chk count counter cnt ctr seq sequence alive zaehler num
 
 def tokens(name: str) -> list[str]:
     """The words in a name, without accents, units in brackets and numbers: EnvAmbient, env_ambient [°C] ..."""
-    plain = re.sub(r"[\[(<{].*?[\])>}]", "", name)
+    plain = _BRACKETS.sub("", name)
     for letter, written in {"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"}.items():
         plain = plain.replace(letter, written)
     plain = unicodedata.normalize("NFKD", plain).encode("ascii", "ignore").decode()
     return [word.casefold() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", plain)]
+
+
+def plain_name(name: str) -> str:
+    """A name for rig.toml: words and numbers, without the unit."""
+    bare = _BRACKETS.sub("", name).strip()
+    found = tokens(bare)[: -1 if unit_in_tail(bare) else None]
+    return "_".join([*found, *map(str, number_in(bare))]) or name
 
 
 def says(name: str, words: str) -> bool:
@@ -118,4 +127,4 @@ def measure(unit: str) -> Unit | None:
 def unit_in_tail(name: str) -> str:
     """The unit behind the last underscore or blank of a column, such as heater_W or "air C"; "" where it is none."""
     head, _, tail = re.sub(r"\s", "_", name.strip()).rpartition("_")
-    return tail if head and measure(tail) and not tail.isdigit() else ""
+    return tail.strip("[]()") if head and measure(tail) else ""

@@ -209,6 +209,23 @@ def test_a_growth_that_shrinks_as_the_screw_warms_is_turned_round(tmp_path):
     assert load_rig(tmp_path / "rig").channels["displacement"].scale == -1000.0
 
 
+def test_what_is_of_no_rig_is_left_out_and_names_are_apart(tmp_path):
+    """Torque, humidity and vibration have units that look like others; two currents and a wanted temperature."""
+    more = ["Moment [Nm]", "Feuchte [%]", "Vibration [mm/s]", "Strom 1 [A]", "Strom 2 [A]", "T Soll [°C]", "P [kW]"]
+    rows = [
+        [*row, 3.0 + k % 2, 40.0, 0.3 + 0.1 * (k % 3), 2.0 + k % 4, 1.0, 21.0, 0.4]
+        for k, row in enumerate(screw_rows())
+    ]
+    told = made(csv(tmp_path / "run.csv", [*HEADS, *more], rows), "-o", tmp_path / "rig")
+    assert set(told["not_used"]) == {*more[:3]}
+    found = {one["signal"]: (one["name"], one["taken_as"]) for one in told["signals"]}
+    assert (found["Strom 1 [A]"][0], found["Strom 2 [A]"][0]) == ("current", "current_2")
+    assert found["T Soll [°C]"][1] == "temperature"
+    assert found["P [kW]"] == ("p", "power")
+    assert not (tmp_path / "rig" / "effects.py").exists()
+    assert ballscrew("review", tmp_path / "rig")[0] == 0
+
+
 @pytest.mark.parametrize(
     ("times", "heads", "tick_s"),
     [
