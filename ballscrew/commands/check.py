@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -16,6 +17,7 @@ from drivers.recordings import find_recordings
 from estimator.battery.admitted import admit
 from estimator.errors import InputError
 from estimator.model import Model
+from estimator.rig import Rig
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 
@@ -29,7 +31,8 @@ def command(terminal: Terminal, folder: Path, logs: tuple[Path, ...]) -> int:
 
     Messages that never come, temperatures that nobody named, units, ranges, the order of the thermometers, the tick,
     speed against position, the displacement against the warming, inputs that the model takes and nothing measures:
-    each doubt in a line, with its place and what to do. No doubt says that all is well, and not that it is right.
+    each doubt in a line, with its place and what to do. Only what is clear is told: no doubt does not mean that all is
+    right.
     """
     folder = folder.parent if folder.name == "rig.toml" else folder
     rig = load_rig(folder)
@@ -38,8 +41,19 @@ def command(terminal: Terminal, folder: Path, logs: tuple[Path, ...]) -> int:
         admit(model, rig)
     there = logs or [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
     paths = find_recordings(there)
-    found: list[tuple[str, Doubt]] = [("", doubt) for doubt in of_the_folder(rig)]
-    failed = 0
+    beside, failed = _beside(terminal, paths, rig, model)
+    told = together([*(("", doubt) for doubt in of_the_folder(rig)), *beside])
+    for one in told:
+        terminal.say(_line(one, len(paths) - failed))
+    count, of = f"{len(told) or 'no'} doubt{'s' * (len(told) > 1)}", len(paths) - failed
+    terminal.say(f"{folder}: {count}; rig.toml and model.toml beside {of} recording{'s' * (of != 1)}")
+    terminal.json([one.doubt._asdict() | {"recordings": one.recordings} for one in told])
+    return InputError.exit_code if failed else 0
+
+
+def _beside(terminal: Terminal, paths: Sequence[Path], rig: Rig, model: Model) -> tuple[list[tuple[str, Doubt]], int]:
+    """Name and doubt of each recording, and how many could not be used."""
+    found, failed = list[tuple[str, Doubt]](), 0
     with terminal.progress("reading", len(paths) or 1) as update:
         for k, path in enumerate(paths):
             update(k, path.name)
@@ -48,14 +62,7 @@ def command(terminal: Terminal, folder: Path, logs: tuple[Path, ...]) -> int:
             except InputError as error:
                 terminal.error(str(error))
                 failed += 1
-    told = together(found)
-    for one in told:
-        terminal.say(_line(one, len(paths) - failed))
-    count = f"{len(told) or 'no'} doubt{'s' * (len(told) > 1)}"
-    beside = f"{len(paths) - failed} recording{'s' * (len(paths) - failed != 1)}"
-    terminal.say(f"{folder}: {count}; rig.toml and model.toml beside {beside}")
-    terminal.json([one.doubt._asdict() | {"recordings": one.recordings} for one in told])
-    return InputError.exit_code if failed else 0
+    return found, failed
 
 
 def _line(one: Told, of: int) -> str:

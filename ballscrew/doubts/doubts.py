@@ -24,7 +24,7 @@ from estimator.rig import Rig
 PLACES_GUESSED = "guessed: its place"
 ABOUT = (
     signals.never_came, signals.units, signals.outside, signals.constant, signals.ticks, signals.not_measured, drive,
-    growth, order, signals.unnamed, signals.clocks,
+    growth, order, signals.unnamed, signals.noted,
 )  # fmt: skip
 
 
@@ -43,6 +43,8 @@ def of_the_folder(rig: Rig) -> Iterator[Doubt]:
     if at:
         what = f"{len(at)} lines are guesses of `ballscrew init`, the first in line {at[0]}"
         yield Doubt("rig.toml", what, "look at each, and take its mark away")
+    if not (rig.folder / "model.toml").is_file():
+        yield Doubt("model.toml", "is not there", "write one, or name another with --model at each command")
 
 
 def of_recording(path: Path, rig: Rig, model: Model) -> Iterator[Doubt]:

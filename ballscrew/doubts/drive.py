@@ -11,7 +11,8 @@ from ballscrew.doubts.doubt import Case, Doubt
 from ballscrew.new_rig.drive import EVEN, fit_of, lead_of, rate_of
 from ballscrew.new_rig.seen import Seen
 
-_MOVES_MM = 5.0
+_MOVES = 5e-3  # in mm or, where that is wrong, m
+_M_IN_MM = 1000.0
 _DENSE = 0.2  # of the stroke: further apart, positions say nothing of the speed between them
 _UNLIKE, _OFF = 0.5, 0.15  # correlation, and share by which the lead may differ
 
@@ -20,7 +21,7 @@ def drive(case: Case) -> Iterator[Doubt]:
     """Speed against position, and position against the screw."""
     yield from _nut(case)
     speed, place = _scaled(case, "speed"), _scaled(case, "position")
-    if speed is None or place is None or place.width < _MOVES_MM or not _is_dense(place):
+    if speed is None or place is None or place.width < _MOVES or not _is_dense(place):
         return
     if not np.abs(speed.value).max():
         what = f"always 0, while the table moves by {place.width:.0f} mm"
@@ -29,8 +30,13 @@ def drive(case: Case) -> Iterator[Doubt]:
         what = "it is not how fast the position changes"
         yield Doubt(case.place("inputs", "speed"), what, "look whether both are of this axis, and measured values")
     elif case.rig.screw and (lead := lead_of(speed, place)) and abs(lead / case.rig.screw.lead_mm - 1) > _OFF:
+        ratio = case.rig.screw.lead_mm / lead
         what = f"{lead:g} mm a turn by speed and position, screw.lead_mm is {case.rig.screw.lead_mm:g}"
-        yield Doubt(case.place("inputs", "speed"), what, "correct the lead, or unit and scale of speed or position")
+        fix = "correct the lead, or unit and scale of speed or position"
+        if 1 - _OFF < ratio / _M_IN_MM < 1 + _OFF:
+            yield Doubt(case.place("inputs", "position"), f"{what}: in m?", "then scale = 1000")
+        else:
+            yield Doubt(case.place("inputs", "speed"), what, fix)
 
 
 def _nut(case: Case) -> Iterator[Doubt]:

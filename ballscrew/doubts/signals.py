@@ -20,6 +20,7 @@ from estimator.rig import RAD_S
 _OUTSIDE = 0.02  # share of the readings outside lo ... hi that is no matter of single faults
 _KELVIN = (220.0, 480.0)
 _WARMED_K, _FEW = 1.0, 60  # by which the others moved, and readings, that tell a constant
+FAHRENHEIT = "scale = 0.5555555556, offset = -17.7777777778"
 _EVERY = (0.6, 1.7)  # ticks from one reading to the next
 
 
@@ -136,10 +137,11 @@ def _taken_by(case: Case, name: str) -> str:
     return ""
 
 
-def clocks(case: Case) -> Iterator[Doubt]:
-    """What the reader had to mend of the clocks."""
+def noted(case: Case) -> Iterator[Doubt]:
+    """What the reader had to mend of the clocks, or finds too hot to be in degC."""
     for note in case.recording.notes:
         if "clock" in note:
-            yield Doubt(
-                case.recording.name, note, "it is mended here; one clock for all loggers, in UTC, needs no mending"
-            )
+            fix = "it is mended here; one clock for all loggers, in UTC, needs no mending"
+            yield Doubt(case.recording.name, note, fix)
+        elif "degF" in note:
+            yield Doubt("rig.toml: channels", note.partition("?")[0] + "?", f"then {FAHRENHEIT}")

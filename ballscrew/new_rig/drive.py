@@ -79,8 +79,7 @@ def lead_of(speed: Seen, place: Seen) -> float | None:
         return None
     turns = np.interp(time, speed.time, np.abs(speed.value)) * unit.scale * RAD_S[unit.unit] / (2 * np.pi)
     fast = turns > turns.max() / 2
-    lead = float(np.median(np.abs(rate[fast]) / turns[fast]))
-    return float(f"{lead:.3g}") if 0.5 < lead < 200.0 else None
+    return float(f"{float(np.median(np.abs(rate[fast]) / turns[fast])):.3g}")
 
 
 def _rotary(speed: Seen) -> words.Unit | None:

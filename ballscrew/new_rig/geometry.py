@@ -18,6 +18,7 @@ FEWEST = 3  # thermometers that show a profile; fewer are each on a body of its 
 _SCREW_MM, _ROD_MM = 1000.0, 400.0  # from the first thermometer to the last
 _JOURNAL_MM, _END_MM = 50.0, 20.0  # beyond them, of a screw and of a rod
 _SCREW_OUTER_MM, _ROD_OUTER_MM = 40.0, 20.0
+_LEADS_MM = 0.5, 200.0
 _BEARING_MM, _NUT_MM = 30.0, 150.0
 
 
@@ -71,16 +72,16 @@ def geometry(guesses: Sequence[Guess], places: Sequence[float]) -> Geometry:
     at_mm = list(places) or _even(len(names), by_role.get("position"), drive)
     first, last = min(at_mm), max(at_mm)
     last = last if last > first else first + _ROD_MM
-    lead = (
-        lead_of(by_role["speed"].seen[0], by_role["position"].seen[0]) if {"speed", "position"} <= {*by_role} else None
-    )
+    moving = {"speed", "position"} <= {*by_role}
+    lead = lead_of(by_role["speed"].seen[0], by_role["position"].seen[0]) if moving else None
+    lead = lead if lead and _LEADS_MM[0] < lead < _LEADS_MM[1] else None
     beyond = _JOURNAL_MM if drive else _END_MM
     screw = Screw(
         first - beyond, last + beyond, _SCREW_OUTER_MM if drive else _ROD_OUTER_MM, lead_mm=lead or LEAD_MM,
         span_from_mm=first, span_to_mm=last,
     )  # fmt: skip
     supports = {"free": Support(first, _BEARING_MM), "anchor": Support(last, _BEARING_MM)} if drive else {}
-    nut = _nut(by_role["position"], screw) if {"speed", "position"} <= {*by_role} else None
+    nut = _nut(by_role["position"], screw) if moving else None
     where = dict(zip(names, at_mm, strict=True))
     return Geometry(where, {}, screw, nut, supports, bool(places), lead is not None)
 

@@ -200,17 +200,48 @@ def test_speed_nut_and_growth(screw, old, new, place, doubt):
     assert what.startswith(doubt)
 
 
-def test_a_speed_of_something_else(tmp_path):
+def table_run(tmp_path: Path, rpm: Callable[[np.ndarray], np.ndarray], metres: bool = False) -> Path:
+    """A rig whose table goes to and fro by 100 mm, between two rests."""
     s = np.arange(400) * 1.0
     place = 100 + 100 * np.abs((np.clip(s, 100, 300) / 50) % 2 - 1)
-    rows = np.column_stack([s, 20 + s / 100, 20 + s / 80, 1000 + 50 * np.sin(s / 3), place])
-    np.savetxt(tmp_path / "run.csv", rows, "%.3f", ",", header="time_s,T1,T2,speed,position", comments="")
+    rows = np.column_stack([s, 20 + s / 100, 20 + s / 80, rpm(s), place / (1000 if metres else 1)])
+    np.savetxt(tmp_path / "run.csv", rows, "%.6g", ",", header="time_s,T1,T2,speed,position", comments="")
     (tmp_path / "rig.toml").write_text(
         'name = "x"\n[screw]\nfrom_mm = 0\nto_mm = 500\nouter_mm = 30\n[channels]\nT1 = {at_mm = 10}\n'
         'T2 = {at_mm = 400}\n[inputs]\nspeed = {unit = "rpm", hi = 5000}\nposition = {unit = "mm", hi = 1000}\n'
     )
-    place_, doubt, _ = the_one(tmp_path)
-    assert (place_, doubt) == ("rig.toml: inputs.speed", "it is not how fast the position changes")
+    (tmp_path / "model.toml").write_text("[conduction]\n[thermometers]\n")
+    return tmp_path
+
+
+def test_a_folder_without_a_model(tmp_path):
+    folder = table_run(tmp_path, lambda s: 10.0 * ((s > 100) & (s < 300)))
+    assert doubts(folder) == []
+    (folder / "model.toml").unlink()
+    assert the_one(folder)[:2] == ("model.toml", "is not there")
+
+
+def test_a_speed_of_something_else(tmp_path):
+    place, doubt, _ = the_one(table_run(tmp_path, lambda s: 1000 + 50 * np.sin(s / 3)))
+    assert (place, doubt) == ("rig.toml: inputs.speed", "it is not how fast the position changes")
+
+
+def test_a_speed_that_is_always_0(tmp_path):
+    place, doubt, _ = the_one(table_run(tmp_path, lambda s: 0 * s))
+    assert (place, doubt) == ("rig.toml: inputs.speed", "always 0, while the table moves by 98 mm")
+
+
+def test_a_position_in_metres(tmp_path):
+    place, _, fix = the_one(table_run(tmp_path, lambda s: 10.0 * ((s > 100) & (s < 300)), metres=True))
+    assert (place, fix) == ("rig.toml: inputs.position", "then scale = 1000")
+
+
+def test_all_in_fahrenheit(rod):
+    for name in ("air_C", "chiller_C", *(f"TC{k}" for k in range(1, 9))):
+        cells(rod / "check.csv", name, lambda value: 32 + 1.8 * value)
+    assert ("rig.toml: channels", "then scale = 0.5555555556, offset = -17.7777777778") in [
+        (one["place"], one["fix"]) for one in doubts(rod)
+    ]
 
 
 # --- as a command
