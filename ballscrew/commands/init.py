@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from ballscrew.new_rig.bus_log import OURS
 from ballscrew.new_rig.new_rig import RIG, Found, NewRig, find, unknown, write
 from ballscrew.new_rig.seen import Guess
 from ballscrew.options import PATH, logs_argument, terminal_options
@@ -86,6 +87,8 @@ def _print(terminal: Terminal, found: Found, new: NewRig) -> None:
         terminal.say(f"not used: {_few([one.source for one in found.unused])}")
     if found.never:
         terminal.say(f"messages of {found.dbc.name if found.dbc else ''} that never came: {_few(found.never)}")
+    if found.dbc == OURS:
+        terminal.say("these are the built-in rig's ids: if it is that screw, `ballscrew review LOG` needs no folder")
     terminal.say()
     terminal.say(f"{new.folder / RIG} is written, with every guess marked. What no recording tells:")
     terminal.table([["to edit", "lines", "now"], *([what, lines, now] for what, now, lines in unknown(new))], prose=2)

@@ -83,23 +83,29 @@ def _one_reading(one: Seen, other: Seen) -> bool:
 
 def _way(group: tuple[Seen, ...], warmth: tuple[Array, Array]) -> _Way:
     """What of them grows most nearly as a metre of steel does with its temperature; turned round where they shrink."""
-    warm = np.interp(group[0].time, *warmth)
+    warm = _from_the_mean(np.interp(group[0].time, *warmth), group[0].parts)
     if np.ptp(warm) < _WARM_K or len(warm) < _FEW:
         return _Way()
     unit = words.measure(group[0].unit)
+    um = unit.scale * 1e3 if unit else 1.0
     found = []
     for way in _WAYS:
         if max(way.which) < len(group):
-            value = (
-                np.sum([group[k].value for k in way.which], axis=0) * way.scale * (unit.scale * 1e3 if unit else 1.0)
-            )
-            slope = float(np.polyfit(warm, value, 1)[0])
-            found.append((abs(np.log(max(abs(slope), 1e-9) / STEEL_UM_K)), way, slope, np.corrcoef(warm, value)[0, 1]))
+            total = np.sum([group[k].value for k in way.which], axis=0)
+            value = _from_the_mean(total * way.scale * um, group[0].parts)
+            slope = float(warm @ value / (warm @ warm))
+            fit = slope * float(np.std(warm)) / max(float(np.std(value)), 1e-9)
+            found.append((abs(np.log(max(abs(slope), 1e-9) / STEEL_UM_K)), way, slope, fit))
     _, way, slope, fit = min(found, key=lambda one: one[0])
     why = f"{way.why}, which grows by {slope:.2g} um/K" if way.why else way.why
     if fit < -FITS:
         return _Way(way.which, -way.scale, ", ".join(filter(None, (why, "turned round: it falls as the screw warms"))))
     return _Way(way.which, way.scale, why)
+
+
+def _from_the_mean(values: Array, parts: Sequence[int]) -> Array:
+    """Values less their mean in each recording: the zero of each is its own."""
+    return np.concatenate([part - part.mean() for part in np.split(values, parts[1:]) if len(part)])
 
 
 def _share_driving(one: Seen, speed: Guess | None) -> float:

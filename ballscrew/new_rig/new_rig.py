@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import filecmp
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -94,13 +94,22 @@ def find(paths: Sequence[Path], dbc: Path | None, progress: Progress | None = No
     for k, path in enumerate(paths):
         share = progress and (lambda done, k=k: progress((k + done) / len(paths)))
         sources.append(read_lab_table(path, Tally()) if kinds[0] else read_bus_log(path, dbc, Tally(), share))
-    seen: dict[str, Seen] = {}
-    for source in sources:
-        for one in source.seen:
-            seen[one.source] = one.after(seen[one.source]) if one.source in seen else one
-    every = tuple(seen.values())
+    every = tuple(_behind_each_other([source.seen for source in sources]))
     guesses = _guesses(every)
     return Found(tuple(paths), tuple(sources), every, guesses, _tick(guesses))
+
+
+def _behind_each_other(recordings: Sequence[Sequence[Seen]]) -> Iterable[Seen]:
+    """The signals of all recordings, each recording behind the one before."""
+    seen: dict[str, Seen] = {}
+    end = 0.0
+    for signals in recordings:
+        begin = min(float(one.time[0]) for one in signals)
+        for one in signals:
+            later = replace(one, time=one.time - begin + end)
+            seen[one.source] = later.after(seen[one.source]) if one.source in seen else later
+        end = max(float(one.time[-1]) for one in seen.values()) + 1.0
+    return seen.values()
 
 
 def _guesses(seen: Sequence[Seen]) -> tuple[Guess, ...]:
@@ -126,7 +135,7 @@ def _numbered(name: str, number: int) -> str:
 
 
 def _warmth(thermometers: Sequence[Guess]) -> tuple[Array, Array]:
-    """Times, (n,) s, and the mean rise of the thermometers since the first reading of each, (n,) K."""
+    """Times, (n,) s, and the mean temperature of the thermometers over that of the first reading of each, (n,) K."""
     time = thermometers[0].time
     rises = [np.interp(time, one.time, one.value) - one.value[0] for one in thermometers]
     return time, np.mean(rises, axis=0)

@@ -23,6 +23,7 @@ class Seen:
     time    (n,) s     value  (n,) in that unit; readings only
     raw     (n,) numbers on the wire, of a signal of a DBC
     texts   of its value table, by raw number
+    parts   where each recording begins, of several
     """
 
     source: str
@@ -31,6 +32,7 @@ class Seen:
     value: Array
     raw: Array = field(default_factory=lambda: np.empty(0))
     texts: Mapping[int, str] = field(default_factory=dict)
+    parts: tuple[int, ...] = (0,)
 
     @property
     def message(self) -> str:
@@ -74,11 +76,11 @@ class Seen:
         return float(np.median(self.value))
 
     def after(self, other: Seen) -> Seen:
-        """The same signal of two recordings as one, the second behind the first."""
-        begin = other.time[-1] + self.step_s - self.time[0] if np.isfinite(self.step_s) else other.time[-1]
+        """The same signal of two recordings as one, this behind the other, by times that go on from one to the next."""
         return replace(
             self,
-            time=np.concatenate((other.time, self.time + begin)),
+            time=np.concatenate((other.time, self.time)),
+            parts=(*other.parts, *(len(other.time) + part for part in self.parts)),
             value=np.concatenate((other.value, self.value)),
             raw=np.concatenate((other.raw, self.raw)),
         )

@@ -203,6 +203,20 @@ def test_of_two_speeds_the_one_that_moves_the_table_is_taken_and_the_other_said(
     assert "or Drehzahl Pumpe [1/min]; edit" in (tmp_path / "rig" / "rig.toml").read_text()
 
 
+def test_several_recordings_are_one_guess_and_each_has_its_own_zero(tmp_path):
+    """Of two that grow one after the other the zeros differ by more than the growth."""
+    heads = [*HEADS, "Dehnung [um]"]
+    for name, zero, air in (("a.csv", 0.0, 0.0), ("b.csv", 400.0, -6.0)):
+        rows = [[row[0], *(one + air for one in row[1:4]), *row[4:], zero + 10 * (row[1] - 20)] for row in screw_rows()]
+        csv(tmp_path / name, heads, rows)
+    told = made(tmp_path, "-o", tmp_path / "rig")
+    assert {"a.csv", "b.csv"} <= {*told["files"]}
+    rig = load_rig(tmp_path / "rig")
+    assert rig.channels["displacement"].scale == 1.0
+    assert rig.inputs["position"].lo <= 100.0 < 200.0 <= rig.inputs["position"].hi
+    assert ballscrew("review", tmp_path / "rig")[0] == 0
+
+
 def test_a_growth_that_shrinks_as_the_screw_warms_is_turned_round(tmp_path):
     rows = [[*row, -0.05 * (row[1] - 20)] for row in screw_rows()]
     made(csv(tmp_path / "run.csv", [*HEADS, "Dehnung [mm]"], rows), "-o", tmp_path / "rig")
