@@ -16,6 +16,7 @@ from estimator.rig import Nut, Screw, Support
 
 FEWEST = 3  # thermometers that show a profile; fewer are each on a body of its own
 _SCREW_MM, _ROD_MM = 1000.0, 400.0  # from the first thermometer to the last
+_LONGEST_MM = 8000.0
 _JOURNAL_MM, _END_MM = 50.0, 20.0  # beyond them, of a screw and of a rod
 _SCREW_OUTER_MM, _ROD_OUTER_MM = 40.0, 20.0
 _LEADS_MM = 0.5, 200.0
@@ -90,7 +91,7 @@ def _even(count: int, position: Guess | None, drive: bool) -> list[float]:
     """Places one as far from the next as the other, over a screw that is longer than its stroke."""
     length = _SCREW_MM if drive else _ROD_MM
     if position is not None:
-        length = max(length, round_up(float(np.ptp(position.value)) + 2 * _NUT_MM))
+        length = min(max(length, round_up(float(np.ptp(position.value)) + 2 * _NUT_MM)), _LONGEST_MM)
     return [round(place) * 1.0 for place in np.linspace(0.0, length, count)] if count > 1 else [length / 2]
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ballscrew.new_rig.seen import Seen
-from ballscrew.new_rig.words import tokens, unit_in_tail
+from ballscrew.new_rig.words import measure, tokens, unit_in_tail
 from drivers.budget import Budget
 from drivers.frames import Array, Tally
 from drivers.lab import counting
@@ -23,6 +23,7 @@ from estimator.errors import InputError
 from estimator.rig import Channel, Csv, Log, Rig
 
 _TIMES = {"t", "time", "times", "timestamp", "zeit", "zeitstempel", "elapsed", "datetime", "datum", "date", "uhrzeit"}
+_STEADY = 0.95  # share of the steps of times that go one way
 _FIRST = 40  # rows that show what a column is
 _RULES = (  # tried where a CSV can be read in two ways: what comes first is taken, and said
     Csv(),
@@ -113,17 +114,15 @@ def _time_column(sheet: Sheet) -> str:
 
 
 def _rising(sheet: Sheet) -> Iterator[str]:
-    for k, name in enumerate(sheet.names):
+    """Columns that rise, or fall, and are in no unit of something else."""
+    for name in filter(None, sheet.names):
+        if measure(unit_in_tail(name)) is not None:
+            continue
         with suppress(InputError):
             count = _counted(sheet, name, Csv())
             steps = np.diff(count[np.isfinite(count)])
-            if (
-                len(steps)
-                and (np.mean(steps >= 0) > 0.95 or np.mean(steps <= 0) > 0.95)
-                and (steps != 0).any()
-                and name
-            ):
-                yield sheet.names[k]
+            if (steps != 0).any() and max(np.mean(steps >= 0), np.mean(steps <= 0)) > _STEADY:
+                yield name
 
 
 def _counted(sheet: Sheet, name: str, rule: Csv) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 from ballscrew.new_rig.seen import Guess
 from ballscrew.new_rig.temperatures import THERMOMETER
 from ballscrew.own_effect.class_file import HEAD, with_class
+from drivers.frames import Array
 from estimator.effect import Effect
 from estimator.effects import CATALOGUE
 from estimator.inputs.follower import known_followers
@@ -40,7 +41,7 @@ _BODIES = '''class Bodies(Effect):
 '''
 
 
-def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> Model:
+def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> None:
     """Write model.toml, and effects.py where the catalogue has no effect for what the rig has."""
     model = Model({}, {}, name="model.toml", folder=folder)
     text = HEAD
@@ -55,10 +56,11 @@ def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> Model:
         own = own_effects(folder / EFFECTS)
     for effect in [CATALOGUE[name] for name in of_the_catalogue(rig)] + list(own.values()):
         model = model + effect
-    model = model.with_values(dict(_powers(rig, guesses, own)))
+    for path, value in _powers(rig, guesses, own):
+        param = model.param(path)
+        model = model.with_values({path: min(max(value, param.lo), param.hi)})
     model = replace(model, use={effect.name: f"{EFFECTS}:{cls}" for cls, effect in own.items()})
     save_model(model, folder / "model.toml")
-    return model
 
 
 def of_the_catalogue(rig: Rig) -> Iterator[str]:
@@ -113,15 +115,18 @@ def warmed(guesses: Sequence[Guess]) -> dict[str, dict[str, float]]:
     dT/dt = sum of k_h P_h - (T - T(0)) / tau, least squares over parts of the recording
     """
     heaters = [one for one in guesses if one.role == "heater"]
-    found: dict[str, dict[str, float]] = {name: {} for name in [one.name for one in heaters] + [LOSS]}
-    for one in guesses:
-        if one.role != THERMOMETER:
-            continue
-        at = np.linspace(one.time[0], one.time[-1], _PARTS + 1)
-        value, middle = np.interp(at, one.time, one.value), (at[1:] + at[:-1]) / 2
-        terms = [np.interp(middle, heater.time, heater.value) for heater in heaters]
-        terms.append(value[0] - np.interp(middle, one.time, one.value))
-        rates, *_ = np.linalg.lstsq(np.stack(terms, axis=1), np.diff(value) / np.diff(at))
-        for name, rate in zip(found, rates, strict=True):
-            found[name][one.name] = float(rate)
-    return found
+    names = [*(one.name for one in heaters), LOSS]
+    rates = {one.name: _rates(one, heaters) for one in guesses if one.role == THERMOMETER}
+    return {name: {key: float(of[k]) for key, of in rates.items()} for k, name in enumerate(names)}
+
+
+def _rates(one: Guess, heaters: Sequence[Guess]) -> Array:
+    """Those of one thermometer, (heaters + 1,); 0 for one that was read once."""
+    if not np.ptp(one.time):
+        return np.zeros(len(heaters) + 1)
+    at = np.linspace(one.time[0], one.time[-1], _PARTS + 1)
+    value, middle = np.interp(at, one.time, one.value), (at[1:] + at[:-1]) / 2
+    terms = [np.interp(middle, heater.time, heater.value) for heater in heaters]
+    terms.append(value[0] - np.interp(middle, one.time, one.value))
+    rates, *_ = np.linalg.lstsq(np.stack(terms, axis=1), np.diff(value) / np.diff(at))
+    return np.asarray(rates)

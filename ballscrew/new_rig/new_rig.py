@@ -27,9 +27,8 @@ from drivers.logs.logs import is_lab_csv
 from drivers.recordings import read_recording
 from estimator.battery.admitted import admit
 from estimator.errors import SetupError
-from estimator.model import Model
 from estimator.record import Recording
-from estimator.rig import Rig
+from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 
 _FASTEST_S = 0.5  # from reading to reading, of ticks: faster thermometers are read once a second
@@ -73,8 +72,6 @@ class NewRig:
     """A rig folder that was written, and its first recording as it reads there."""
 
     folder: Path
-    rig: Rig
-    model: Model
     parts: Geometry
     recording: Recording
     files: tuple[str, ...]
@@ -158,8 +155,8 @@ def write(found: Found, folder: Path, places: Sequence[float] = (), force: bool 
         for path in copies[len(found.paths) :]:
             shutil.copy(path, draft)
         rig = load_rig(draft)
-        model = write_model(rig, found.guesses, draft)
-        admit(model, rig)
+        write_model(rig, found.guesses, draft)
+        admit(load_model(draft / MODEL), rig)
         recording = read_recording(found.paths[0], rig)
         files = [name for name in (RIG, MODEL, EFFECTS) if (draft / name).exists()]
         _refuse(folder, files, copies, force)
@@ -170,7 +167,7 @@ def write(found: Found, folder: Path, places: Sequence[float] = (), force: bool 
         if not _is_there(path, folder):
             shutil.copy(path, folder)
     told = (*files, *(path.name for path in copies))
-    return NewRig(folder, load_rig(folder), replace(model, folder=folder), parts, recording, told)
+    return NewRig(folder, parts, recording, told)
 
 
 def _text(found: Found, folder: Path, parts: Geometry) -> str:

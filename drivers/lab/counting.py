@@ -29,6 +29,7 @@ def seconds(count: Array, tick_s: float, told: str | None, of_file: str | None, 
 
     told  the unit that rig.toml says     of_file  that which a line of units or the column's name says
     """
+    of_file = of_file if of_file in SECONDS else None  # a column of something else may count as one of times
     if told or (of_file and of_file != "s"):
         unit = told or of_file or "s"
         return count * SECONDS[unit], "" if told else f"times in {WORDS[unit]}"
