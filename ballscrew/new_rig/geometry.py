@@ -16,7 +16,7 @@ from estimator.rig import Nut, Screw, Support
 
 FEWEST = 3  # thermometers that show a profile; fewer are each on a body of its own
 _SCREW_MM, _ROD_MM = 1000.0, 400.0  # from the first thermometer to the last
-_LONGEST_MM = 8000.0
+_LONGEST_MM = 4000.0  # between two bearings alone states stand 28 mm apart, 200 at most
 _JOURNAL_MM, _END_MM = 50.0, 20.0  # beyond them, of a screw and of a rod
 _SCREW_OUTER_MM, _ROD_OUTER_MM = 40.0, 20.0
 _LEADS_MM = 0.5, 200.0

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import filecmp
 import shutil
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -19,7 +20,7 @@ from ballscrew.new_rig.lab_table import LabTable, read_lab_table
 from ballscrew.new_rig.model_file import EFFECTS, write_model
 from ballscrew.new_rig.rig_file import lines_of, log_of_bus, log_of_csv, rig_text
 from ballscrew.new_rig.scan import scan_of
-from ballscrew.new_rig.seen import Guess, Seen
+from ballscrew.new_rig.seen import Guess, Seen, behind_each_other, named_apart
 from ballscrew.new_rig.temperatures import THERMOMETER, temperatures
 from drivers.frames import Array, Tally
 from drivers.logs.joined import Progress
@@ -91,22 +92,9 @@ def find(paths: Sequence[Path], dbc: Path | None, progress: Progress | None = No
     for k, path in enumerate(paths):
         share = progress and (lambda done, k=k: progress((k + done) / len(paths)))
         sources.append(read_lab_table(path, Tally()) if kinds[0] else read_bus_log(path, dbc, Tally(), share))
-    every = tuple(_behind_each_other([source.seen for source in sources]))
+    every = tuple(behind_each_other([source.seen for source in sources]))
     guesses = _guesses(every)
     return Found(tuple(paths), tuple(sources), every, guesses, _tick(guesses))
-
-
-def _behind_each_other(recordings: Sequence[Sequence[Seen]]) -> Iterable[Seen]:
-    """The signals of all recordings, each recording behind the one before."""
-    seen: dict[str, Seen] = {}
-    end = 0.0
-    for signals in recordings:
-        begin = min(float(one.time[0]) for one in signals)
-        for one in signals:
-            later = replace(one, time=one.time - begin + end)
-            seen[one.source] = later.after(seen[one.source]) if one.source in seen else later
-        end = max(float(one.time[-1]) for one in seen.values()) + 1.0
-    return seen.values()
 
 
 def _guesses(seen: Sequence[Seen]) -> tuple[Guess, ...]:
@@ -115,20 +103,7 @@ def _guesses(seen: Sequence[Seen]) -> tuple[Guess, ...]:
     rest = [one for one in seen if one.source not in taken]
     moving = drive(rest)
     grown = list(growth(rest, moving, _warmth([guess for guess in warm if guess.role == THERMOMETER])))
-    return tuple(_named_apart((*warm, *moving, *grown)))
-
-
-def _named_apart(guesses: Sequence[Guess]) -> Iterator[Guess]:
-    """Of two with one name the second is called so with a number."""
-    taken: set[str] = set()
-    for guess in guesses:
-        number = next(k for k in range(1, len(guesses) + 2) if _numbered(guess.name, k) not in taken)
-        yield replace(guess, name=_numbered(guess.name, number))
-        taken.add(_numbered(guess.name, number))
-
-
-def _numbered(name: str, number: int) -> str:
-    return f"{name}_{number}" if number > 1 else name
+    return tuple(named_apart((*warm, *moving, *grown)))
 
 
 def _warmth(thermometers: Sequence[Guess]) -> tuple[Array, Array]:
@@ -149,7 +124,7 @@ def write(found: Found, folder: Path, places: Sequence[float] = (), force: bool 
     """Write the rig folder: nothing before all of it works, nothing that is there without `force`."""
     parts = geometry(found.guesses, places)
     copies = [*found.paths, *([found.dbc] if found.dbc and found.dbc != OURS else [])]
-    with TemporaryDirectory(prefix="ballscrew-") as made:
+    with TemporaryDirectory(prefix="ballscrew-") as made, _named(Path(made), folder):
         draft = Path(made)
         (draft / RIG).write_text(_text(found, folder, parts), encoding="utf-8")
         for path in copies[len(found.paths) :]:
@@ -168,6 +143,15 @@ def write(found: Found, folder: Path, places: Sequence[float] = (), force: bool 
             shutil.copy(path, folder)
     told = (*files, *(path.name for path in copies))
     return NewRig(folder, parts, recording, told)
+
+
+@contextmanager
+def _named(draft: Path, folder: Path) -> Iterator[None]:
+    """Errors name the folder that was asked for, not the draft."""
+    try:
+        yield
+    except SetupError as error:
+        raise SetupError(str(error).replace(str(draft), str(folder))) from error
 
 
 def _text(found: Found, folder: Path, parts: Geometry) -> str:

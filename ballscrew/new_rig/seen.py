@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -112,3 +112,29 @@ class Guess:
     def time(self) -> Array:
         """When, (n,) s."""
         return self.seen[0].time
+
+
+def behind_each_other(recordings: Sequence[Sequence[Seen]]) -> Iterable[Seen]:
+    """The signals of all recordings, each recording behind the one before."""
+    seen: dict[str, Seen] = {}
+    end = 0.0
+    for signals in recordings:
+        begin = min(float(one.time[0]) for one in signals)
+        for one in signals:
+            later = replace(one, time=one.time - begin + end)
+            seen[one.source] = later.after(seen[one.source]) if one.source in seen else later
+        end = max(float(one.time[-1]) for one in seen.values()) + 1.0
+    return seen.values()
+
+
+def named_apart(guesses: Sequence[Guess]) -> Iterator[Guess]:
+    """Of two with one name the second is called so with a number."""
+    taken: set[str] = set()
+    for guess in guesses:
+        number = next(k for k in range(1, len(guesses) + 2) if _numbered(guess.name, k) not in taken)
+        yield replace(guess, name=_numbered(guess.name, number))
+        taken.add(_numbered(guess.name, number))
+
+
+def _numbered(name: str, number: int) -> str:
+    return f"{name}_{number}" if number > 1 else name
