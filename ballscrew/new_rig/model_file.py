@@ -22,6 +22,7 @@ from estimator.unknown.effect_text import VOCABULARY, Wanted, effect_text
 
 EFFECTS = "effects.py"
 LOSS = "loss"
+ROOM_MM = 2000.0
 CAPACITY = 50.0  # of a body, J/K: what else is fitted is in proportion to it
 _PARTS = 100  # of a recording, over which a heater warms what is beside it
 _BODIES = '''class Bodies(Effect):
@@ -99,7 +100,13 @@ def _heater(guess: Guess, guesses: Sequence[Guess], rig: Rig) -> str:
     """A heater as an effect: at the thermometer that it warms most."""
     channel = rig.channels[max(warmed(guesses)[guess.name].items(), key=lambda one: one[1])[0]]
     place = {"node": channel.node} if channel.node else {"at_mm": channel.at_mm}
-    return effect_text(Wanted(_class_of(guess), known_followers(rig)[guess.name], **place), rig)
+    return effect_text(Wanted(_class_of(guess), known_followers(rig)[guess.name], **place), _longer(rig))
+
+
+def _longer(rig: Rig) -> Rig:
+    """The rig with room beyond the screw's ends, which are still to be edited."""
+    screw = rig.screw
+    return replace(rig, screw=screw and replace(screw, from_mm=screw.from_mm - ROOM_MM, to_mm=screw.to_mm + ROOM_MM))
 
 
 def _class_of(guess: Guess) -> str:

@@ -70,12 +70,16 @@ class Found:
 
 @dataclass(frozen=True)
 class NewRig:
-    """A rig folder that was written, and its first recording as it reads there."""
+    """A rig folder that was written, and its first recording as it reads there.
+
+    heated  whether a heater is in the recordings
+    """
 
     folder: Path
     parts: Geometry
     recording: Recording
     files: tuple[str, ...]
+    heated: bool
 
 
 def find(paths: Sequence[Path], dbc: Path | None, progress: Progress | None = None) -> Found:
@@ -142,7 +146,7 @@ def write(found: Found, folder: Path, places: Sequence[float] = (), force: bool 
         if not _is_there(path, folder):
             shutil.copy(path, folder)
     told = (*files, *(path.name for path in copies))
-    return NewRig(folder, parts, recording, told)
+    return NewRig(folder, parts, recording, told, any(guess.role == "heater" for guess in found.guesses))
 
 
 @contextmanager
@@ -182,7 +186,10 @@ def _is_there(path: Path, folder: Path) -> bool:
 
 
 def unknown(new: NewRig) -> Iterator[tuple[str, str, str]]:
-    """What no recording tells: what it is, what stands there now, and in which lines of rig.toml."""
+    """What no recording tells: what it is, what stands there now, and in which lines of rig.toml, or where else."""
     text = (new.folder / RIG).read_text(encoding="utf-8")
     for what, now, keys in new.parts.guessed():
         yield what, now, lines_of(text, keys)
+    if new.heated:
+        now = "at the thermometer that it warms most"
+        yield "where each heater is", now, f"at in {MODEL}" if new.parts.screw else EFFECTS

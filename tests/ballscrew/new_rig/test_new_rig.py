@@ -148,6 +148,10 @@ def test_a_rod_with_a_heater(tmp_path):
     assert [*model.effects] == ["conduction", "still_air", "thermometers", "heater"]
     assert model["heater.power"] == 1.0
     assert model["heater.at"] == rig.channels["TC1"].at_mm
+    assert ("where each heater is", "at in model.toml") in [(one["what"], one["lines"]) for one in told["unknown"]]
+    text = (tmp_path / "rod" / "model.toml").read_text()
+    (tmp_path / "rod" / "model.toml").write_text(re.sub(r"\nat = \S+", "\nat = -15.0", text))  # beyond the ends as yet
+    load_model(tmp_path / "rod" / "model.toml")
     assert ballscrew("review", tmp_path / "rod")[0] == 0
 
 
