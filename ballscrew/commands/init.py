@@ -17,7 +17,9 @@ from ballscrew.options import PATH, logs_argument, terminal_options
 from ballscrew.terminal import Terminal, duration
 from drivers.recordings import find_recordings
 from estimator.errors import InputError, SetupError
+from estimator.rig_folder.rig_folder import load_rig
 
+CHECKED = ("scan_crc", "scan_number", "checksums", "counters")  # of [log]: written where they hold
 _SHOWN = 12  # of what is not used
 
 
@@ -83,8 +85,12 @@ def _print(terminal: Terminal, found: Found, new: NewRig) -> None:
     head = ["signal" if found.dbc else "column", "rate, 1/s", "range", "taken as", "why"]
     rows = [_texts(guess) for guess in found.guesses]
     terminal.table([head, *rows], prose=4)
+    log = load_rig(new.folder).log
+    if log.closes:
+        held = [key for key in CHECKED if getattr(log, key)]
+        terminal.say(f"a tick closes with {log.closes}" + (f"; right on this log: {', '.join(held)}" if held else ""))
     if found.unused:
-        terminal.say(f"not used: {_few([one.source for one in found.unused])}")
+        terminal.say(f"taken for no measured value: {_few([one.source for one in found.unused])}")
     if found.never:
         terminal.say(f"messages of {found.dbc.name if found.dbc else ''} that never came: {_few(found.never)}")
     if found.dbc == OURS:

@@ -124,6 +124,9 @@ def test_ids_that_nobody_knows_need_a_dbc(bus, tmp_path):
 def test_the_project_s_own_ids_need_none(fs20_log, tmp_path):
     told = made(fs20_log, "-o", tmp_path / "rig")
     assert told["files"] == ["rig.toml", "model.toml", "FS-20.log"]
+    _, out, _ = ballscrew("init", fs20_log, "-o", tmp_path / "rig", "--force")
+    assert "a tick closes with TelemeterStatus; right on this log: scan_crc, scan_number, checksums, counters" in out
+    assert "Telemeter3.T09" in out
     assert load_rig(tmp_path / "rig").log.checksums == ("TelemeterStatus.TelCrc",)
     status, _, err = ballscrew("review", tmp_path / "rig")
     assert status == 0, err
