@@ -10,7 +10,7 @@
     class CoolantJet(Effect): ...              physics of your own, its numbers each a Param
 
 Each name is imported when it is used. The command begins in cli, and shares workspace, search, machine, began, options,
-muting and terminal; then commands/, report/, table/, monitor/ and own_effect/.
+muting and terminal; then commands/, report/, table/, monitor/, new_rig/, doubts/ and own_effect/.
 """
 
 from importlib import import_module

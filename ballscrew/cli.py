@@ -15,6 +15,8 @@ from ballscrew.terminal import INTERRUPTED
 from estimator.errors import BallscrewError
 
 COMMANDS = {
+    "init": "Make a rig folder that works from recordings.",
+    "check": "Look for what is wrong with a rig folder beside its recordings.",
     "simulate": "Make a recording of the rig that is not there.",
     "live": "Monitor a rig on a CAN bus.",
     "hub": "Share a CAN bus between programs, without CAN hardware.",

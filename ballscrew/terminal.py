@@ -93,7 +93,7 @@ class Terminal:
             task = bar.add_task(label, total=total, detail="")
             yield lambda done, detail="": bar.update(task, completed=done, detail=detail)
 
-    def json(self, data: Mapping[str, Any]) -> None:
+    def json(self, data: Mapping[str, Any] | Sequence[Any]) -> None:
         """Write the result where --json asked for it."""
         if self.json_path is None:
             return

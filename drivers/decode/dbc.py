@@ -33,6 +33,7 @@ _COMPARE |= {"<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operat
 class Bits:
     """One signal: where it is in the frame, its scaling and the texts of its value table.
 
+    unit     as the DBC writes it
     highest  largest number on the wire by the DBC
     """
 
@@ -44,6 +45,7 @@ class Bits:
     real: bool = False
     scale: float = 1.0
     offset: float = 0.0
+    unit: str = ""
     highest: float | None = None
     texts: Mapping[int, str] = field(default_factory=dict)
     selector: Bits | None = None
@@ -225,6 +227,7 @@ def _bits(signal: Any) -> Bits:
         real=bool(signal.is_float),
         scale=float(signal.scale),
         offset=float(signal.offset),
+        unit=signal.unit or "",
         highest=_highest(signal),
         texts={int(raw): str(text) for raw, text in (signal.choices or {}).items()},
     )

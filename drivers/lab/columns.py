@@ -10,7 +10,7 @@ import numpy as np
 
 from drivers.frames import Array, Tally
 from drivers.lab.names import contradicts, nearest_name, unit_in, unit_of
-from drivers.lab.numerals import NOTHING
+from drivers.lab.numerals import is_numeric
 from drivers.lab.sheet import Sheet, place_of
 from drivers.lab.stamps import kind_of
 from estimator.errors import InputError
@@ -97,7 +97,7 @@ def _without_head(sheet: Sheet, measured: set[int], time: tuple[int, ...]) -> di
     for _ in range(_MOST_HEAD):
         if (
             not sheet.rows
-            or any(_numeric(sheet.rows[0][k]) for k in {*measured, *time})
+            or any(is_numeric(sheet.rows[0][k]) for k in {*measured, *time})
             or _is_time(sheet.rows[0], time)
         ):
             break
@@ -110,10 +110,6 @@ def _without_head(sheet: Sheet, measured: set[int], time: tuple[int, ...]) -> di
 
 def _is_time(row: list[str], time: tuple[int, ...]) -> bool:
     return bool(kind_of(" ".join(row[k].strip() for k in time)))
-
-
-def _numeric(cell: str) -> bool:
-    return bool(cell.strip()) and cell.strip().lower() not in NOTHING and not cell.strip("0123456789.,+-eE \t'")
 
 
 def to_the_unit(values: Array, sheet: Sheet, columns: Columns, name: str, rule: Signal) -> Array:

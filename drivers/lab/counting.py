@@ -17,7 +17,7 @@ from estimator.errors import InputError
 
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": DAY_S}
 WORDS = {"ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds", "min": "minutes", "h": "hours", "d": "days"}
-_SINCE_1970 = {"s": (1e9, 4.2e9), "ms": (1e12, 4.2e12), "us": (1e15, 4.2e15), "ns": (1e18, 4.2e18)}
+SINCE_1970 = {"s": (1e9, 4.2e9), "ms": (1e12, 4.2e12), "us": (1e15, 4.2e15), "ns": (1e18, 4.2e18)}
 _SHEET_DAYS = (20_000.0, 80_000.0)  # since 1900: from 1954 to 2119
 _SHEET_ZERO = 25_569.0  # 1970-01-01 in days of a spreadsheet
 _CLOSE = 0.02
@@ -29,15 +29,16 @@ def seconds(count: Array, tick_s: float, told: str | None, of_file: str | None, 
 
     told  the unit that rig.toml says     of_file  that which a line of units or the column's name says
     """
+    of_file = of_file if of_file in SECONDS else None  # a column of something else may count as one of times
     if told or (of_file and of_file != "s"):
         unit = told or of_file or "s"
         return count * SECONDS[unit], "" if told else f"times in {WORDS[unit]}"
     known = count[np.isfinite(count)]
-    step = _step(known)
+    step = usual_step(known)
     if not len(known) or not step:
         return count, ""
     low, high = float(known.min()), float(known.max())
-    for unit, (first, last) in _SINCE_1970.items():
+    for unit, (first, last) in SINCE_1970.items():
         if first <= low and high < last and _LEAST <= step * SECONDS[unit] / tick_s < _MOST:
             return count * SECONDS[unit], "" if unit == "s" else f"times in {WORDS[unit]} since 1970"
     in_days = _SHEET_DAYS[0] < low and high < _SHEET_DAYS[1] and step < 0.5 and not _round(step)
@@ -54,7 +55,7 @@ def unit_in_name(name: str) -> str | None:
     return unit if unit in SECONDS else None
 
 
-def _step(known: Array) -> float:
+def usual_step(known: Array) -> float:
     """The usual step from row to row: where rows come evenly their mean one, which rounding moves less."""
     steps = np.abs(np.diff(known))
     steps = steps[steps > 0]

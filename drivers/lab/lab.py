@@ -27,7 +27,10 @@ _SAMPLE = 5000  # rows that tell the decimal mark
 
 
 class Table:
-    """The rows of a lab CSV: `time` (n,) s, `line` (n,) line numbers, `columns` (n,) per channel or input."""
+    """The rows of a lab CSV: `time` (n,) s, `line` (n,) line numbers, `columns` (n,) per channel or input.
+
+    units  of them, as far as the file says them
+    """
 
     def __init__(self, path: Path, rig: Rig, tally: Tally, budget: Budget) -> None:
         self.path, self.rig, self.tally = path, rig, tally
@@ -37,6 +40,7 @@ class Table:
         found = find_columns(sheet, rig, tally)
         self.line = np.array(sheet.line, np.uint32)
         self.said = sheet.said
+        self.units = {name: found.units.get(place) for name, place in found.of.items()}
         cells = {name: sheet.column(place) for name, place in found.of.items()}
         texts = found.stamps(sheet)
         self.mark = rig.log.csv.decimal or decimal_mark(_sample(cells, texts), sheet.separator, path)

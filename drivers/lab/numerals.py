@@ -16,6 +16,11 @@ _BLANK = re.compile(r"(?<=\d)[\s'’](?=\d{3})")  # between thousands, as in Fre
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+")
 
 
+def is_numeric(cell: str) -> bool:
+    """Whether a cell holds a number, with whatever marks."""
+    return bool(cell.strip()) and cell.strip().lower() not in NOTHING and not cell.strip("0123456789.,+-eE \t'")
+
+
 def decimal_mark(cells: Iterable[str], separator: str, path: object) -> str:
     """',' or '.', by all these cells; commas that may be either are an InputError."""
     marked = [cell for cell in cells if ("," in cell or "." in cell) and _MARKED.fullmatch(cell)]

@@ -1,6 +1,7 @@
 """A CSV as a sheet of text cells: encoding, separator, the line of names and the line of units found by themselves.
 
-The line of names is the one that names the most of what the rig file asks for, in whichever separator.
+The line of names is the one that names the most of what the rig file asks for, in whichever separator; where nothing is
+asked for, the one with the most names of columns of numbers.
 """
 
 from __future__ import annotations
@@ -15,12 +16,14 @@ from pathlib import Path
 from drivers.budget import Budget
 from drivers.frames import Tally
 from drivers.lab.names import bare, known_as
+from drivers.lab.numerals import is_numeric
 from estimator.errors import InputError
 from estimator.rig import Csv
 
 SEPARATORS = {",": "','", ";": "';'", "\t": "tabs", "|": "'|'", " ": "spaces"}
 _WORDS = {"tab": "\t", "space": " "}
 _HEAD = 100  # lines among which the one with the names is looked for
+_BELOW = 12  # lines from the names on that show what the columns hold
 _BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
 
@@ -115,9 +118,22 @@ def _names_at(head: list[str], rule: Csv, wanted: Collection[str]) -> tuple[str,
         cells = next(csv.reader([head[place[0]]], delimiter=place[1], skipinitialspace=True), [])
         return len(asked & {*map(bare, cells)} - {""}), len(cells) if place[0] == lines[0] else 0
 
+    def shape(place: tuple[int, str]) -> int:
+        rows = [
+            next(csv.reader([line], delimiter=place[1], skipinitialspace=True), [])
+            for line in head[place[0] : place[0] + _BELOW]
+        ]
+        below = [row for row in rows[1:] if len(row) >= len(rows[0])]
+        return sum(_names(cell, [row[k] for row in below]) for k, cell in enumerate(rows[0]))
+
     places = [(line, separator) for line in lines for separator in separators]
-    line, separator = max(places, key=score, default=(0, ","))
+    line, separator = max(places, key=score if asked else shape, default=(0, ","))
     return separator, line
+
+
+def _names(cell: str, below: list[str]) -> bool:
+    """Whether a cell is the name of a column of numbers: what is below it is most often one."""
+    return bool(cell.strip()) and not is_numeric(cell) and sum(map(is_numeric, below)) * 2 > len(below)
 
 
 def whole_lines(file: Iterator[str], tally: Tally, budget: Budget) -> Iterator[str]:

@@ -60,7 +60,7 @@ class Replay:
         self.trial: Trial | None = None
         parts, at = [], 0
         while at < len(recording):
-            run = begin(model, rig, recording, self._mute, since=at)
+            run, self.trial, self._posed = begin(model, rig, recording, self._mute, since=at), None, None
             first = len(recording) if run is None else run.tick
             parts.append(Track.waiting(rig.names, recording.rows(slice(at, first))))
             at = first + 1

@@ -345,3 +345,9 @@ def test_temperatures_in_another_unit_are_said(tmp_path: Path, rig: Rig) -> None
     cells = [[row[0], f"{row[1]} °C", f"{row[2]} °C", *row[3:]] for row in rows()]
     said = complaint(write(tmp_path / "a.csv", cells), rig)
     assert said == f"no thermometer was ever read: A is '{rows()[0][1]} °C' in line 2, no number"
+
+
+def test_a_column_of_another_unit_that_rig_toml_calls_the_times_counts_seconds(tmp_path, rig):
+    rig = replace(rig, log=replace(rig.log, time_column="Weg [mm]"))
+    record = read_recording(write(tmp_path / "a.csv", rows(), ["Weg [mm]", *NAMES[1:]]), rig)
+    assert len(record) == ROWS

@@ -275,6 +275,15 @@ def test_a_recording_that_ends_at_its_first_reading_or_before(lived):
     assert (both(model, rig, run.rows(slice(0, 5))).mode == Mode.INIT).all()
 
 
+def test_a_run_that_begins_anew_with_the_last_tick_has_nothing_to_smooth(lived):
+    model, rig, run = lived
+    run = copy(run)
+    run.channels[:12, rig.is_thermometer] += SPIKE_K
+    replayed = Replay(model, rig, run.rows(slice(0, 12 + TOGETHER_TICKS)), None, lambda _: None)
+    assert (len(replayed.track), replayed.trial) == (12 + TOGETHER_TICKS, None)
+    assert np.isnan(replayed.smoothed().elongation_um).all()
+
+
 def test_each_hears_of_the_ticks_done_up_to_the_last(lived):
     model, rig, run = lived
     heard = []

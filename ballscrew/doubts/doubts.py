@@ -1,0 +1,73 @@
+"""Every doubt about a rig folder beside its recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ballscrew.doubts import signals
+from ballscrew.doubts.doubt import Case, Doubt
+from ballscrew.doubts.drive import drive
+from ballscrew.doubts.growth import growth
+from ballscrew.doubts.order import order
+from ballscrew.new_rig.bus_log import read_bus_log
+from ballscrew.new_rig.lab_table import read_lab_table
+from drivers.decode.dbc import find_dbc
+from drivers.frames import Tally
+from drivers.logs.logs import is_lab_csv
+from drivers.recordings import read_recording
+from estimator.errors import SetupError
+from estimator.model import Model
+from estimator.rig import Rig
+
+PLACES_GUESSED = "guessed: its place"
+ABOUT = (
+    signals.never_came, signals.units, signals.outside, signals.constant, signals.ticks, signals.not_measured, drive,
+    growth, order, signals.unnamed, signals.noted,
+)  # fmt: skip
+
+
+@dataclass
+class Told:
+    """A doubt, and in which recordings it is."""
+
+    doubt: Doubt
+    recordings: list[str] = field(default_factory=list)
+
+
+def of_the_folder(rig: Rig) -> Iterator[Doubt]:
+    """What can be said without a recording: guesses that `ballscrew init` made and nobody has looked at."""
+    lines = (rig.folder / "rig.toml").read_text(encoding="utf-8-sig").splitlines()
+    at = [k for k, line in enumerate(lines, start=1) if "# guessed:" in line]
+    if at:
+        what = f"{len(at)} lines are guesses of `ballscrew init`, the first in line {at[0]}"
+        yield Doubt("rig.toml", what, "look at each, and take its mark away")
+    if not (rig.folder / "model.toml").is_file():
+        yield Doubt("model.toml", "is not there", "write one, or name another with --model at each command")
+
+
+def of_recording(path: Path, rig: Rig, model: Model) -> Iterator[Doubt]:
+    """What is in doubt beside a recording; one that cannot be used is an InputError."""
+    recording = read_recording(path, rig)
+    if is_lab_csv(path):
+        case = Case(rig, model, recording, read_lab_table(path, Tally(), rig.log.csv))
+    else:
+        if rig.log.dbc is None:
+            raise SetupError(f"{rig.folder / 'rig.toml'}: log.dbc is missing: CAN frames need a DBC file")
+        dbc = find_dbc(rig.log.dbc, rig.folder)
+        case = Case(rig, model, recording, read_bus_log(path, dbc, Tally(), bus=rig.log.bus))
+    guessed = PLACES_GUESSED in (rig.folder / "rig.toml").read_text(encoding="utf-8-sig")
+    for about in ABOUT:
+        if not (guessed and about is order):
+            yield from about(case)
+
+
+def together(found: Iterable[tuple[str, Doubt]]) -> Sequence[Told]:
+    """Those of several recordings as one, by place and fix: with what the first of them says."""
+    told: dict[tuple[str, str], Told] = {}
+    for name, doubt in found:
+        one = told.setdefault((doubt.place, doubt.fix), Told(doubt))
+        if name and name not in one.recordings:
+            one.recordings.append(name)
+    return [*told.values()]
