@@ -14,6 +14,7 @@ from pathlib import Path
 
 import click
 
+from ballscrew.doubts.guesses import guesses
 from ballscrew.own_effect.patience import patience
 from ballscrew.terminal import Terminal
 from drivers.logs.joined import Progress
@@ -144,13 +145,23 @@ def open_workspace(
 def open_rig(logs: Sequence[Path], rig_path: Path | None, terminal: Terminal) -> Rig:
     """The rig of --rig; else of the nearest folder at or above the first log; else the one that ships with us."""
     if rig_path is not None:
-        return load_rig(rig_path.parent if rig_path.name == "rig.toml" else rig_path)
+        return _looked_at(load_rig(rig_path.parent if rig_path.name == "rig.toml" else rig_path), terminal)
     first = (logs[0] if logs else Path()).resolve()
     for folder in (first, *first.parents):
         if (folder / "rig.toml").is_file():
-            return load_rig(folder)
+            return _looked_at(load_rig(folder), terminal)
     terminal.say(f"no rig.toml at or above {first}: using the built-in rig, the paper's ball screw")
     return load_rig(BUILT_IN)
+
+
+def _looked_at(rig: Rig, terminal: Terminal) -> Rig:
+    """The rig; said where parts of it are guesses still: what follows may be their fault, and no sensor's."""
+    if at := guesses(rig.folder):
+        place = (
+            f"{rig.folder / 'rig.toml'}: {len(at)} lines, the first in line {at[0]}, are guesses of `ballscrew init`"
+        )
+        terminal.warn(f"{place}: figures, and sensors that are accused, may be their fault")
+    return rig
 
 
 def open_model(rig: Rig, model_path: Path | None, terminal: Terminal) -> Model:

@@ -1,4 +1,4 @@
 """What looks wrong with a rig folder beside its recordings: `ballscrew check`.
 
-In the order to read them: doubts, doubt, signals, order, drive, growth.
+In the order to read them: guesses, doubts, doubt, signals, order, drive, growth.
 """

@@ -10,6 +10,7 @@ from ballscrew.doubts import signals
 from ballscrew.doubts.doubt import Case, Doubt
 from ballscrew.doubts.drive import drive
 from ballscrew.doubts.growth import growth
+from ballscrew.doubts.guesses import guesses
 from ballscrew.doubts.order import order
 from ballscrew.new_rig.bus_log import read_bus_log
 from ballscrew.new_rig.lab_table import read_lab_table
@@ -38,9 +39,7 @@ class Told:
 
 def of_the_folder(rig: Rig) -> Iterator[Doubt]:
     """What can be said without a recording: guesses that `ballscrew init` made and nobody has looked at."""
-    lines = (rig.folder / "rig.toml").read_text(encoding="utf-8-sig").splitlines()
-    at = [k for k, line in enumerate(lines, start=1) if "# guessed:" in line]
-    if at:
+    if at := guesses(rig.folder):
         what = f"{len(at)} lines are guesses of `ballscrew init`, the first in line {at[0]}"
         yield Doubt("rig.toml", what, "look at each, and take its mark away")
     if not (rig.folder / "model.toml").is_file():
