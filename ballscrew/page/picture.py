@@ -1,0 +1,106 @@
+"""Drawings by matplotlib as SVG within a page: in its colours, with its letters, all text as it is."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ballscrew.page.colours import DRAWN, in_colour
+from ballscrew.page.section import Picture
+from estimator.inputs.phase import phases
+from estimator.record import Array, Recording
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH = 7.6  # inches
+BINS = 500  # of a curve: two points in each are all that a page can show
+INK = ("text.color", "axes.labelcolor", "xtick.color", "ytick.color")
+STYLE = {
+    **dict.fromkeys(INK, DRAWN["ink"]), "axes.edgecolor": DRAWN["faint"], "grid.color": DRAWN["line"],
+    "grid.linewidth": 0.6, "axes.grid": True, "axes.axisbelow": True, "axes.spines.top": False,
+    "axes.spines.right": False, "font.family": "sans-serif", "font.size": 9, "legend.frameon": False,
+    "legend.fontsize": 8.5, "lines.linewidth": 1.2, "text.parse_math": False, "axes.unicode_minus": True,
+    "svg.fonttype": "none", "svg.hashsalt": "ballscrew",
+}  # fmt: skip
+
+
+class Sheet:
+    """A figure under way; `picture` is it, once it is drawn."""
+
+    def __init__(self, figure: Figure) -> None:
+        self.figure = figure
+        self.svg = ""
+
+    def picture(self, caption: str) -> Picture:
+        """It, with what it shows."""
+        return Picture(self.svg, caption)
+
+
+@contextmanager
+def sheet(height: float) -> Iterator[Sheet]:
+    """An empty figure, drawn at the end."""
+    import matplotlib  # takes a third of a second
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context(STYLE):
+        drawn = Sheet(Figure((WIDTH, height), layout="constrained"))
+        yield drawn
+        text = io.StringIO()
+        drawn.figure.savefig(text, format="svg", transparent=True, metadata={"Date": None})
+        drawn.svg = _alone(in_colour(text.getvalue()))
+
+
+def _alone(svg: str) -> str:
+    """The drawing without the head of a file, its names its own among those of other drawings of a page."""
+    prefix, svg = f"p{hashlib.sha256(svg.encode()).hexdigest()[:8]}-", svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'\bid="', f'id="{prefix}', svg)
+    return re.sub(r'(url\(#|href="#)', rf"\1{prefix}", svg)
+
+
+def shown(values: Array) -> Array:
+    """Ticks to draw of a curve (K,): the lowest and highest of each of so many bins, and the ends."""
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) <= 2 * BINS:
+        return known
+    bins = np.array_split(known, BINS)
+    ends = [known[0], known[-1]]
+    return np.unique([*ends, *(b[f(values[b])] for b in bins for f in (np.argmin, np.argmax))])
+
+
+def curve(axes: Axes, minutes: Array, values: Array, colour: str, label: str, sd: Array | None = None) -> None:
+    """A line, and a band of two sd."""
+    at = shown(values)
+    axes.plot(minutes[at], values[at], color=DRAWN[colour], label=label)
+    if sd is not None:
+        ends = values[at] - 2 * sd[at], values[at] + 2 * sd[at]
+        axes.fill_between(minutes[at], *ends, color=DRAWN[colour], alpha=0.25, linewidth=0, label="± 2 sd")
+
+
+def dots(axes: Axes, minutes: Array, values: Array, colour: str, label: str) -> None:
+    """Single values."""
+    at = shown(values)
+    axes.plot(minutes[at], values[at], ".", color=DRAWN[colour], markersize=1.8, label=label)
+
+
+def shade(axes: Axes, recording: Recording) -> None:
+    """The drives, as grey ground; time in minutes below."""
+    minutes = recording.time_s / 60
+    for driving, ticks in phases(recording):
+        if driving:
+            begin = minutes[max(ticks[0] - 1, 0)]
+            axes.axvspan(begin, minutes[ticks[-1]], color=DRAWN["shade"], zorder=0, linewidth=0)
+    axes.set_xlim(minutes[0], minutes[-1])
+
+
+def legend(axes: Axes, columns: int = 5) -> None:
+    """What is what, above the axes."""
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=columns, borderaxespad=0.2, handlelength=1.5)
