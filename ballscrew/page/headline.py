@@ -35,7 +35,9 @@ def follows(reviews: Sequence[Review]) -> str:
     cooling = (
         f", {a.cooldown_max_um:.2f} um at most within 60 min after a stop" if np.isfinite(a.cooldown_max_um) else ""
     )
-    inside = f"; {a.coverage_2sigma:.1%} of it lies within two of its standard deviations"
+    inside = (
+        f"; {100 * a.coverage_2sigma:.1f} % of its errors are within two of its standard deviations, 95 % were expected"
+    )
     return (
         f"The filter follows {' and '.join(REFERENCES[name] for name in known)} within {a.band_um[0]:+.2f} .. "
         f"{a.band_um[1]:+.2f} um ({a.rms_um:.2f} um rms{cooling}){inside if np.isfinite(a.coverage_2sigma) else ''}."

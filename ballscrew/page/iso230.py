@@ -68,7 +68,7 @@ class Drift:
         return Range(
             float(self.at_mm[i]), width(whole[hour]), width(whole[ticks]), last(whole[ticks]),
             2 * highest(sd[ticks]), width(*(end[hour] for end in ends)), width(*(end[ticks] for end in ends)),
-            last(left[ticks]),
+            last(left[ticks]) if self.true else float("nan"),
         )  # fmt: skip
 
 
@@ -77,7 +77,7 @@ class Range:
     """What one spell comes to at one position, um; `left`: with compensation, two sd of an estimate counted in.
 
     first_hour_um, whole_um  highest minus lowest in its first 60 min, and in all of it
-    end_um                   at its end
+    end_um                   at its end; of an estimate nothing is known to be left there but its sd: NaN
     two_sd_um                by how much these may be off
     """
 
@@ -126,7 +126,7 @@ def _merged(recording: Recording) -> Iterator[tuple[bool, int, int]]:
     for driving, ticks in phases(recording):
         first, last_tick = int(ticks[0]), int(ticks[-1])
         pause = recording.time_s[last_tick] - recording.time_s[first] < PAUSE_S and last_tick + 1 < len(recording)
-        yield driving or (driven and pause), first, last_tick
+        yield driving or (driven and bool(pause)), first, last_tick
         driven = driven or driving
 
 

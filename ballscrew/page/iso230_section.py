@@ -26,7 +26,7 @@ WHAT = [
     "After the test of thermal distortion caused by moving linear axes: the deviation at fixed positions of the table, "
     "P1, P2 and P3, while it is driven and while it cools. It is positive where the screw between the anchor bearing "
     "and the nut has grown.",
-    "It is an estimate, not a measurement with gauges at the spindle, and of the screw alone.",
+    "It is what temperatures along the screw and its model say, not what gauges at the spindle do; of the screw alone.",
 ]
 NOT_COVERED = [
     "The growth of the machine beside the screw: bed, column, table, scale, and the seat of the anchor bearing.",
@@ -85,7 +85,8 @@ def _row(name: str, ranges: Sequence[Range], key: str, sign: str = "") -> list[s
     for one in ranges:
         value, left, off = getattr(one, key), getattr(one, f"left_{key}"), one.two_sd_um
         about = f" +- {off:.2f}" if off else ""
-        cells += [f"{value:{sign}.2f}{about}" if np.isfinite(value) else "", number(left)]
+        rest = number(left) if np.isfinite(left) else about.strip()
+        cells += [f"{value:{sign}.2f}{about}", rest] if np.isfinite(value) else ["", ""]
     return cells
 
 
@@ -98,6 +99,7 @@ def picture(drift: Drift) -> Picture:
             _ground(axes, drift, minutes)
             _curves(axes, drift, minutes, values)
         _marks(above, drift, minutes)
+        above.margins(y=0.12)
         above.set_ylabel("deviation, µm")
         legend(above)
         below.set(xlabel="time, min", ylabel="compensated, µm")

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 WIDTH = 7.6  # inches
 BINS = 500  # of a curve: two points in each are all that a page can show
+DOTS = 400  # of single values
 INK = ("text.color", "axes.labelcolor", "xtick.color", "ytick.color")
 STYLE = {
     **dict.fromkeys(INK, DRAWN["ink"]), "axes.edgecolor": DRAWN["faint"], "grid.color": DRAWN["line"],
@@ -62,7 +63,9 @@ def _alone(svg: str) -> str:
     """The drawing without the head of a file, its names its own among those of other drawings of a page."""
     prefix, svg = f"p{hashlib.sha256(svg.encode()).hexdigest()[:8]}-", svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'\bd="[^"]*"', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]), svg)  # a hundredth of a point
     svg = re.sub(r'\bid="', f'id="{prefix}', svg)
+    svg = re.sub(r'(<image [^>]*)\bid="[^"]*"', r"\1", svg)  # nobody asks for one, and alike ones have the same
     return re.sub(r'(url\(#|href="#)', rf"\1{prefix}", svg)
 
 
@@ -86,9 +89,10 @@ def curve(axes: Axes, minutes: Array, values: Array, colour: str, label: str, sd
 
 
 def dots(axes: Axes, minutes: Array, values: Array, colour: str, label: str) -> None:
-    """Single values."""
-    at = shown(values)
-    axes.plot(minutes[at], values[at], ".", color=DRAWN[colour], markersize=1.8, label=label)
+    """Single values, evenly taken: their extremes alone would look like two curves."""
+    known = np.flatnonzero(np.isfinite(values))
+    at = known[:: -(-len(known) // DOTS) or 1]
+    axes.plot(minutes[at], values[at], ".", color=DRAWN[colour], markersize=2.5, label=label)
 
 
 def shade(axes: Axes, recording: Recording) -> None:

@@ -14,12 +14,8 @@ from typing import Protocol
 from ballscrew.report import sections
 from ballscrew.terminal import Rows
 
-PRINTED = {
-    r"\bum\b": "µm",
-    r"\bdegC\b": "°C",
-    r"\+-": "±",
-    r"\b(\d+) x\b": r"\1 ×",
-}  # where a terminal has plain letters
+# letters that a terminal does without
+PRINTED = {r"\bum\b": "µm", r"\bdegC\b": "°C", r"\+-": "±", r"\b(\d+) x\b": r"\1 ×"}
 
 
 def text_of(words: str) -> str:
