@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from datetime import datetime
 from pathlib import Path
 
 import click
 import numpy as np
 
 from ballscrew.options import output_file, workspace_options
-from ballscrew.page import iso230, iso230_section
 from ballscrew.page.headline import headline
-from ballscrew.page.page import page, write
+from ballscrew.page.iso230 import drift_section, positions
+from ballscrew.page.iso230.drift import Drift, drift
+from ballscrew.page.page import made_by, page, write
 from ballscrew.page.review_page import sections, title
 from ballscrew.report.review_report import as_json
 from ballscrew.reviewing import Asked, Reviewed, review_options
@@ -49,19 +49,18 @@ def command(work: Workspace, asked: Asked, out: Path, iso: bool, at: str | None)
     found = asked.reviewed(work, lambda recording: _places(recording, work.rig, named, iso))
     if found is None:
         return work.status
-    with work.terminal.progress("drawing", None):
+    with work.terminal.progress("drawing", len(found.reviews)) as update:
         drifts = _drifts(work, found, named) if iso else []
-        drifting = [iso230_section.section(drifts)] if iso else []
-        now = datetime.now().isoformat(" ", "minutes")
-        made = f"{work.rig.name}, {found.verdict.model.name}; made by ballscrew report on {now}"
+        drifting = [drift_section.section(drifts)] if iso else []
+        made = made_by(f"{work.rig.name}, {found.verdict.model.name}", "report")
         lead = headline(found, work.rig)
-        write(page(title(found), made, lead, sections(found, work.rig, drifting)), out)
+        write(page(title(found), made, lead, sections(found, work.rig, drifting, update)), out)
     _tell(work, lead, drifts)
     work.terminal.say(f"report: {out}")
     figures = as_json(found.reviews, found.fitted, found.seconds)
     work.terminal.json({
         "report": str(out), "headline": lead, "overall": figures["overall"], "held_out": figures["held_out"],
-        "machine": found.verdict.as_json(), "iso230_3": iso230_section.as_json(drifts) if iso else None,
+        "machine": found.verdict.as_json(), "iso230_3": drift_section.as_json(drifts) if iso else None,
     })  # fmt: skip
     return work.status
 
@@ -69,30 +68,30 @@ def command(work: Workspace, asked: Asked, out: Path, iso: bool, at: str | None)
 def _positions(rig: Rig, at: str | None) -> list[float]:
     """The positions that --at names; none: those of each recording's stroke. A rig that has none is a SetupError."""
     rig.the_screw(), rig.the_nut()
-    return iso230.positions(at, rig) if at is not None else []
+    return positions.positions(at, rig) if at is not None else []
 
 
 def _places(recording: Recording, rig: Rig, named: Sequence[float], iso: bool) -> list[float]:
     """Where the error at the table is to be told: at positions asked for, and over the stroke."""
-    ends = iso230.stroke(recording) if rig.nut is not None else None
+    ends = positions.stroke(recording) if rig.nut is not None else None
     over = [] if ends is None else [float(one) for one in np.linspace(*ends, PLACES)]
-    return [*(named or iso230.ends_and_middle(recording) if iso else []), *over]
+    return [*(named or positions.ends_and_middle(recording) if iso else []), *over]
 
 
-def _drifts(work: Workspace, found: Reviewed, named: Sequence[float]) -> list[iso230.Drift]:
+def _drifts(work: Workspace, found: Reviewed, named: Sequence[float]) -> list[Drift]:
     """Of each recording; one in which the table never moved has none."""
     drifts = []
     for one, review in zip(found.loaded, found.reviews, strict=True):
-        if at := named or iso230.ends_and_middle(one.recording):
-            drifts.append(iso230.drift(review, one.truth, at))
+        if at := named or positions.ends_and_middle(one.recording):
+            drifts.append(drift(review, one.truth, at))
         else:
             work.terminal.warn(f"{one.recording.name}: its table never moved; name positions with --at MM,MM")
     return drifts
 
 
-def _tell(work: Workspace, lead: Sequence[str], drifts: Sequence[iso230.Drift]) -> None:
+def _tell(work: Workspace, lead: Sequence[str], drifts: Sequence[Drift]) -> None:
     for sentence in lead:
         work.terminal.say(sentence)
     for one in drifts:
-        work.terminal.say(f"\n{one.recording.name}: drift of the axis. {iso230_section.meaning(one)}")
-        work.terminal.table(iso230_section.table(one))
+        work.terminal.say(f"\n{one.recording.name}: drift of the axis. {drift_section.meaning(one)}")
+        work.terminal.table(drift_section.table(one))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from datetime import datetime
 from html import escape
 from importlib.metadata import version
 from importlib.resources import files
@@ -12,6 +13,11 @@ from string import Template
 from ballscrew.page.colours import style
 from ballscrew.page.section import Section, Words
 from estimator.errors import InputError
+
+
+def made_by(of: str, command: str) -> str:
+    """Of what, by which command and when."""
+    return f"{of}; made by ballscrew {command} on {datetime.now().isoformat(' ', 'minutes')}"
 
 
 def page(title: str, made: str, lead: Sequence[str], sections: Sequence[Section]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from ballscrew.page.curves import pictures
 from ballscrew.page.equations import equations
@@ -25,12 +25,15 @@ def title(found: Reviewed) -> str:
     return f"Thermal elongation: {names[0]}" + (f" and {len(names) - 1} more" if len(names) > 1 else "")
 
 
-def sections(found: Reviewed, rig: Rig, drift: Sequence[Section] = ()) -> list[Section]:
-    """All of it, in order; `drift`: what stands between recordings and model."""
+def sections(
+    found: Reviewed, rig: Rig, drift: Sequence[Section] = (), each: Callable[[int, str], None] = lambda *_: None
+) -> list[Section]:
+    """All of it, in order; `drift`: what stands between recordings and model. `each` hears how many recordings are
+    drawn, and which is next."""
     return [
         rig_and_recordings(found, rig),
         errors(found, rig),
-        *(recording(review, rig, told(review) if len(found.reviews) > FEW else ()) for review in found.reviews),
+        *_recordings(found, rig, each),
         *drift,
         equations(found.verdict.model),
         not_used(found, rig),
@@ -42,6 +45,13 @@ def errors(found: Reviewed, rig: Rig) -> Section:
     tables = [of_report(one) for one in error_sections(found.reviews, found.fitted)]
     said = [*explained(found.reviews), *doubts(found.reviews, rig), *warm(found.reviews)]
     return Section("How far the estimates are off", [*tables, Points(said)])
+
+
+def _recordings(found: Reviewed, rig: Rig, each: Callable[[int, str], None]) -> Iterator[Section]:
+    """Of each recording, with what is said of it where the errors stand in one table."""
+    for i, review in enumerate(found.reviews):
+        each(i, review.recording.name)
+        yield recording(review, rig, told(review) if len(found.reviews) > FEW else ())
 
 
 def recording(review: Review, rig: Rig, said: Sequence[str]) -> Section:

@@ -118,4 +118,5 @@ class Section:
 
 def of_report(one: sections.Section, level: int = 3) -> Section:
     """A section of a report as one of a page."""
-    return Section(one.title, [*([Grid(one.rows)] if one.rows else []), Points(one.said)], level)
+    prose = [i for i, cells in enumerate(zip(*one.rows[1:], strict=True)) if any(cell[:1].isalpha() for cell in cells)]
+    return Section(one.title, [*([Grid(one.rows, prose)] if one.rows else []), Points(one.said)], level)

@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ballscrew.page.iso230 import Drift, Spell, drift, ends_and_middle, positions, spells
-from ballscrew.page.iso230_section import as_json, section, table
+from ballscrew.page.iso230.drift import Drift, drift
+from ballscrew.page.iso230.drift_section import as_json, section, table
+from ballscrew.page.iso230.positions import ends_and_middle, positions
+from ballscrew.page.iso230.spells import spells
 from drivers.logs.truth import Truth
 from estimator.accuracy.review import review
 from estimator.errors import SetupError
@@ -75,6 +77,8 @@ def test_of_an_estimate_two_sd_count_on_both_sides():
 def test_a_recording_without_a_drive_says_so():
     still = replace(drifting(0.0, true=True), spells=[])
     assert "no drive in it" in section([still]).html()
+    unknown = replace(drifting(0.0, true=True), whole_um=np.full((400, 2), np.nan))
+    assert "the error at the table is not known" in section([unknown]).html()
 
 
 @pytest.fixture(scope="module")
@@ -132,7 +136,3 @@ def test_positions_that_cannot_be_are_refused(text, said, rig):
 
 def test_positions_in_any_order(rig):
     assert positions("380, 20", rig) == [20.0, 380.0]
-
-
-def test_spells_have_their_names():
-    assert Spell(True, 2, 0, 1).name == "heating 2"

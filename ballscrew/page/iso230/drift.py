@@ -10,35 +10,17 @@ its own uncertainty comes on top.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from ballscrew.page.iso230.spells import Spell, spells
 from drivers.logs.truth import Truth
 from estimator.accuracy.review import Review
-from estimator.errors import SetupError
-from estimator.inputs.phase import phases
 from estimator.record import Array, Recording
-from estimator.rig import Rig
 
-PAUSE_S = 300.0  # a shorter rest between drives is part of the heating: gauges are read in such
 HOUR_S = 3600.0
-
-
-@dataclass(frozen=True)
-class Spell:
-    """A heating, repeated traverses, or a cooling, at rest; from the tick before its first to its last."""
-
-    heats: bool
-    number: int
-    first: int
-    last: int
-
-    @property
-    def name(self) -> str:
-        """As a table has it."""
-        return f"{'heating' if self.heats else 'cooling'} {self.number}"
 
 
 @dataclass(frozen=True)
@@ -55,6 +37,10 @@ class Drift:
     sd_um: Array
     true: bool
     spells: Sequence[Spell]
+
+    def place(self, i: int) -> str:
+        """One of its positions."""
+        return f"P{i + 1} at {self.at_mm[i]:g} mm"
 
     def ranges(self, spell: Spell) -> list[Range]:
         """What a spell comes to at each position."""
@@ -108,28 +94,6 @@ def highest(values: Array) -> float:
     return float(np.nanmax(values)) if np.isfinite(values).any() else float("nan")
 
 
-def spells(recording: Recording) -> list[Spell]:
-    """Heatings and coolings in order, from the first drive on."""
-    found: list[Spell] = []
-    for heats, first, last_tick in _merged(recording):
-        if found and found[-1].heats == heats:
-            found[-1] = Spell(heats, found[-1].number, found[-1].first, last_tick)
-        elif heats or found:
-            number = sum(one.heats for one in found) + heats
-            found.append(Spell(heats, number, max(first - 1, 0), last_tick))
-    return found
-
-
-def _merged(recording: Recording) -> Iterator[tuple[bool, int, int]]:
-    """Drives and rests, short rests between two drives as drives."""
-    driven = False
-    for driving, ticks in phases(recording):
-        first, last_tick = int(ticks[0]), int(ticks[-1])
-        pause = recording.time_s[last_tick] - recording.time_s[first] < PAUSE_S and last_tick + 1 < len(recording)
-        yield driving or (driven and bool(pause)), first, last_tick
-        driven = driven or driving
-
-
 def drift(review: Review, truth: Truth | None, at_mm: Sequence[float]) -> Drift:
     """What one recording's review tells at these positions of the table."""
     recording, table = review.recording, review.table.at(at_mm)
@@ -140,35 +104,3 @@ def drift(review: Review, truth: Truth | None, at_mm: Sequence[float]) -> Drift:
     published = np.vstack([np.full((1, len(at_mm)), np.nan), table.error_um[:-1]])
     sd = np.zeros_like(table.sd_um) if known else table.sd_um
     return Drift(recording, table.at_mm, whole, whole - published, sd, known, spells(recording))
-
-
-def stroke(recording: Recording) -> tuple[float, float] | None:
-    """Lowest and highest position of the table in a recording, mm; None where it is not read."""
-    position = recording.inputs.get("position", np.empty(0))
-    return (float(np.nanmin(position)), float(np.nanmax(position))) if np.isfinite(position).any() else None
-
-
-def ends_and_middle(recording: Recording) -> list[float]:
-    """Positions of the table at the ends of its stroke in a recording, and between them: whole mm; none without one."""
-    ends = stroke(recording)
-    if ends is None or ends[1] - ends[0] < 2.0:
-        return []
-    return [float(np.round(one)) for one in (ends[0], sum(ends) / 2, ends[1])]
-
-
-def positions(text: str, rig: Rig) -> list[float]:
-    """`20,380` as positions of the table, mm: two or three, at which the nut is on the screw."""
-    try:
-        at = sorted({float(word) for word in text.split(",")})
-    except ValueError:
-        raise SetupError(f"--at {text}: write two or three positions of the table in mm, like 20,200,380") from None
-    if len(at) not in (2, 3):
-        raise SetupError(f"--at {text}: two or three different positions are needed, like 20,200,380")
-    screw, nut = rig.the_screw(), rig.the_nut()
-    for one in at:
-        if not screw.from_mm <= (centre := float(nut.centre(np.array(one)))) <= screw.to_mm:
-            raise SetupError(
-                f"--at {one:g}: the nut's centre would be at {centre:g} mm, beside the screw "
-                f"({screw.from_mm:g} ... {screw.to_mm:g} mm)"
-            )
-    return at
