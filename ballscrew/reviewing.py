@@ -24,13 +24,19 @@ Places = Callable[[Recording], Sequence[float]]  # positions of the table at whi
 
 @dataclass(frozen=True)
 class Reviewed:
-    """Reviews, what each is of, which of them the model was fitted to, and the seconds that each took."""
+    """Reviews, what each is of, which of them the model was fitted to, and the seconds that each took.
+
+    without  what the filter was not to use, in words
+    failed   what could not be read or used, a sentence each
+    """
 
     loaded: Sequence[Loaded]
     reviews: Sequence[Review]
     fitted: Sequence[bool]
     seconds: Sequence[float]
     verdict: MachineVerdict
+    without: Sequence[str]
+    failed: Sequence[str]
 
 
 @dataclass(frozen=True)
@@ -54,7 +60,13 @@ class Asked:
         known = set(work.model.about.get("fitted_on", {}).values())
         fitted = [r.recording.fingerprint in known for r in reviews]
         verdict = MachineVerdict(work, work.model, Match([r.off_sd for r in reviews]), loaded)
-        return Reviewed(loaded, reviews, fitted, seconds, verdict)
+        return Reviewed(loaded, reviews, fitted, seconds, verdict, self.without, work.failed)
+
+    @property
+    def without(self) -> list[str]:
+        """What the filter is not to use, in words."""
+        others = [f"thermometers other than {self.channels}"] if self.channels is not None else []
+        return [*others, *(["displacement"] if self.no_displacement else []), *self.spans]
 
     def _judged(
         self, work: Workspace, names: list[str] | None, places: Places

@@ -20,7 +20,7 @@ REFERENCES = {"truth": "the true elongation", "readings": "the displacement read
 
 def headline(found: Reviewed, rig: Rig) -> list[str]:
     """A sentence or two each."""
-    return [follows(found.reviews), found.verdict.sentence or well(found), left_out(found.reviews, rig)]
+    return [follows(found.reviews), found.verdict.sentence or well(found), left_out(found, rig)]
 
 
 def follows(reviews: Sequence[Review]) -> str:
@@ -55,11 +55,14 @@ def well(found: Reviewed) -> str:
     )
 
 
-def left_out(reviews: Sequence[Review], rig: Rig) -> str:
-    """Which sensors failed, and how much was not used."""
+def left_out(found: Reviewed, rig: Rig) -> str:
+    """What the filter was not to use, which sensors failed, and how much was not used."""
+    reviews = found.reviews
     failed = list(dict.fromkeys(name for r in reviews for name in _failed(r, rig)))
     count, notes = sum(n for _, n in skipped(reviews)), sum(len(r.recording.notes) for r in reviews)
-    said = [f"Sensors to check: {', '.join(failed)}." if failed else "No sensor failed."]
+    said = [f"As asked without {', '.join(found.without)}."] if found.without else []
+    said += [f"Could not be used: {len(found.failed)}."] if found.failed else []
+    said += [f"Sensors to check: {', '.join(failed)}." if failed else "No sensor failed."]
     rest = [f"{count} x not used" if count else "", f"{notes} x noted" if notes else ""]
     said += [f"Of what was recorded: {', '.join(filter(None, rest))}; at the end of the report."] if any(rest) else []
     return " ".join(said)

@@ -70,13 +70,14 @@ def _alone(svg: str) -> str:
 
 
 def shown(values: Array) -> Array:
-    """Ticks to draw of a curve (K,): the lowest and highest of each of so many bins, and the ends."""
-    known = np.flatnonzero(np.isfinite(values))
+    """Ticks to draw of a curve (K,): the lowest and highest of each of so many bins, the ends, and one in each gap."""
+    is_known = np.isfinite(values)
+    known, gaps = np.flatnonzero(is_known), np.flatnonzero(is_known[:-1] & ~is_known[1:]) + 1
     if len(known) <= 2 * BINS:
-        return known
+        return np.union1d(known, gaps)
     bins = np.array_split(known, BINS)
-    ends = [known[0], known[-1]]
-    return np.unique([*ends, *(b[f(values[b])] for b in bins for f in (np.argmin, np.argmax))])
+    most = [b[f(values[b])] for b in bins for f in (np.argmin, np.argmax)]
+    return np.unique([known[0], known[-1], *most, *gaps])
 
 
 def curve(axes: Axes, minutes: Array, values: Array, colour: str, label: str, sd: Array | None = None) -> None:

@@ -22,7 +22,8 @@ def rig_and_recordings(found: Reviewed, rig: Rig) -> Section:
     head = ["recording", "began", "length", "drives", "driven", "ticks", "frames", "reference", "in the model's fit"]
     fitted = zip(found.reviews, found.fitted, strict=True)
     rows = [head, *(_recording(review, used) for review, used in fitted)]
-    blocks = [Grid(_rig(rig, found.verdict.model.name), prose=(1,)), Grid(rows)]
+    without = [["left out as asked", ", ".join(found.without)]] if found.without else []
+    blocks = [Grid([*_rig(rig, found.verdict.model.name), *without], prose=(1,)), Grid(rows)]
     return Section("Rig and recordings", blocks)
 
 

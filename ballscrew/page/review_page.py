@@ -65,7 +65,7 @@ def not_used(found: Reviewed, rig: Rig) -> Section:
     """Sensors that failed, what was skipped by reason, and every note."""
     dropped = [[reason, str(count)] for reason, count in skipped(found.reviews)]
     notes = [f"{r.recording.name}: {note}" for r in found.reviews for note in r.recording.notes]
-    said = sentences([r.use for r in found.reviews], rig)
+    said = [*found.failed, *sentences([r.use for r in found.reviews], rig)]
     blocks: list[Block] = [Points(said), *failed(found, rig)]
     blocks += [Grid([["skipped, by reason", "count"], *dropped])] if dropped else []
     blocks += [Section("Notes", [Points(notes)], level=3)] if notes else []

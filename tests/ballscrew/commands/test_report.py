@@ -20,9 +20,20 @@ def made(fs20_log, tmp_path_factory):
     folder = tmp_path_factory.mktemp("page")
     log = shutil.copy(fs20_log, folder / NAME)
     shutil.copy(fs20_log.with_name("FS-20.truth.csv"), folder / NAME.replace(".log", ".truth.csv"))
-    words = "report", log, "--iso230-3", "--at", "390,10", "-o", folder / "p.html", "--json", folder / "p.json"
-    status, out, err = run(*words)
-    assert (status, err) == (0, "")
+    (folder / "torn.blf").write_bytes(b"LOGG and nothing more")
+    words = (
+        "--iso230-3",
+        "--at",
+        "390,10",
+        "-o",
+        folder / "p.html",
+        "--json",
+        folder / "p.json",
+        "--mute",
+        "T03:100-130",
+    )
+    status, out, err = run("report", log, folder / "torn.blf", *words)
+    assert (status, err.count("torn.blf"), err.count("\n")) == (1, 1, 1)
     return (folder / "p.html").read_text(encoding="utf-8"), json.loads((folder / "p.json").read_text()), out
 
 
@@ -37,11 +48,15 @@ def test_the_page_is_whole_and_its_parts_stand_in_order(made):
     assert told["report"].endswith("p.html")
     assert out.splitlines()[-1] == f"report: {told['report']}"
     assert all(sentence in out for sentence in told["headline"])
+    assert told["headline"][-1].startswith("As asked without T03:100-130. Could not be used: 1. No sensor failed.")
+    assert re.search(r"<li>\S*torn.blf: ", text)
+    assert '<td class="text">left out as asked</td><td class="text">T03:100-130</td>' in text
+    assert re.search(r'<td class="text">T03</td><td>127</td><td>9\d.\d%</td><td>31</td>.*>31 × muted</td>', text)
 
 
 def test_its_figures_are_those_of_the_review(made, fs20_log):
     text, told, _ = made
-    status, out, _ = run("review", fs20_log, "--json", "--quiet")
+    status, out, _ = run("review", fs20_log, "--mute", "T03:100-130", "--json", "--quiet")
     assert status == 0
     assert told["overall"] == json.loads(out)["overall"]
     low, high = told["overall"]["filter"]["band_um"]
