@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from ballscrew.options import output_file, workspace_options
+from ballscrew.options import PATH, workspace_options, writable
 from ballscrew.page.headline import headline
 from ballscrew.page.iso230 import drift_section, positions
 from ballscrew.page.iso230.drift import Drift, drift
@@ -17,26 +17,35 @@ from ballscrew.page.review_page import sections, title
 from ballscrew.report.review_report import as_json
 from ballscrew.reviewing import Asked, Reviewed, review_options
 from ballscrew.workspace import Workspace
+from estimator.errors import SetupError
 from estimator.record import Recording
 from estimator.rig import Rig
 
 PLACES = 9  # over the stroke, at which the error at the table is told
 
 
+def writable_page(ctx: click.Context, param: click.Parameter, value: Path) -> Path | str | None:
+    """A page's file: one whose name says so, so that no recording is overwritten by a slip."""
+    if value.suffix.lower() not in (".html", ".htm"):
+        raise SetupError(f"-o {value}: a page is written as .html")
+    return writable(ctx, param, value)
+
+
 @click.command("report")
-@output_file("-o", "out", default="report.html", show_default=True, metavar="OUT.html", help="Write the page here.")
+@click.option(
+    "-o", "out", type=PATH, default="report.html", show_default=True, metavar="OUT.html", callback=writable_page,
+    help="Write the page here.",
+)  # fmt: skip
 @click.option(
     "--iso230-3", "iso", is_flag=True, help="With the drift of the axis after ISO 230-3, at positions of the table."
 )
 @click.option(
-    "--at",
-    "at",
-    metavar="MM,MM[,MM]",
+    "--at", "at", metavar="MM,MM[,MM]",
     help="These positions of the table, two or three; default: the ends of the stroke and its middle.",
-)
+)  # fmt: skip
 @review_options
 @workspace_options
-def command(work: Workspace, asked: Asked, out: Path, iso: bool, at: str | None) -> int:  # fmt: skip
+def command(work: Workspace, asked: Asked, out: Path, iso: bool, at: str | None) -> int:
     """Review each LOG and write what came of it as one page: for the screen, light and dark, and for paper.
 
     Figures, pictures, equations and what was not used, in one HTML file that needs no network. With --iso230-3 also how

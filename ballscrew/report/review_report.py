@@ -1,4 +1,4 @@
-"""Reviews as a person and as a program read them: tables, markdown and JSON with the same figures."""
+"""Reviews as a person and as a program read them: tables, sentences and JSON with the same figures."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ballscrew.report.sections import Section, number, table
+from ballscrew.report.sections import Section, number
 from ballscrew.report.use_report import as_json as as_json_of_use
-from ballscrew.report.use_report import left_out, print_use
+from ballscrew.report.use_report import print_use
 from ballscrew.terminal import Rows, Terminal, duration
-from estimator.accuracy.accuracy import Accuracy, least_squares_line
+from estimator.accuracy.accuracy import Accuracy
 from estimator.accuracy.doubts import doubts
 from estimator.accuracy.machine import LIMIT_SD
 from estimator.accuracy.review import Review, overall
-from estimator.faults.sentences import sentences
 from estimator.rig import Rig
 from estimator.state.warmth import Warmth
 
@@ -60,12 +59,12 @@ def error_sections(reviews: Sequence[Review], fitted: Sequence[bool]) -> list[Se
     if judged and len(reviews) > 2:
         found = [Section("", (), [["band, um", *SHORT, "in 2 sd", "NIS"], *map(_line, reviews)])]
     else:
-        found = [Section(_head(r), told(r), _rows([r]) if _judged(r) else ()) for r in reviews]
+        found = [Section(_head(r), told(r), error_rows([r]) if _judged(r) else ()) for r in reviews]
     if judged and len(reviews) > 1:
-        found.append(Section("all recordings together", (), _rows(reviews)))
+        found.append(Section("all recordings together", (), error_rows(reviews)))
     rest = [r for r, was_fitted in zip(reviews, fitted, strict=True) if not was_fitted]
     if judged and rest and len(rest) < len(reviews):
-        found.append(Section(f"the {len(rest)} that the model was not fitted to", (), _rows(rest)))
+        found.append(Section(f"the {len(rest)} that the model was not fitted to", (), error_rows(rest)))
     return found
 
 
@@ -140,7 +139,8 @@ def _line(review: Review) -> list[str]:
     return [review.recording.name, *widths, _percent(review.accuracy("filter")), number(review.nis_mean)]
 
 
-def _rows(reviews: Sequence[Review]) -> Rows:
+def error_rows(reviews: Sequence[Review]) -> Rows:
+    """A row for each estimate, over all recordings together."""
     known = [name for name in TITLES if any(name in r.errors for r in reviews)]
     return [COLUMNS, *(_row(TITLES[name], overall(reviews, name)) for name in known)]
 
@@ -152,29 +152,6 @@ def _row(title: str, a: Accuracy) -> list[str]:
 
 def _percent(a: Accuracy) -> str:
     return f"{a.coverage_2sigma:.1%}" if np.isfinite(a.coverage_2sigma) else ""
-
-
-def markdown(reviews: Sequence[Review], rig: Rig, said: str = "") -> str:
-    """The summary page of the views: what is said of the model, the overall table, the least-squares lines, and what
-    was not used."""
-    lines = ["# Elongation: reference minus estimate", "", *([said, ""] if said else []), *table(_rows(reviews))]
-    lines += ["", "The least-squares line Y = aX + b of reference Y against estimate X, and the band around it:", ""]
-    for name in ("filter", "polyline"):
-        found = [r for r in reviews if name in r.errors]
-        reference = np.concatenate([r.reference for r in found])
-        estimate = reference - np.concatenate([r.errors[name] for r in found])
-        a, b, band = least_squares_line(estimate, reference)
-        if np.isfinite(a):
-            lines.append(f"- {TITLES[name]}: Y = {a:.4f} X {b:+.2f} um, {band[0]:+.2f} .. {band[1]:+.2f} um")
-    if rows := left_out([r.use for r in reviews], rig):
-        lines += ["", "Sensors that failed:", "", *table(rows)]
-    for r in reviews:
-        used = f"{r.recording.frames} frames, reference: {r.reference_name}, NIS {r.nis_mean:.2f}"
-        lines += ["", f"**{r.recording.name}**: {duration(r.recording.time_s[-1])}, {used}"]
-        lines += [f"- {sentence}" for sentence in (*sentences([r.use], rig), *doubts([r], rig))]
-        lines += [f"- not used: {count} x {reason}" for reason, count in r.recording.skipped.items()]
-        lines += [f"- {note}" for note in r.recording.notes]
-    return "\n".join(lines)
 
 
 def _start(start: Warmth | None) -> dict[str, Any] | None:

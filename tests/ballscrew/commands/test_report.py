@@ -80,6 +80,7 @@ def test_the_drift_is_told_to_programs_too(made):
         (["--at", "10,390"], "--at names the positions of --iso230-3: give both"),
         (["--iso230-3", "--at", "10,ab"], "write two or three positions"),
         (["-o", "none/p.html"], "there is no folder none"),
+        (["-o", "FS-20.blf"], "-o FS-20.blf: a page is written as .html"),
     ],
 )
 def test_wrong_words_end_before_the_work(words, said, fs20_log):
