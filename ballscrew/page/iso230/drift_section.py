@@ -12,7 +12,6 @@ from ballscrew.page.iso230.drift import HOUR_S, Drift, Range
 from ballscrew.page.iso230.drift_picture import picture
 from ballscrew.page.iso230.spells import Spell
 from ballscrew.page.section import Block, Grid, Points, Section, Words
-from ballscrew.report.sections import number
 from ballscrew.terminal import Rows, duration
 
 TITLE = "Drift of the axis after ISO 230-3"
@@ -51,7 +50,7 @@ def _of_one(drift: Drift) -> Iterator[Block]:
 
 def meaning(drift: Drift) -> str:
     """What the figures are taken from."""
-    left = "compensated: what is left when a control adds what the filter published a tick before"
+    left = "compensated: what is left when a control takes off what the filter published a tick before"
     if drift.true:
         return f"By the truth of the simulation; {left}."
     return f"By the filter's estimate, +- 2 sd; {left}, two sd of the estimate counted in on both sides."
@@ -77,7 +76,7 @@ def _row(name: str, ranges: Sequence[Range], key: str, sign: str = "") -> list[s
     for one in ranges:
         value, left, off = getattr(one, key), getattr(one, f"left_{key}"), one.two_sd_um
         about = f" +- {off:.2f}" if off else ""
-        rest = number(left) if np.isfinite(left) else about.strip()
+        rest = f"{round(left, 2) + 0.0:{sign}.2f}" if np.isfinite(left) else about.strip()  # no -0.00
         cells += [f"{value:{sign}.2f}{about}", rest] if np.isfinite(value) else ["", ""]
     return cells
 

@@ -56,7 +56,7 @@ def test_ranges_of_the_first_hour_and_of_all():
     head, *rows = table(one)
     assert head == ["um", "P1 at 20 mm", "compensated", "P2 at 380 mm", "compensated"]
     assert [row[0] for row in rows][:2] == ["heating 1: range in its first 60 min", "heating 1: range in 1 h 39 min"]
-    assert rows[-1] == ["cooling 1: deviation at its end", "+5.00", "0.00", "+10.00", "0.00"]
+    assert rows[-1] == ["cooling 1: deviation at its end", "+5.00", "+0.00", "+10.00", "+0.00"]
 
 
 def test_of_an_estimate_two_sd_count_on_both_sides():
