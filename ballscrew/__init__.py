@@ -9,8 +9,9 @@
     step = Filter(model, rig).step(sample)     tick by tick, for sample in recording
     class CoolantJet(Effect): ...              physics of your own, its numbers each a Param
 
-Each name is imported when it is used. The command begins in cli, and shares workspace, search, machine, began, options,
-muting and terminal; then commands/, report/, table/, monitor/, new_rig/, doubts/ and own_effect/.
+Each name is imported when it is used. The command begins in cli, and shares workspace, reviewing, search, machine,
+began, options, muting and terminal; then commands/, report/, page/, table/, monitor/, new_rig/, doubts/ and
+own_effect/.
 """
 
 from importlib import import_module

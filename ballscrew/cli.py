@@ -21,6 +21,7 @@ COMMANDS = {
     "live": "Monitor a rig on a CAN bus.",
     "hub": "Share a CAN bus between programs, without CAN hardware.",
     "review": "Run the filter over recordings and say how good the estimate is.",
+    "report": "Write a review as one page to hand on, HTML.",
     "fit": "Fit a model's parameters to recordings.",
     "tune": "Set a model's noise levels by recordings.",
     "compare": "Print how far models are from recordings, side by side.",

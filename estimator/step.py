@@ -150,6 +150,37 @@ class Track:
         return len(self.time_s)
 
 
+@dataclass(frozen=True)
+class TableErrors:
+    """Growth between the anchor bearing and the nut's centre over K ticks, were the table at each of p places: what a
+    control would compensate there, wherever the table is.
+
+    at_mm     (p,) table positions
+    error_um  (K, p), NaN before the start and where the rig has no such thing;   sd_um (K, p)
+    """
+
+    at_mm: Array
+    error_um: Array
+    sd_um: Array
+
+    @classmethod
+    def waiting(cls, at_mm: Array, ticks: int) -> TableErrors:
+        """Ticks before any thermometer has been read."""
+        return cls(at_mm, *np.full((2, ticks, len(at_mm)), np.nan))
+
+    @classmethod
+    def joined(cls, parts: Sequence[TableErrors]) -> TableErrors:
+        """Parts of one run, one after the other."""
+        return cls(
+            parts[0].at_mm, *(np.concatenate([getattr(one, key) for one in parts]) for key in ("error_um", "sd_um"))
+        )
+
+    def at(self, at_mm: Sequence[float]) -> TableErrors:
+        """Some of the places."""
+        columns = [int(np.argmin(np.abs(self.at_mm - one))) for one in at_mm]
+        return TableErrors(self.at_mm[columns], self.error_um[:, columns], self.sd_um[:, columns])
+
+
 LINES = ("predicted", "innovation", "innovation_sd", "open_loop", "since_s")  # of channels, NaN before the start
 SERIES = tuple(field.name for field in fields(Track) if field.name not in ("x_mm", "bodies", "names"))
 

@@ -11,13 +11,13 @@ import click
 from ballscrew.options import model_output, output_file, search_options, view_option, workspace_options
 from ballscrew.own_effect.composed_file import taken_in, write_composed
 from ballscrew.own_effect.named import Named
+from ballscrew.page.improvement_page import write_report
 from ballscrew.report.felt_report import AtTheTable, at_the_table, felt_json, felt_section, felt_sentence
 from ballscrew.report.improvement_report import (
     Outcome,
     as_json,
     before_and_after,
     print_steps,
-    report,
     steps_section,
     titles,
 )  # fmt: skip
@@ -34,8 +34,8 @@ from estimator.rig_folder.model_toml import save_model
 @search_options
 @model_output("Write the best model here.")
 @output_file(
-    "--report", "md", metavar="OUT.md",
-    help="Write the report here, with its pictures beside it; default: beside MODEL.",
+    "--report", "md", metavar="OUT.md|.html",
+    help="Write the report here, with its pictures beside it, or in it as HTML; default: beside MODEL.",
 )  # fmt: skip
 @output_file(
     "--save", "rrd", metavar="OUT.rrd",
@@ -126,8 +126,7 @@ def _drawn(
         steps = zip(titles(improvement.steps), improvement.steps, strict=True)
         figures = views.error_bars([(title, step.cross_validated, step.held_out) for title, step in steps])
         figures += [views.felt_bars(one) for one in table[-1:]]
-        pictures = views.write_pictures(md.with_suffix(""), runs, out.models, figures)
-        md.write_text(report(out, pictures, workers))
+        write_report(md, out, workers, lambda stem: views.write_pictures(stem, runs, out.models, figures))
         first_page = [steps_section(out), *([felt_section(table)] if table else [])]
         views.write_views(rrd, runs, out.models, first_page, figures)
     return out.said

@@ -1,27 +1,24 @@
-"""What an improvement came to, as tables, as a Markdown report with pictures, and as JSON."""
+"""What an improvement came to, as tables and as JSON."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ballscrew.report.comparison_report import sections
-from ballscrew.report.felt_report import AtTheTable, felt_section
+from ballscrew.report.felt_report import AtTheTable
 from ballscrew.report.search.composed_words import composed_json, composed_sentence
 from ballscrew.report.search.verdict import apart_sentence, sentence
-from ballscrew.report.sections import Section, cells, markdown
-from ballscrew.report.use_report import left_out, recordings_json
+from ballscrew.report.sections import Section, cells
+from ballscrew.report.use_report import recordings_json
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
-from ballscrew.workspace import Loaded, Workspace, runs_of
-from estimator.accuracy.compare import compare
+from ballscrew.workspace import Workspace
 from estimator.accuracy.noise_floor import Error
 from estimator.missing_effect.improve import ImprovedModel, Improvement
 from estimator.model import Model
 from estimator.unknown.composed import Composed
-from estimator.work import Workers
 
 ALSO_CHOSEN = "cross-validated: each recording left out once, but all of them were also used for choosing"
 ONE = "not cross-validated: one recording, none left out, also used for choosing"
@@ -156,69 +153,3 @@ def _held_out(improvement: Improvement, made: Composed) -> tuple[Error | None, E
     """Errors held out before a composed effect and with it."""
     at = next(i for i, step in enumerate(improvement.steps) if step.added == made.effect.name)
     return improvement.steps[at - 1].held_out, improvement.steps[at].held_out
-
-
-def report(out: Outcome, pictures: dict[str, Path], workers: Workers) -> str:
-    """The report as Markdown; pictures by what they show, beside it."""
-    text = [markdown([steps_section(out)]), *_shown(pictures, "steps", "Error of the model alone, step by step")]
-    text += [markdown([felt_section(out.felt)], 2)] if out.felt else []
-    failed = left_out(out.improvement.uses, out.work.rig)
-    failing = [Section("Sensors that failed", (), failed)] if failed else []
-    text += [markdown([_given(out), *failing, _effects(out)], 2)]
-    text += [line for made in out.improvement.composed for line in _composed(made)]
-    text += [markdown([_parameters(out.before, out.after)], 2)]
-    text += ["## Where it fails", "", *_shown(pictures, "residuals", "Measured minus the model alone")]
-    text += _shown(pictures, "missing-heat", "Heat that the model alone lacks")
-    for what, some in (("used", out.work.loaded), ("held out", out.work.held_out)):
-        if some:
-            runs = runs_of(out.work.rig, some, workers)
-            comparisons = [replace(compare(model, runs), held_out=None) for model in out.models]
-            tables = [replace(one, title=f"Recordings {what}: {one.title}") for one in sections(comparisons)]
-            text.append(markdown(tables, 3))
-    return "\n".join(text)
-
-
-def _shown(pictures: dict[str, Path], what: str, title: str) -> list[str]:
-    return [f"![{title}]({pictures[what].name})", ""] if what in pictures else []
-
-
-def _given(out: Outcome) -> Section:
-    rows = [["", ""], ["model", out.before.name], ["rig", out.work.rig.name]]
-    rows += [["recordings used", _names(out.work.loaded)], ["recordings held out", _names(out.work.held_out) or "none"]]
-    own = ", ".join(dict.fromkeys([*out.before.use, *out.own]))
-    return Section("What was given", (), [*rows, ["effects of one's own", own or "none"]])
-
-
-def _effects(out: Outcome) -> Section:
-    """What each effect that was added says, and its rivals."""
-    rows = [
-        [new, out.after.effects[new].sentence(), ", ".join(step.tie)]
-        for new, step in zip(added(out.improvement.steps), out.improvement.steps, strict=True)
-        if new
-    ]
-    if not rows:
-        return Section("Effects added", ["none"])
-    return Section("Effects added", (), [["effect", "what it is", "as good, by these recordings"], *rows])
-
-
-def _composed(made: Composed) -> list[str]:
-    """What no catalogue has, with the class that it is, as lines of Markdown."""
-    return [f"### {made.effect.name}, composed", "", composed_sentence(made), "", "```python", made.text + "```", ""]
-
-
-def _names(some: Sequence[Loaded]) -> str:
-    return ", ".join(one.path.name for one in some)
-
-
-def _parameters(before: Model, after: Model) -> Section:
-    """Parameters that are new or that moved."""
-    rows = []
-    for path, value in after.values.items():
-        old = before.values.get(path)
-        if old is None or old.value != value.value:
-            sd = "fixed" if value.fixed else f"{value.sd:.2g}" if value.sd is not None else ""
-            cells = [f"{old.value:.4g}" if old else "new", f"{value.value:.4g}", sd, after.param(path).unit]
-            rows.append([path, *cells])
-    if not rows:
-        return Section("Parameters", ["none was added or changed"])
-    return Section("Parameters added or changed", (), [["parameter", "before", "after", "± sd", "unit"], *rows])

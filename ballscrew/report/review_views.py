@@ -7,12 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
-from ballscrew.report.review_report import markdown
+from ballscrew.report.review_report import TITLES, error_rows
+from ballscrew.report.sections import table
+from ballscrew.report.use_report import left_out
+from ballscrew.terminal import duration
 from ballscrew.workspace import Loaded, Workspace
+from estimator.accuracy.accuracy import least_squares_line
+from estimator.accuracy.doubts import doubts
 from estimator.accuracy.review import Review
 from estimator.alarms.alarms import Alarms
 from estimator.alarms.trust import Watch
 from estimator.faults.fault import Fault
+from estimator.faults.sentences import sentences
 from estimator.faults.use import MUTED
 from estimator.record import Recording
 from estimator.rig import Rig
@@ -32,6 +38,29 @@ def save_views(
     with work.terminal.progress(f"writing {path}", len(runs)) as update:
         save(path, runs, markdown(reviews, work.rig, said), update)
     work.terminal.show_views(path, view, runs[0].first_stop_s)
+
+
+def markdown(reviews: Sequence[Review], rig: Rig, said: str = "") -> str:
+    """The summary page of the views: what is said of the model, the overall table, the least-squares lines, and what
+    was not used."""
+    lines = ["# Elongation: reference minus estimate", "", *([said, ""] if said else []), *table(error_rows(reviews))]
+    lines += ["", "The least-squares line Y = aX + b of reference Y against estimate X, and the band around it:", ""]
+    for name in ("filter", "polyline"):
+        found = [r for r in reviews if name in r.errors]
+        reference = np.concatenate([r.reference for r in found])
+        estimate = reference - np.concatenate([r.errors[name] for r in found])
+        a, b, band = least_squares_line(estimate, reference)
+        if np.isfinite(a):
+            lines.append(f"- {TITLES[name]}: Y = {a:.4f} X {b:+.2f} um, {band[0]:+.2f} .. {band[1]:+.2f} um")
+    if rows := left_out([r.use for r in reviews], rig):
+        lines += ["", "Sensors that failed:", "", *table(rows)]
+    for r in reviews:
+        used = f"{r.recording.frames} frames, reference: {r.reference_name}, NIS {r.nis_mean:.2f}"
+        lines += ["", f"**{r.recording.name}**: {duration(r.recording.time_s[-1])}, {used}"]
+        lines += [f"- {sentence}" for sentence in (*sentences([r.use], rig), *doubts([r], rig))]
+        lines += [f"- not used: {count} x {reason}" for reason, count in r.recording.skipped.items()]
+        lines += [f"- {note}" for note in r.recording.notes]
+    return "\n".join(lines)
 
 
 def _run(one: Loaded, r: Review, work: Workspace) -> ReviewedRun:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from drivers.frames import Array
 from estimator.errors import InputError
+
+TABLE = re.compile(r"table_(-?[\d.]+)_um")
+SPLINE = 4  # points that a cubic needs
 
 
 @dataclass(frozen=True)
@@ -20,11 +25,14 @@ class Truth:
     time_s         (K,) s on the log's clock, from its first frame
     elongation_um  (K,) um, growth of the measured span since then
     channels       (K,) K per thermometer, true rise of its temperature since then
+    table          (K,) um per table position in mm, growth between the anchor bearing and the nut's centre, were the
+                   table there; empty where the file does not say
     """
 
     time_s: Array
     elongation_um: Array
     channels: dict[str, Array]
+    table: dict[float, Array]
 
     def at(self, time_s: Array) -> Array:
         """Elongation at other instants, (n,) um: NaN outside."""
@@ -35,6 +43,18 @@ class Truth:
         silent = np.full(len(self.time_s), np.nan)
         columns = [np.interp(time_s, self.time_s, self.channels.get(name, silent)) for name in names]
         return np.stack(columns, axis=-1)
+
+    def at_table(self, at_mm: Array, time_s: Array) -> Array:
+        """Error at the table at these places and instants, (n, p) um, by a spline between the places that are told: NaN
+        beyond them, and where they are too few."""
+        if len(self.table) < SPLINE:
+            return np.full((len(time_s), len(at_mm)), np.nan)
+        told = np.array(sorted(self.table))
+        each = np.array([np.interp(time_s, self.time_s, self.table[at], np.nan, np.nan) for at in told])
+        known = np.isfinite(each).all(axis=0)
+        found = np.full((len(time_s), len(at_mm)), np.nan)
+        found[known] = CubicSpline(told, each[:, known])(at_mm).T
+        return np.where((at_mm >= told[0]) & (at_mm <= told[-1]), found, np.nan)
 
 
 def truth_path(path: Path) -> Path:
@@ -67,4 +87,5 @@ def read_truth(path: Path) -> Truth | None:
     time_s = columns.pop("time_s")
     if (np.diff(time_s) <= 0).any():
         raise InputError(f"{file}: time_s must rise (row {int(np.argmax(np.diff(time_s) <= 0)) + 3})")
-    return Truth(time_s, columns.pop("elongation_um"), columns)
+    table = {float(at[1]): columns.pop(name) for name in list(columns) if (at := TABLE.fullmatch(name))}
+    return Truth(time_s, columns.pop("elongation_um"), columns, table)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drivers.virtual_rig.machine.geometry import OMEGA_20, SPAN_MM
+from drivers.virtual_rig.machine.geometry import OMEGA_20, SPAN_MM, TABLE_MM, nut_centre_mm
 from drivers.virtual_rig.machine.heat import ThermalRig, step_middles
 from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
 from drivers.virtual_rig.machine.screw import growth_weights
@@ -40,6 +40,7 @@ class Experiment:
         anchor, start = rig.machine.anchor.centre, rig.weather.start
         self.motor_growth = growth_weights(anchor, SPAN_MM[1], expansion)
         self.free_growth = growth_weights(SPAN_MM[0], anchor, expansion)
+        self.table_growth = np.array([growth_weights(nut_centre_mm(at), anchor, expansion) for at in TABLE_MM])
         self.jig = Jig(start, start, start + rig.machine.jig.board_self_heating)
         self.rows: list[tuple] = []
         self.held: list[tuple[float, float, float, int]] = []
@@ -88,7 +89,8 @@ class Experiment:
         motor, free = float(self.motor_growth @ rise), float(self.free_growth @ rise)
         nut = rig.now.bodies[0]
         around = (weather.ambient(t), weather.base(t), *rig.brackets, nut, self.jig.probe, self.jig.bar)
-        self.rows.append((t, rig.at_channels, motor, free, around, self.jig.board, rig.anchor_seat, *rig.torque))
+        table = self.table_growth @ rise
+        self.rows.append((t, rig.at_channels, motor, free, table, around, self.jig.board, rig.anchor_seat, *rig.torque))
 
     def _watch(self, t: float, plan: Plan) -> None:
         """The operator reads what was held and ends the drive with the stroke under way."""

@@ -21,7 +21,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.state.gate import Mute
 from estimator.state.warmth import Warmth, warmth
-from estimator.step import Mode, Track
+from estimator.step import Mode, TableErrors, Track
 
 OURS = ("filter", "smoothed", "open_loop")  # what counts from the rig's zero_C; all else from the first sample
 
@@ -44,6 +44,7 @@ class Review:
     off_sd        how many times as far off as it says the model alone is (`machine`); NaN where nothing tells
     use           what was used of the recording, channel by channel
     start         how warm the screw was at the start; None where nothing tells
+    table         the error at the table, were it where was asked for
     """
 
     recording: Recording
@@ -63,6 +64,7 @@ class Review:
     off_sd: float
     use: Use
     start: Warmth | None
+    table: TableErrors
 
     def accuracy(self, name: str) -> Accuracy:
         """Accuracy of one estimate on this recording."""
@@ -92,14 +94,16 @@ def review(
     mute: Mute | None = None,
     channels: Sequence[str] | None = None,
     each: Callable[[int], None] = lambda _: None,
+    table_mm: Sequence[float] = (),
 ) -> Review:
     """Run everything over one recording; one without a thermometer reading is an InputError.
 
     truth_um  (K,) true elongation at the ticks, where it is known
     mute      what the filter must not fuse
     channels  thermometers of the polyline; all by default
+    table_mm  positions of the table to tell the error at
     """
-    replayed = Replay(model, rig, recording, mute, each)
+    replayed = Replay(model, rig, recording, mute, each, table_mm)
     track, smoothed = replayed.track, replayed.smoothed()
     if (track.mode == Mode.INIT).all():
         raise InputError(f"{recording.name}: no thermometer was ever read; nothing to estimate from")
@@ -131,7 +135,7 @@ def review(
         displacement.joined(recording, rig, model).um + began_um, sigma,
         smoothed.sigma_um, cooling(recording), len(polyline.along_screw(rig, used)),
         _misfit_K(track, track.predicted, rig), _misfit_K(track, track.open_loop, rig),
-        off, use, warmth(replayed.run) if replayed.run else None,
+        off, use, warmth(replayed.run) if replayed.run else None, replayed.table,
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ And, after the fact, the smoother: the best estimate of each tick, from the read
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +22,7 @@ from estimator.state.gate import Mute, unmuted
 from estimator.state.moves import Doubtful, Moves
 from estimator.state.report import Estimates, Reporter
 from estimator.state.run import Run, begin
-from estimator.step import Track
+from estimator.step import TableErrors, Track
 
 ROWS = 2048  # ticks whose profiles are worked out at a time
 
@@ -45,32 +45,39 @@ def replay(
 class Replay:
     """A recording as the filter leaves it, the `track`, and what the smoother makes of it.
 
+    table  the error at the table, were it at `table_mm`
+
     run    as it began; None where no thermometer was ever read
     trial  the ticks after its first, without what was refused; None where there are none
     Where a run began with what were no temperatures, it begins again; the smoother has the last of the runs.
     """
 
     def __init__(
-        self, model: Model, rig: Rig, recording: Recording, mute: Mute | None, each: Callable[[int], None]
-    ) -> None:
+        self, model: Model, rig: Rig, recording: Recording, mute: Mute | None, each: Callable[[int], None],
+        table_mm: Sequence[float] = (),
+    ) -> None:  # fmt: skip
         self._model, self._rig, self._recording, self._mute = model, rig, recording, mute or unmuted(rig)
         self._posed: Posed | None = None
         self._doubt_um2 = list[Array]()
         self.run: Run | None = None
         self.trial: Trial | None = None
+        self._at_mm = np.array(table_mm, dtype=float)
+        self._table: list[TableErrors] = []
         parts, at = [], 0
         while at < len(recording):
             run, self.trial, self._posed = begin(model, rig, recording, self._mute, since=at), None, None
             first = len(recording) if run is None else run.tick
             parts.append(Track.waiting(rig.names, recording.rows(slice(at, first))))
+            self._table.append(TableErrors.waiting(self._at_mm, first - at))
             at = first + 1
             if run is not None:
                 self.run, reporter = run, Reporter(run)
                 parts.append(reporter.first(recording.rows(slice(first, at))))
+                self._table.append(reporter.table_errors(self._at_mm, reporter.begun))
                 for part in self._rest(reporter, first):
                     parts.append(part)
                     each(at := at + len(part))
-        self.track = Track.joined(parts)
+        self.track, self.table = Track.joined(parts), TableErrors.joined(self._table)
 
     def _rest(self, reporter: Reporter, at: int) -> Iterator[Track]:
         """The ticks after the first of a run, up to one with which it begins anew."""
@@ -84,6 +91,7 @@ class Replay:
             trial.take(part, posed.system)
             for rows, estimates in _estimates(trial, posed, part, doubt):
                 self._doubt_um2.append((estimates.doubt_um**2).sum(axis=1))
+                self._table.append(reporter.table_errors(self._at_mm, estimates))
                 yield reporter.track(trial.rest.rows(rows), estimates)
         trial.settle()
 

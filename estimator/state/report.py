@@ -11,7 +11,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.state.run import Run, variances
 from estimator.state.state import State
-from estimator.step import Mode, Track
+from estimator.step import Mode, TableErrors, Track
 
 
 @dataclass(frozen=True)
@@ -69,12 +69,13 @@ class Reporter:
         self._zeros = run.state.channel_zeros(run.x)
         self._position = Held()
 
-    def first(self, rows: Recording) -> Track:
+    @property
+    def begun(self) -> Estimates:
         """The tick with which the run began."""
         run, first = self._run, self._run.first
         alone = run.forcing.readings.rows @ run.x[run.state.temperatures] + run.offset
         judged = np.where(run.fault, run.sample.time_s, np.nan)
-        estimate = Estimates.of_tick(
+        return Estimates.of_tick(
             x=run.x,
             P=run.P,
             predicted=first.predicted,
@@ -92,18 +93,20 @@ class Reporter:
             doubt=np.zeros((len(run.x), 0)),
             doubt_um=np.zeros(0),
         )
-        return replace(self.track(rows, estimate), begins=np.ones(1, dtype=bool))
+
+    def first(self, rows: Recording) -> Track:
+        """What was measured at that tick, and what is estimated of it."""
+        return replace(self.track(rows, self.begun), begins=np.ones(1, dtype=bool))
 
     def track(self, rows: Recording, estimates: Estimates) -> Track:
         """The next ticks: what was measured, and what is estimated of it."""
         view, state, x, P, fused = self._view, self._state, estimates.x, estimates.P, estimates.fused
         um = 1.0 if view.has_span else np.nan  # without a screw nothing grows
-        doubt = estimates.doubt[:, state.temperatures]
-        z, P_z = x[:, state.temperatures], P[:, state.temperatures, state.temperatures] + doubt @ doubt.mT
+        z, P_z = self._temperatures(estimates)
         grown_um = self._run.began_um + estimates.grown_um
         elongation = state.elongation(grown_um)
         position = self._position.held(rows.inputs.get("position", np.full(len(rows), np.nan)))
-        table, table_sd = self._table_error(position, x, P_z, P[:, state.expansion, state.expansion])
+        table, table_sd = self._table_error(view.table_error(position)[:, None], estimates)
         variance = variances(elongation[:, None], P)[:, 0] + (estimates.doubt_um**2).sum(axis=1)
         return Track(
             view.x_mm,
@@ -117,8 +120,8 @@ class Reporter:
             profile_C=z @ view.profile.T,
             profile_sd_K=np.sqrt(variances(view.profile, P_z)),
             bodies_C=z[:, view.at_bodies],
-            error_at_table_um=table,
-            error_at_table_sd_um=table_sd,
+            error_at_table_um=table[:, 0],
+            error_at_table_sd_um=table_sd[:, 0],
             measured=rows.channels,
             predicted=estimates.predicted,
             innovation=rows.channels - estimates.predicted,
@@ -137,16 +140,27 @@ class Reporter:
             position_mm=position,
         )
 
-    def _table_error(self, position_mm: Array, x: Array, P_z: Array, P_e: Array) -> tuple[Array, Array]:
-        """Growth between the anchor bearing and the nut's centre since the start, and its sd: (K,) um each.
+    def table_errors(self, at_mm: Array, estimates: Estimates) -> TableErrors:
+        """The error at the table, were it at places (p,) mm."""
+        return TableErrors(at_mm, *self._table_error(self._view.table_error(at_mm), estimates))
+
+    def _temperatures(self, estimates: Estimates) -> tuple[Array, Array]:
+        """Temperatures (K, n) and their covariance (K, n, n), what they are in doubt by counted in."""
+        at = self._state.temperatures
+        doubt = estimates.doubt[:, at]
+        return estimates.x[:, at], estimates.P[:, at, at] + doubt @ doubt.mT
+
+    def _table_error(self, weights: Array, estimates: Estimates) -> tuple[Array, Array]:
+        """Growth since the start by weights (p, n), or (K, p, n) um/K, of View.table_error, and its sd: (K, p) um each.
 
         growth (1 + e), e the error of the expansion coefficient;   var = w' P_z w + growth^2 P_e + (sum(w) zero_sd)^2
         """
-        state, weights = self._state, self._view.table_error(position_mm)
-        growth = (weights * (x[:, state.temperatures] - self._run.zero)).sum(axis=1)
-        variance = variances(weights[:, None], P_z)[:, 0] + growth**2 * P_e
-        variance += (weights.sum(axis=1) * self._rig.zero_sd_K) ** 2
-        return growth * (1.0 + x[:, state.expansion]), np.sqrt(variance)
+        at = self._state.expansion
+        z, P_z = self._temperatures(estimates)
+        growth = (weights * (z - self._run.zero)[:, None]).sum(axis=-1)
+        variance = variances(weights, P_z) + growth**2 * estimates.P[:, at, at, None]
+        variance += (weights.sum(axis=-1) * self._rig.zero_sd_K) ** 2
+        return growth * (1.0 + estimates.x[:, at, None]), np.sqrt(variance)
 
 
 def modes(fused: Array, rig: Rig) -> Array:

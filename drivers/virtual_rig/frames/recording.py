@@ -7,11 +7,13 @@ import can
 import numpy as np
 
 from drivers.virtual_rig.frames.frames import EPOCH_S, FrameTable, frame_table, status_times
-from drivers.virtual_rig.machine.geometry import CHANNELS
+from drivers.virtual_rig.machine.geometry import CHANNELS, TABLE_MM
 from drivers.virtual_rig.population.draw import described
 from drivers.virtual_rig.run import Run
 
-TRUTH_COLUMNS = ["time_s", "elongation_um", *(f"T{n:02d}" for n in range(1, CHANNELS + 1))]
+TRUTH_COLUMNS = [
+    "time_s", "elongation_um", *(f"T{n:02d}" for n in range(1, CHANNELS + 1)), *(f"table_{at:g}_um" for at in TABLE_MM)
+]  # fmt: skip
 
 
 def write(run: Run, path: str | Path, began_s: float = EPOCH_S) -> Path:
@@ -43,8 +45,9 @@ def candump(sent: FrameTable, began_s: float = EPOCH_S) -> str:
 
 
 def write_truth(run: Run, sent: FrameTable, path: Path) -> None:
-    """One row per tick: seconds since the first frame, elongation (um), true rises at the channels (K)"""
+    """One row per tick: seconds since the first frame, elongation (um), true rises at the channels (K), error at the
+    table were it at the place in the column's name (um)"""
     clock = status_times(run.truth.time_s) - sent.time_s[0]
-    rows = np.column_stack([clock, run.truth.elongation_um, run.truth.rises])
-    digits = ["%.4f", *["%.5f"] * (CHANNELS + 1)]
+    rows = np.column_stack([clock, run.truth.elongation_um, run.truth.rises, run.truth.table_um])
+    digits = ["%.4f", *["%.5f"] * (len(TRUTH_COLUMNS) - 1)]
     np.savetxt(path, rows, fmt=digits, delimiter=",", header=",".join(TRUTH_COLUMNS), comments="")

@@ -12,6 +12,8 @@ SCREW_MM = (-60.0, 1030.0)  # the ends of the screw: the telemeter's head sits o
 
 ANCHOR_BEARING_MM = 889.0
 
+TABLE_MM = tuple(50.0 * i for i in range(9))  # positions of the table at which its error is kept as truth
+
 NUT_ZERO_MM = 673.5  # nut centre at table position 0; the nut moves towards the free end as the position grows
 
 LEAD_MM = 12.0

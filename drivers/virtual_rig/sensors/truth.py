@@ -11,6 +11,8 @@ from drivers.virtual_rig.sensors.probes import Gauge
 class Truth(NamedTuple):
     """One row a second (n,); `channels` (n, 15). Temperatures degC, growth um since the start, torques N m.
 
+    `table_um` (n, 9) is the growth between the anchor bearing and the nut's centre, were the table at TABLE_MM.
+
     `environment` is what the thermometers around the screw stand in.
     """
 
@@ -18,6 +20,7 @@ class Truth(NamedTuple):
     channels: np.ndarray
     motor_um: np.ndarray
     free_um: np.ndarray
+    table_um: np.ndarray
     environment: Environment
     board: np.ndarray
     seat: np.ndarray

@@ -29,6 +29,7 @@ from estimator.unknown.composed import Composed
 from estimator.unknown.effect_text import effect_text
 from estimator.unknown.stand_ins import Unknown
 from estimator.unknown.written import effect_of, name_of, wanted_of
+from tests.ballscrew.page.test_section import sound
 from tests.conftest import PAPER
 from tests.conftest import ballscrew as run
 from tests.viz_read import fixed, view_names
@@ -192,12 +193,16 @@ def test_a_model_with_an_effect_of_ones_own_loads_again(searching, fs20_log, tmp
     (tmp_path / "made").mkdir()
     status, _, err = run(
         "improve", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "--effects", tmp_path / "mine.py",
-        "-o", tmp_path / "made" / "b.toml", "--report", tmp_path / "r.md", "--save", tmp_path / "v.rrd", "--quiet",
+        "-o", tmp_path / "made" / "b.toml", "--report", tmp_path / "r.html", "--save", tmp_path / "v.rrd", "--quiet",
     )  # fmt: skip
     assert status == 0, err
     model = load_model(tmp_path / "made" / "b.toml")
     assert model.use == {"rub": "../mine.py:Rub"}
-    assert "Something rubs at the middle" in (tmp_path / "r.md").read_text()
+    page = (tmp_path / "r.html").read_text()
+    sound(page)
+    assert page.count('<td class="text">rub</td><td class="text">Something rubs at the middle.</td>') == 1
+    assert page.count("data:image/png;base64,") == 3
+    assert not list(tmp_path.glob("*.png"))
     assert (tmp_path / "v.rrd").is_file()
     assert "rub" in [one.effect.name for one in effects_to_try(Workspace(Terminal(), load_rig(PAPER), model), ())]
 

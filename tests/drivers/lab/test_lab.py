@@ -167,6 +167,17 @@ def test_truth_beside_a_recording(tmp_path: Path) -> None:
     np.testing.assert_array_equal(truth.channels["T01"], [0, 0.5])
 
 
+def test_truth_at_the_table_is_told_between_its_places_and_never_beyond_them(tmp_path: Path) -> None:
+    file, at, times = tmp_path / "run.truth.csv", np.array([0.0, 120.0, 300.0, 301.0]), np.array([0.5, 9.0])
+    head = ",".join(f"table_{mm}_um" for mm in (0, 100, 200, 300))
+    file.write_text(f"time_s,elongation_um,{head}\n0,0,0,0,0,0\n1,2,0,2,8,18\n")
+    truth = read_truth(tmp_path / "run.log")
+    np.testing.assert_allclose(truth.at_table(at, times), [[0, 1.44, 9, np.nan], [np.nan] * 4])  # z^2 / 10000, halfway
+    assert not truth.channels
+    file.write_text("time_s,elongation_um,table_0_um\n0,0,0\n1,2,0\n")
+    assert np.isnan(read_truth(tmp_path / "run.log").at_table(at, times)).all()
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -81,6 +81,23 @@ def test_counted_from_a_zero_only_lengths_are_others(lived):
     assert smooth.sigma_um[-1] == pytest.approx(counted.sigma_um[-1], abs=1e-9)
 
 
+def test_the_error_at_a_place_is_that_at_the_table_when_it_is_there(lived):
+    model, rig, recording = lived
+    waiting = recording.channels.copy()
+    waiting[:5] = np.nan
+    ticks, rig = [30, 70, 149], replace(rig, zero_C=20.0, zero_sd_K=0.1)
+    seen = replace(recording, channels=waiting)
+    found = Replay(model, rig, seen, None, lambda _: None, replay(model, rig, seen).position_mm[ticks])
+    table, track = found.table, found.track
+    assert table.error_um.shape == table.sd_um.shape == (len(recording), 3)
+    assert np.isnan(table.error_um[:5]).all()
+    at = ticks, range(3)
+    np.testing.assert_allclose(table.error_um[at], track.error_at_table_um[ticks], rtol=1e-12)
+    np.testing.assert_allclose(table.sd_um[at], track.error_at_table_sd_um[ticks], rtol=1e-12)
+    np.testing.assert_array_equal(table.at(table.at_mm[[2, 0]]).error_um, table.error_um[:, [2, 0]])
+    assert np.isfinite(table.error_um[5:]).all() == (rig.nut is not None and "anchor" in rig.supports)
+
+
 def copy(run: Recording) -> Recording:
     """The recording with arrays of its own, to break."""
     own = {key: getattr(run, key).copy() for key in ("channels", "ages_s", "omega", "coverage")}

@@ -158,11 +158,13 @@ def test_truth_lies_beside_the_recording_on_the_log_s_clock(run, sent, tmp_path)
     write(run, tmp_path / "made.blf")
     with (tmp_path / "made.truth.csv").open() as lines:
         rows = list(csv.DictReader(lines))
-    assert list(rows[0]) == ["time_s", "elongation_um", *(f"T{n:02d}" for n in range(1, 16))]
+    table = [f"table_{at}_um" for at in range(0, 401, 50)]
+    assert list(rows[0]) == ["time_s", "elongation_um", *(f"T{n:02d}" for n in range(1, 16)), *table]
     closing = [message.timestamp - sent[0].timestamp for message in of(sent, "TelemeterStatus")]
     assert [float(row["time_s"]) for row in rows] == pytest.approx(closing, abs=1e-4)
     assert [float(row["elongation_um"]) for row in rows] == pytest.approx(run.truth.elongation_um.tolist(), abs=1e-5)
     assert [float(row["T12"]) for row in rows] == pytest.approx(run.truth.rises[:, 11].tolist(), abs=1e-5)
+    assert [float(row["table_400_um"]) for row in rows] == pytest.approx(run.truth.table_um[:, 8].tolist(), abs=1e-5)
 
 
 def test_play_keeps_the_rig_s_time_without_drift():
