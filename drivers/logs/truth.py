@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from drivers.frames import Array
 from estimator.errors import InputError
@@ -53,7 +53,7 @@ class Truth:
         each = np.array([np.interp(time_s, self.time_s, self.table[at], np.nan, np.nan) for at in told])
         known = np.isfinite(each).all(axis=0)
         found = np.full((len(time_s), len(at_mm)), np.nan)
-        found[known] = CubicSpline(told, each[:, known])(at_mm).T
+        found[known] = scipy.interpolate.CubicSpline(told, each[:, known])(at_mm).T
         return np.where((at_mm >= told[0]) & (at_mm <= told[-1]), found, np.nan)
 
 

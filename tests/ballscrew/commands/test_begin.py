@@ -1,0 +1,25 @@
+"""Help and errors come at once: nothing that takes long to import is loaded before it is needed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+from ballscrew.cli import COMMANDS
+
+SLOW = {
+    "numba", "scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.signal", "scipy.special", "scipy.stats",
+    "rerun", "matplotlib", "pyarrow",
+}  # fmt: skip
+
+
+def test_no_command_loads_what_is_slow_to_say_what_it_does():
+    program = """if True:
+        import importlib, sys
+        for name in sys.argv[1].split():
+            importlib.import_module(f"ballscrew.commands.{name.replace('-', '_')}")
+            print(name, *sorted(set(sys.argv[2].split()) & set(sys.modules)))
+    """
+    words = [" ".join(COMMANDS), " ".join(SLOW)]
+    done = subprocess.run([sys.executable, "-c", program, *words], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n") == [*COMMANDS, ""]
