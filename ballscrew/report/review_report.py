@@ -96,11 +96,11 @@ def _print_one(terminal: Terminal, review: Review) -> None:
 
 def _print_reference(terminal: Terminal, reviews: Sequence[Review]) -> None:
     """How well the readings know what they are taken as a reference for."""
-    known = [r.reference_sd[r.cooling & np.isfinite(r.reference)] for r in reviews if r.reference_name == "readings"]
+    known = [r.readings.sd[r.cooling & np.isfinite(r.reference)] for r in reviews if r.reference_name == "readings"]
     sd = np.concatenate([np.empty(0), *known])
     if len(sd):
         terminal.say(
-            "readings: at rest the direct reading joined at the stop, by its own scatter known to "
+            "readings: at rest the direct reading, joined to the drives around it; after a stop known to "
             f"+-{sd.min():.1f} .. {sd.max():.1f} um (1 sd): errors of that size may be its own"
         )
 

@@ -43,7 +43,7 @@ def _run(one: Loaded, r: Review, work: Workspace) -> ReviewedRun:
         smoothed_um=r.estimates["smoothed"],
         smoothed_sd_um=r.smoothed_sd,
         polyline_um=r.estimates["polyline"],
-        readings_um=r.readings,
+        readings_um=r.readings.um,
         reference_um=r.reference,
         reference_name=r.reference_name,
         errors_um=r.errors,
