@@ -174,8 +174,7 @@ def test_heat_of_bodies_is_a_curve_and_nothing_known_leaves_no_empty_chunk(small
     one = side(small, 1.0, ("nut",))
     nothing = np.full((SECONDS, len(small.names)), np.nan)
     no_place = HeatMap(one.heat.time_s, np.empty(0), np.empty((10, 0)), ("nut",), one.heat.W)
-    silent = Side(nothing, nothing, nothing, nothing[:, 0], nothing[:, 0], nothing[:, 0], nothing[:, 0], one.misfit_time_s,
-                  nothing, no_place)  # fmt: skip
+    silent = Side(*[nothing] * 3, *[nothing[:, 0]] * 4, one.misfit_time_s, nothing, no_place)
     run = ComparedRun("short", small, np.arange(SECONDS) + 1.0, nothing, (silent,))
     save(tmp_path / "short.rrd", [run], ["model"], {"Channels": [ERRORS]}, "")
     chunks = RrdReader(tmp_path / "short.rrd").stream().to_chunks()
