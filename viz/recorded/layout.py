@@ -48,7 +48,7 @@ def _overview(run: ReviewedRun) -> rrb.Container:
     if scale.error_um:
         plots[paths.ERROR] = "Error: reference − estimate [µm]", scale.error_um
     curves = [views.beside_legend(f"{root}/{at}", name, span, extent) for at, (name, extent) in plots.items()]
-    others = [5, *[3] * len(curves[1:]), 2.1]
+    others = [6, *[2.8] * len(curves[1:]), 2]
     lanes = sum(others) * (0.03 + 0.088 * min(run.lanes, MOST_LANES))  # a lane is as high whatever stands below it
     shown = [curves[0], views.state_view(root, span, views.BESIDE_LEGEND), *curves[1:], views.events_view(root)]
     right = rrb.Vertical(*shown, row_shares=[others[0], lanes, *others[1:]])

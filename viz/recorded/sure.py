@@ -67,7 +67,9 @@ def share_bars(shares: Mapping[str, float]) -> Bars:
 def page(root: str, run: ReviewedRun) -> rrb.Container:
     """The views that show it."""
     span = views.whole(run.track.time_s)
-    sd = views.plot(f"{root}/{paths.SURE_SD}", "Standard deviation [µm]", span, room=views.BESIDE_LEGEND)
+    most = np.nanquantile(np.concatenate([run.error_sd_um, run.track.sigma_um, run.level_sd_um]), 1 - NEAR)
+    height = 0.0, _labelled(float(most) if np.isfinite(most) else LEAST_UM)
+    sd = views.beside_legend(f"{root}/{paths.SURE_SD}", "Standard deviation [µm]", span, height)
     if not run.is_judged:
         return rrb.Vertical(sd, name="How sure")
     found = shares(run)
@@ -79,13 +81,17 @@ def page(root: str, run: ReviewedRun) -> rrb.Container:
 
 
 def _extent(run: ReviewedRun) -> Range:
-    """An axis that holds the band, and all errors but a few; labels stand at powers of ten, of which some must fit."""
+    """An axis that holds the band, and all errors but a few."""
     known = np.isfinite(run.errors_um["filter"])
     ends: list[Array] = [np.zeros(1)]
     for values in (run.errors_um["filter"][known], 2 * run.error_sd_um[known], -2 * run.error_sd_um[known]):
         if len(values):
             ends.append(np.nanquantile(values, [NEAR, 1 - NEAR]))
-    half = max(map(abs, extent_of(*ends)))
-    power = 10.0 ** np.floor(np.log10(max(half, LEAST_UM)))
-    half = half if half <= LABELS * power else 10.5 * power
+    half = _labelled(max(map(abs, extent_of(*ends))))
     return -half, half
+
+
+def _labelled(end: float) -> float:
+    """The end of an axis from 0 on that has two labels: they stand at powers of ten, more often where there is room."""
+    power = 10.0 ** np.floor(np.log10(max(end, LEAST_UM)))
+    return float(end if end <= LABELS * power else 10.5 * power)
