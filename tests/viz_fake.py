@@ -12,7 +12,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
 from tests.conftest import at_defaults, stepped
-from viz.drawing.series import Judged
+from viz.lanes.judged import Judged
 from viz.recorded.run import ReviewedRun
 
 CELLS = 49
@@ -47,9 +47,10 @@ def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig |
         "polyline": elongation - polyline,
     }
     readings = track.measured[:, 15] - track.measured[0, 15]
+    read = readings, readings, np.full(seconds, 0.1)
     reference = "truth", errors, track.sigma_um
     return ReviewedRun(
-        name, rig, recording, track, *smoothed, polyline, readings, elongation, *reference, JUDGED, rise
+        name, rig, recording, track, *smoothed, polyline, *read, elongation, *reference, JUDGED, rise
     )  # fmt: skip
 
 

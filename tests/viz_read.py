@@ -22,6 +22,13 @@ def rows(path: Path, entity: str, component: str) -> tuple[Array, list[list]]:
     return np.sort(at), [values[i] for i in np.argsort(at, kind="stable")]
 
 
+def state_at(path: Path, lane: str, *when_s: float) -> list[str]:
+    """What a lane says at times, "" before it says anything."""
+    time_s, states = rows(path, lane, "StateChange:state")
+    last = np.searchsorted(time_s, when_s, side="right") - 1
+    return [states[k][0] if k >= 0 else "" for k in last]
+
+
 def fixed(path: Path, entity: str, component: str) -> list:
     """What was logged for an entity for all times, the last time."""
     found = None

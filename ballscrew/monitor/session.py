@@ -158,8 +158,17 @@ class Session:
             why = "" if trust.valid else f" no longer: {', '.join(trust.why)}"
             self._say(f"estimate valid{why or ' again'}", "INFO" if trust.valid else "WARN")
         if self.views is not None:
-            self.views.judge(self.latest.step.time_s, trust.why, tuple(self.monitor.active.values()))
+            alarms = tuple(self.monitor.active.values())
+            self.views.judge(self.latest.step.time_s, trust.why, alarms, self._published(trust))
         self._was_valid = trust.valid if self.latest.step.mode != Mode.INIT else None
+
+    def _published(self, trust: Trust) -> str:
+        """Whether the estimate goes to a control, and why not."""
+        if self.publisher is None:
+            return "not asked for (--publish)"
+        if self.publisher.trouble:
+            return f"not sent: {self.publisher.trouble}"
+        return "sent" if trust.valid else "sent as invalid"
 
     def _publish(self) -> None:
         """What is newest, once a turn: a control has no use for what was."""

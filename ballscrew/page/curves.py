@@ -34,8 +34,8 @@ def elongation(review: Review) -> Picture:
         shade(axes, review.recording)
         if review.reference_name == "truth":
             curve(axes, minutes, review.reference, "ink", "truth")
-        if np.isfinite(review.readings).any():
-            dots(axes, minutes, review.readings, "reading", "readings")
+        if np.isfinite(review.readings.um).any():
+            dots(axes, minutes, review.readings.um, "reading", "readings")
         curve(axes, minutes, track.open_loop_um, "alone", "model alone")
         curve(axes, minutes, track.elongation_um, "filter", "filter", track.sigma_um)
         axes.set(xlabel="time, min", ylabel="elongation, µm")

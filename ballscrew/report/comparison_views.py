@@ -10,17 +10,16 @@ import numpy as np
 from ballscrew.report.felt_report import WAYS, AtTheTable, most
 from ballscrew.report.sections import Section, markdown
 from ballscrew.workspace import Loaded, Workspace, threads
-from estimator.accuracy.displacement import joined
 from estimator.accuracy.noise_floor import Error
+from estimator.accuracy.reference import readings
 from estimator.batch.replay import replay
 from estimator.batch.trials import slow_trials_of
 from estimator.missing_heat.brought import brought
 from estimator.missing_heat.misfit import misfit
 from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
 from estimator.model import Model
-from estimator.record import Array
+from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.step import Track
 from estimator.work import Runs, Workers
 from viz.comparison.compared import ComparedRun, HeatMap, Side
 from viz.comparison.comparison import save
@@ -73,7 +72,7 @@ def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], worker
     added = tuple(name for name in models[-1].effects if name not in models[0].effects)
     sides = [_sides(model, added if model is models[-1] else (), Runs(rig, recordings, workers)) for model in models]
     return [
-        ComparedRun(one.path.stem, rig, r.time_s, r.channels, joined(r, rig, models[-1]).um, own, added)
+        ComparedRun(one.path.stem, rig, r.time_s, r.channels, own, added)
         for one, r, own in zip(loaded, recordings, zip(*sides, strict=True), strict=True)
     ]
 
@@ -126,16 +125,17 @@ def _rms(runs: Sequence[ComparedRun], shown: Array) -> list[BarSeries]:
 
 
 def _sides(model: Model, added: Sequence[str], runs: Runs) -> list[Side]:
-    tracks = runs.each(lambda recording: _kept(replay(model, runs.rig, recording)))
+    tracks = runs.each(lambda recording: _kept(recording, runs.rig, model))
     trials = slow_trials_of(model, runs)
     heats = missing_heat(trials.each(lambda trial: misfit(model, trial)), runs.workers)
     return [Side(**track, **_missed(heat, model, added)) for track, heat in zip(tracks, heats, strict=True)]
 
 
-def _kept(track: Track) -> dict[str, Array]:
+def _kept(recording: Recording, rig: Rig, model: Model) -> dict[str, Array]:
     """What is drawn of a track: its profiles would be most of the memory."""
+    track = replay(model, rig, recording)
     keys = ("open_loop", "predicted", "innovation", "elongation_um", "sigma_um", "open_loop_um")
-    return {key: getattr(track, key) for key in keys}
+    return {"readings_um": readings(recording, rig, model, track).um, **{key: getattr(track, key) for key in keys}}
 
 
 def _missed(heat: MissingHeat, model: Model, added: Sequence[str]) -> dict[str, object]:

@@ -72,10 +72,10 @@ def explained(reviews: Sequence[Review]) -> list[str]:
     """What the columns mean, and how well readings know what they are taken as a reference for."""
     if not any(map(_judged, reviews)):
         return []
-    known = [r.reference_sd[r.cooling & np.isfinite(r.reference)] for r in reviews if r.reference_name == "readings"]
+    known = [r.readings.sd[r.cooling & np.isfinite(r.reference)] for r in reviews if r.reference_name == "readings"]
     sd = np.concatenate([np.empty(0), *known])
     readings = [
-        "readings: at rest the direct reading joined at the stop, by its own scatter known to "
+        "readings: at rest the direct reading, joined to the drives around it; after a stop known to "
         f"+-{sd.min():.1f} .. {sd.max():.1f} um (1 sd): errors of that size may be its own"
     ] if len(sd) else []  # fmt: skip
     return [

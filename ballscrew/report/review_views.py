@@ -23,7 +23,7 @@ from estimator.faults.use import MUTED
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.step import Track
-from viz.drawing.series import Judged
+from viz.lanes.judged import Judged
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun
 
@@ -72,7 +72,9 @@ def _run(one: Loaded, r: Review, work: Workspace) -> ReviewedRun:
         smoothed_um=r.estimates["smoothed"],
         smoothed_sd_um=r.smoothed_sd,
         polyline_um=r.estimates["polyline"],
-        readings_um=r.readings,
+        readings_um=r.readings.um,
+        level_um=r.readings.level,
+        level_sd_um=r.readings.sd,
         reference_um=r.reference,
         reference_name=r.reference_name,
         errors_um=r.errors,

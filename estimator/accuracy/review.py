@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.accuracy import displacement, polyline
+from estimator.accuracy import polyline
 from estimator.accuracy.accuracy import Accuracy, accuracy, rms
 from estimator.accuracy.machine import off_sd
-from estimator.accuracy.reference import left_alone
+from estimator.accuracy.reference import Joined, readings
 from estimator.batch.replay import Replay
 from estimator.errors import InputError
 from estimator.faults.fault import Fault
@@ -32,10 +32,10 @@ class Review:
 
     estimates     elongation by name: filter, smoothed, open_loop, polyline, polyline_7, polyline_joined, last_reading
     errors        reference minus estimate, by the same names
-    reference     truth where there is one, else the displacement readings (`reference`); NaN without either. It counts
-                  from the first sample, to which a rig with a zero_C adds what the filter found grown by then
-    reference_sd  (K,) um, what their own scatter makes of readings that are the reference
-    readings      as the paper joins them, for display
+    reference     truth where there is one, else the level of the displacement readings (`reference`); NaN without
+                  either. It counts from the first sample, to which a rig with a zero_C adds what the filter found grown
+                  by then
+    readings      of the displacement, joined, whether they are the reference or not
     sigma         standard deviation of each error by its estimate's own word, of filter and smoothed
     smoothed_sd   (K,) um, of the smoothed estimate itself
     cooling       (K,) bool: within 60 min after a stop
@@ -53,8 +53,7 @@ class Review:
     errors: Mapping[str, Array]
     reference: Array
     reference_name: str
-    reference_sd: Array
-    readings: Array
+    readings: Joined
     sigma: Mapping[str, Array]
     smoothed_sd: Array
     cooling: Array
@@ -118,33 +117,24 @@ def review(
     }
     if rig.subset_7:
         estimates["polyline_7"] = polyline.elongation(recording, rig, rig.subset_7)
-    left = left_alone(recording, rig, model, _alone(track, rig))
+    read = readings(recording, rig, model, track)
     if "displacement" in rig.channels:
         estimates["polyline_joined"] = polyline.joined_polyline(recording, rig, model, line)
         estimates["last_reading"] = polyline.last_reading(recording, rig, model, line)
     estimates |= {name: um + began_um for name, um in estimates.items() if name not in OURS}
-    reference = track.open_loop_um + left.um if truth_um is None else truth_um + began_um
+    reference = read.level if truth_um is None else truth_um + began_um
     errors = {name: reference - series for name, series in estimates.items()}
     sigma = {"filter": track.sigma_um, "smoothed": smoothed.sigma_um}
     if truth_um is None and "displacement" in rig.channels:
-        _judge_by_readings(errors, sigma, track, rig, left.sd)
+        _judge_by_readings(errors, sigma, track, rig, read)
     use = use_of(recording, rig, Told.by(track))
     off = off_sd(model, replayed.trial, use) if replayed.trial else float("nan")
     return Review(
-        recording, track, estimates, errors, reference, _reference_name(rig, truth_um), left.sd,
-        displacement.joined(recording, rig, model).um + began_um, sigma,
+        recording, track, estimates, errors, reference, _reference_name(rig, truth_um), read, sigma,
         smoothed.sigma_um, cooling(recording), len(polyline.along_screw(rig, used)),
         _misfit_K(track, track.predicted, rig), _misfit_K(track, track.open_loop, rig),
         off, use, warmth(replayed.run) if replayed.run else None, replayed.table,
     )  # fmt: skip
-
-
-def _alone(track: Track, rig: Rig) -> Array:
-    """What the displacement would read by the model alone, (K,) um, from the start on; growth, if it does not say."""
-    alone = track.open_loop_um
-    if "displacement" in rig.channels and np.isfinite(track.innovation_sd[:, at := rig.index("displacement")]).any():
-        alone = track.open_loop[:, at]
-    return np.where(np.cumsum(track.begins) == track.begins.sum(), alone, np.nan)
 
 
 def _misfit_K(track: Track, expected: Array, rig: Rig) -> float:
@@ -160,24 +150,21 @@ def _reference_name(rig: Rig, truth_um: Array | None) -> str:
     return "readings" if "displacement" in rig.channels else "none"
 
 
-def _judge_by_readings(
-    errors: dict[str, Array], sigma: dict[str, Array], track: Track, rig: Rig, reading_sd: Array
-) -> None:
+def _judge_by_readings(errors: dict[str, Array], sigma: dict[str, Array], track: Track, rig: Rig, read: Joined) -> None:
     """Let no estimate be judged by a reading that it is made of. Changes errors and sigma.
 
-    Where a reading was fused, the filter's error is its innovation: it is compared with the prediction made before it.
-    The first reading only tells the unknown zero: it has no error. The smoother has none at a fused reading. Elsewhere
-    the sd is that of estimate and reading.
+    Where a reading was fused, the filter is compared before it was: its estimate of the tick before, grown by what the
+    model grows in the tick. The first reading only tells the unknown zero: it has no error. The smoother has none at a
+    fused reading. All sds are those of estimate and reference together.
     """
-    i = rig.index("displacement")
-    fused = track.fused[:, i]
-    before = np.where(np.cumsum(fused) > 1, track.innovation[:, i], np.nan)
+    fused = track.fused[:, rig.index("displacement")]
+    before = track.open_loop_um + np.append(np.nan, (track.elongation_um - track.open_loop_um)[:-1])
+    error = np.where(np.cumsum(fused) > 1, read.level - before, np.nan)
     errors |= {
-        "filter": np.where(fused, before, errors["filter"]),
+        "filter": np.where(fused, error, errors["filter"]),
         "smoothed": np.where(fused, np.nan, errors["smoothed"]),
     }
-    sigma |= {name: np.hypot(sd, reading_sd) for name, sd in sigma.items()}
-    sigma["filter"] = np.where(fused, track.innovation_sd[:, i], sigma["filter"])
+    sigma |= {name: np.hypot(own, read.sd) for name, own in sigma.items()}
 
 
 def overall(reviews: Sequence[Review], name: str) -> Accuracy:

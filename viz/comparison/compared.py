@@ -31,6 +31,7 @@ class Side:
 
     open_loop, predicted, innovation   (K, m) what channels read by the model alone, and a tick ahead by the filter
     elongation_um, sigma_um, open_loop_um  (K,) by the filter, with its sd, and by the model alone
+    readings_um  (K,) of the displacement, joined by what the model leaves of them, NaN where there is none
     misfit   reading minus the model alone at times of its own, (n,) and (n, m); a zero without meaning taken out
     brought  heat that the effects bring that the other model has not
     """
@@ -41,6 +42,7 @@ class Side:
     elongation_um: Array
     sigma_um: Array
     open_loop_um: Array
+    readings_um: Array
     misfit_time_s: Array
     misfit: Array
     heat: HeatMap
@@ -52,7 +54,7 @@ class ComparedRun:
     """One recording of K ticks under one model, or two: before and after.
 
     name         shown as the title of its tab
-    measured     (K, m);   readings_um  (K,) displacement joined to the start, NaN where there is none
+    measured     (K, m)
     added        effects of the model after that the one before has not
     """
 
@@ -60,7 +62,6 @@ class ComparedRun:
     rig: Rig
     time_s: Array
     measured: Array
-    readings_um: Array
     sides: tuple[Side, ...]
     added: tuple[str, ...] = ()
 
@@ -68,6 +69,11 @@ class ComparedRun:
     def named(self) -> dict[str, Side]:
         """The sides by "before" and "after"."""
         return dict(zip(paths.SIDES, self.sides, strict=False))
+
+    @property
+    def readings_um(self) -> Array:
+        """(K,) as the last of the models joins them."""
+        return self.sides[-1].readings_um
 
     def said(self, side: str) -> str:
         """How a legend begins: nothing to tell apart where there is one model."""

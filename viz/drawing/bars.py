@@ -37,6 +37,7 @@ class Bars:
     title: str
     rows: Sequence[str]
     series: Sequence[BarSeries]
+    width: int = WIDTH
     right: ClassVar[float] = 0.0  # where bars begin
 
     @property
@@ -56,7 +57,7 @@ class Bars:
 
     def across(self, values: ArrayLike) -> Array:
         """Where values stand, pixels from the left."""
-        return WIDTH * np.asarray(values) / self.end
+        return self.width * np.asarray(values) / self.end
 
     @property
     def legend(self) -> list[tuple[str, paths.Colour]]:
@@ -66,7 +67,7 @@ class Bars:
     @property
     def frame(self) -> Frame:
         """The picture, with room for the names of its rows."""
-        return Frame(WIDTH, self.rows, max(NAMES, LETTER * (3 + max(map(len, self.rows)))))
+        return Frame(self.width, self.rows, max(NAMES, LETTER * (3 + max(map(len, self.rows)))))
 
 
 class NisBars(Bars):
@@ -84,7 +85,7 @@ class NisBars(Bars):
     def across(self, values: ArrayLike) -> Array:
         """Where values stand, pixels from the left."""
         lo, hi = self.ticks[[0, -1]]
-        return np.asarray(WIDTH * np.log(np.clip(values, lo, hi) / lo) / np.log(hi / lo))
+        return np.asarray(self.width * np.log(np.clip(values, lo, hi) / lo) / np.log(hi / lo))
 
     @property
     def legend(self) -> list[tuple[str, paths.Colour]]:
@@ -92,17 +93,20 @@ class NisBars(Bars):
         return [*super().legend, ("1: the noise is right", paths.READING)]
 
 
-def send(at: Entity, bars: Bars) -> None:
-    """Log one figure, once."""
+def send(at: Entity, bars: Bars, since_s: float | None = None) -> None:
+    """Log one figure, once or from a time on."""
     frame, ticks = bars.frame, bars.ticks
-    frame.draw(at, _pixels(bars), bars.across(ticks), [f"{tick:g}" for tick in ticks])
+    frame.draw(at, _pixels(bars), bars.across(ticks), [f"{tick:g}" for tick in ticks], since_s)
     lines = {"grid": (ticks, paths.GRID)} | ({"right": (np.ones(1), paths.READING)} if bars.right else {})
     for name, (values, colour) in lines.items():
         upright = [places([x, x], [0, frame.height]) for x in bars.across(values)]
-        (at / name).log(rr.LineStrips2D(upright, radii=rr.Radius.ui_points(0.5), colors=colour, draw_order=5.0))
-    _values(at / "values", bars)
+        strips = rr.LineStrips2D(upright, radii=rr.Radius.ui_points(0.5), colors=colour, draw_order=5.0)
+        (at / name).log(strips, since_s)
+    _values(at / "values", bars, since_s)
     names, colours = zip(*bars.legend, strict=True)
-    (at / "key").words(places(WIDTH * (np.arange(len(names)) + 0.5) / len(names), -1.8 * LINE), names, colours)
+    (at / "key").words(
+        places(bars.width * (np.arange(len(names)) + 0.5) / len(names), -1.8 * LINE), names, colours, since_s
+    )
 
 
 def _edges(count: int, i: int) -> tuple[int, int]:
@@ -114,7 +118,7 @@ def _edges(count: int, i: int) -> tuple[int, int]:
 
 def _pixels(bars: Bars) -> Colours:
     """Pixels (height, width, 3)."""
-    pixels = np.full((bars.frame.height, WIDTH, 3), paths.BACKGROUND, dtype=np.uint8)
+    pixels = np.full((bars.frame.height, bars.width, 3), paths.BACKGROUND, dtype=np.uint8)
     for i, each in enumerate(bars.series):
         top, bottom = _edges(len(bars.series), i)
         for row in np.flatnonzero(np.isfinite(each.values)):
@@ -123,7 +127,7 @@ def _pixels(bars: Bars) -> Colours:
     return pixels
 
 
-def _values(at: Entity, bars: Bars) -> None:
+def _values(at: Entity, bars: Bars, since_s: float | None) -> None:
     """The values of each row, in the order of the series, right of its longest bar, or left where there is no room."""
     rows = np.flatnonzero(np.isfinite(bars.values).any(axis=0))
     shown = bars.values[:, rows]
@@ -132,4 +136,4 @@ def _values(at: Entity, bars: Bars) -> None:
     right = bars.across(np.fmax(np.nanmax(shown, axis=0), bars.right)) + room
     left = bars.across(np.fmin(np.nanmin(shown, axis=0), bars.right)) - room
     x = np.where(right + room > bars.frame.bounds[0][1], left, right)
-    at.words(places(x, (rows + 0.5) * ROW - 0.56 * LINE), texts)
+    at.words(places(x, (rows + 0.5) * ROW - 0.56 * LINE), texts, since_s=since_s)

@@ -80,6 +80,17 @@ class Entity:
         if known.any():
             self.rows(time_s[known], rr.Measurements.columns(values=mean[known], variances=(2 * sd[known]) ** 2))
 
+    def spans(self, time_s: Array, mean: Array, sd: Array) -> None:
+        """The same in pieces, with a gap where it is not known."""
+        known = np.isfinite(mean) & np.isfinite(sd)
+        ends = known[:-1] & ~known[1:]
+        kept = known | np.append(False, ends)  # the first that is not known ends a piece
+        if known.any():
+            variances = np.where(known, (2 * sd) ** 2, np.nan)[kept]
+            self.rows(
+                time_s[kept], rr.Measurements.columns(values=np.where(known, mean, np.nan)[kept], variances=variances)
+            )
+
     def words(
         self,
         places: ArrayLike,
@@ -91,9 +102,9 @@ class Entity:
         points = rr.Points2D(places, labels=list(texts), show_labels=True, radii=0.0, colors=colours or paths.TEXT)
         self.log(points, since_s)
 
-    def picture(self, pixels: Colours) -> None:
+    def picture(self, pixels: Colours, since_s: float | None = None) -> None:
         """A picture (height, width, 3), whose pixels stay sharp."""
-        self.log(rr.Image(np.ascontiguousarray(pixels), magnification_filter="Nearest"))
+        self.log(rr.Image(np.ascontiguousarray(pixels), magnification_filter="Nearest"), since_s)
 
     def text(self, markdown: str, since_s: float | None = None) -> None:
         """A page of text."""

@@ -124,12 +124,14 @@ class Frame:
         """What a view must show: the picture, names at its left, a row of words above and two below."""
         return (-self.room, self.width + 0.3 * NAMES), (-2.6 * self.line, self.height + 3.2 * self.line)
 
-    def draw(self, at: Entity, pixels: Colours, x: ArrayLike, texts: Sequence[str]) -> None:
-        """Log the picture, the names of its rows, and the texts below it at x."""
-        (at / "picture").picture(pixels)
+    def draw(
+        self, at: Entity, pixels: Colours, x: ArrayLike, texts: Sequence[str], since_s: float | None = None
+    ) -> None:
+        """Log the picture, the names of its rows, and the texts below it at x, once or from a time on."""
+        (at / "picture").picture(pixels, since_s)
         middles = (np.arange(len(self.names)) + 0.5) * ROW - 0.56 * self.line
-        (at / "channels").words(places(-0.5 * self.room, middles), self.names)
-        (at / "x").words(places(x, self.height + 0.2 * self.line), texts)
+        (at / "channels").words(places(-0.5 * self.room, middles), self.names, since_s=since_s)
+        (at / "x").words(places(x, self.height + 0.2 * self.line), texts, since_s=since_s)
 
     def draw_map(self, at: Entity, values: Array, extent: Range, x: Array, texts: Sequence[str], title: str) -> None:
         """Log values (rows, columns) as colours, with texts at columns x, and a title below all."""

@@ -28,7 +28,11 @@ DISPLACEMENT = "channels/displacement"
 EVENTS = "events"
 STATUS = "status"
 STATE = "state"
-FAULTS = "faults"  # below the state of the estimate, in the order of their names
+ESTIMATE, PUBLISHED, ALARMS = "estimate", "published", "alarms"  # below the state
+FAULTS = "faults"  # likewise, in the order of their names
+DRIVE, MODE, THERMOMETERS = (f"{STATE}/{name}" for name in ("drive", "mode", "thermometers"))
+CHANNELS = "channel_state"  # of each channel
+SURE, SURE_SD, SURE_BARS = "sure/error", "sure/sd", "sure/bars"
 MOMENT = "moment"
 
 BARS = "bars"
@@ -50,10 +54,22 @@ OPEN_LOOP: Colour = (120, 210, 130)
 SMOOTHED: Colour = (190, 150, 255)
 POLYLINE: Colour = (240, 130, 60)
 READING: Colour = (250, 220, 60)
+DIAL: Colour = (150, 134, 60)
 REFERENCE: Colour = (240, 240, 240)
 MEASURED: Colour = (255, 180, 60)
 LEFT_OUT: Colour = (225, 90, 90)
 VALID: Colour = (60, 110, 75)
+LANES: dict[str, Colour] = {  # by how a state begins; what makes the estimate invalid is red, and nothing else is
+    "valid": VALID, "sent as invalid": (190, 150, 40), "sent": VALID,
+    "driving": (196, 106, 40), "at rest": (58, 66, 78), "speed unknown": (110, 110, 116),
+    "init": (110, 110, 116), "predict": (42, 74, 120), "update": (66, 128, 200), "coasting": (150, 116, 34),
+    "used": (38, 84, 88), "suspect": (190, 150, 40), "muted": (104, 84, 160), "silent": (128, 128, 134),
+    "not read": (74, 78, 84), "refused": (196, 76, 140), "no estimate yet": (110, 110, 116), "not": (110, 110, 116),
+}  # fmt: skip
+KINDS: dict[str, Colour] = {  # alarms of channels
+    "silent": LANES["silent"], "may_drift": LANES["suspect"], "bias": (150, 116, 34), "nis": (150, 116, 34),
+    "rejected": (150, 116, 34),
+}  # fmt: skip
 BEFORE: Colour = (240, 130, 60)
 AFTER: Colour = (90, 170, 255)
 COMPARED_AS = dict(zip(SIDES, (BEFORE, AFTER), strict=True))
@@ -71,6 +87,18 @@ RUNS: tuple[Colour, ...] = (
 def root(name: str) -> str:
     """Where the entities of a run begin: its name, in characters that a path needs no escapes for."""
     return re.sub(r"[^A-Za-z0-9_.-]+", "_", name)
+
+
+def lane_colour(lane: str, text: str) -> Colour:
+    """The colour of what a lane says: by the kind of alarm where it names channels, else by how it begins."""
+    if f"/{FAULTS}/" in lane:
+        return KINDS.get(lane.rpartition("/")[2], LANES["refused"])
+    if lane.endswith(f"/{ALARMS}"):
+        return LANES["suspect"]
+    if lane == THERMOMETERS:
+        used, _, rest = text.partition(" of ")
+        return LANES["used"] if used == rest.split()[0] else LANES["suspect"]
+    return next((colour for begin, colour in LANES.items() if text.startswith(begin)), LEFT_OUT)
 
 
 def scaled(side: str, channel: str) -> str:

@@ -1,6 +1,4 @@
-"""What a run tells over time: elongation and its error, temperatures and innovations as curves, what is wrong as lanes,
-events in words.
-"""
+"""What a run tells over time: elongation and its error, temperatures and innovations as curves, events in words."""
 
 from __future__ import annotations
 
@@ -10,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 import rerun as rr
 
-from estimator.alarms.alarms import Alarm
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Track
@@ -21,7 +18,8 @@ from viz.drawing.scale import Indices, Range, coloured
 POLYLINE = {"polyline [µm]": paths.POLYLINE}
 OPEN_LOOP = {"open-loop [µm]": paths.OPEN_LOOP}
 DENSE = 0.9  # a reference known at this share of the ticks is drawn as a line, else as points
-SPACING = 0.03  # of the plot, between readings drawn
+SPACING = 0.08  # of the plot, between readings drawn
+USED_READINGS, UNUSED_READINGS, DIAL = "reading, used [µm]", "reading, not used [µm]", "dial at rest ±2 sd"
 
 
 def style(at: Entity, rig: Rig, models: Mapping[str, paths.Colour]) -> None:
@@ -29,7 +27,11 @@ def style(at: Entity, rig: Rig, models: Mapping[str, paths.Colour]) -> None:
     length, heat, rainbow = at / paths.ELONGATION, rig.thermometers, channel_colours(len(rig.thermometers))
     (length / "filter").band("filter ±2 sd", paths.FILTER)
     (length / "models").lines(list(models), list(models.values()), 1.5)
-    (length / "readings").dots("readings [µm]", paths.READING, 3.0)
+    (length / "readings").dots(USED_READINGS, paths.READING, 3.0)
+    hollow = rr.SeriesPoints(
+        names=[UNUSED_READINGS] * 2, colors=[paths.READING, paths.BACKGROUND], markers="circle", marker_sizes=[3.0, 1.8]
+    )
+    (length / "readings_unused").log(hollow)
     for plot, columns in paths.thermometer_groups(rig).items():
         (at / plot).lines(paths.channel_names(rig, "°C")[columns], rainbow[columns], 1.0)
     (at / paths.INNOVATIONS).lines(paths.channel_names(rig, "K"), rainbow, 1.0, "MinMax")
@@ -66,6 +68,13 @@ def spaced(time_s: Array, values: Array, time_extent: Range, extent: Range) -> I
     return np.array(kept, dtype=np.intp)
 
 
+def send_readings(at: Entity, time_s: Array, um: Array, used: Array) -> None:
+    """Log single readings of the elongation (n,): filled where the filter used them (n,), else hollow."""
+    length = at / paths.ELONGATION
+    (length / "readings").curves(time_s[used], um[used])
+    (length / "readings_unused").curves(time_s[~used], np.stack([um[~used]] * 2, axis=-1))
+
+
 def send_track(at: Entity, rig: Rig, track: Track) -> None:
     """Log elongation by the filter, temperatures and innovations of the thermometers."""
     heat = rig.is_thermometer
@@ -95,54 +104,3 @@ def send_events(at: Entity, events: Sequence[Event]) -> None:
     texts = [f"{clock(event.time_s)}  {event.text}" for event in events]
     columns = rr.TextLog.columns(text=texts, level=[event.level for event in events])
     (at / paths.EVENTS).rows([event.time_s for event in events], columns)
-
-
-ESTIMATE, VALID = "estimate", "valid"  # the lane that is always there, and what it says while all is well
-FEW = 6  # channels that are named one by one
-
-
-@dataclass(frozen=True)
-class Judged:
-    """Why the estimate is not to be relied on from a time on, empty where it is, and the alarms that are on."""
-
-    time_s: float
-    why: tuple[str, ...]
-    alarms: tuple[Alarm, ...]
-
-    @property
-    def states(self) -> dict[str, tuple[str, float]]:
-        """What each lane says and since when, s: whether the estimate is valid, which channels are stuck, and so on."""
-        states = {ESTIMATE: (", ".join(self.why) or VALID, self.time_s)}
-        for kind in {alarm.kind for alarm in self.alarms if alarm.channel}:
-            own = [alarm for alarm in self.alarms if alarm.kind == kind]
-            names = sorted({alarm.channel for alarm in own})
-            shown = ", ".join(names) if len(names) <= FEW else f"{len(names)} channels: {names[0]} ... {names[-1]}"
-            states[f"{paths.FAULTS}/{kind.replace(' ', '_')}"] = shown, min(alarm.since_s for alarm in own)
-        return states
-
-
-class Lanes:
-    """Whether to rely on the estimate, and below it a lane for each kind of alarm that channels have had."""
-
-    def __init__(self, at: Entity) -> None:
-        self._at = at / paths.STATE
-        self._last: dict[str, tuple[str, float]] = {}
-        self._colours: dict[str, dict[str, paths.Colour]] = {}
-
-    def send(self, judged: Judged) -> None:
-        """Log the states: what begins, from when on it has been so, never before what the lane said last."""
-        none = {lane: ("", judged.time_s) for lane, (text, _) in self._last.items() if text}
-        for lane, (text, since_s) in {**none, **judged.states}.items():
-            before, from_s = self._last.get(lane, ("", -np.inf))
-            time_s = judged.time_s if before else min(max(since_s, from_s), judged.time_s)
-            self._style(lane, text)
-            (self._at / lane).rows([time_s], rr.StateChange.columns(state=[text]))
-            self._last[lane] = text, time_s
-
-    def _style(self, lane: str, text: str) -> None:
-        """Log the colours of a lane anew where it says what it never said before."""
-        colours = self._colours.setdefault(lane, {"": paths.BACKGROUND})
-        if text not in colours:
-            colours[text] = paths.VALID if text == VALID else paths.LEFT_OUT
-            looks = rr.StateConfiguration(values=list(colours), colors=list(colours.values()))
-            (self._at / lane).log(looks)

@@ -17,6 +17,7 @@ from viz.drawing import paths
 from viz.drawing.scale import Range
 
 LEGEND_ROOM = 1.6  # of the height: curves keep below the legend
+BESIDE_LEGEND = 0.36  # of the span, right of the curves
 SQUEEZED = (-6.0, 36.0), (-7.0, 75.0)  # bounds of a colour bar's view
 
 
@@ -79,6 +80,11 @@ def below_legend(origin: str, name: str, span: Span, extent: Range) -> rrb.TimeS
     return plot(origin, name, span, (extent[0], extent[0] + LEGEND_ROOM * (extent[1] - extent[0])))
 
 
+def beside_legend(origin: str, name: str, span: Span, extent: Range) -> rrb.TimeSeriesView:
+    """A plot whose curves end before its legend, whose names are as long as ever: a quarter of the time axis."""
+    return plot(origin, name, span, extent, room=BESIDE_LEGEND)
+
+
 def flat(origin: str, name: str, bounds: tuple[Range, Range]) -> rrb.Spatial2DView:
     """A figure drawn by hand."""
     visible = rrb.VisualBounds2D(x_range=list(bounds[0]), y_range=list(bounds[1]))
@@ -124,10 +130,17 @@ def events_view(root: str) -> rrb.TextLogView:
 
 
 def state_view(root: str, span: Span, room: float = 0.0) -> rrb.StateTimelineView:
-    """Whether to rely on the estimate, and which channels are broken, how and when."""
-    return rrb.StateTimelineView(
-        origin=f"{root}/{paths.STATE}", name="Valid?", titlebar=False, time_view=span.axis(room)
-    )
+    """What the machine does, whether to rely on the estimate, and which channels are broken, how and when."""
+    return _lanes(f"{root}/{paths.STATE}", "State", span, room)
+
+
+def channel_states(root: str, span: Span) -> rrb.StateTimelineView:
+    """What becomes of each channel that is not used all the time."""
+    return _lanes(f"{root}/{paths.CHANNELS}", "Channels that are not used all the time", span, 0.0)
+
+
+def _lanes(origin: str, name: str, span: Span, room: float) -> rrb.StateTimelineView:
+    return rrb.StateTimelineView(origin=origin, name=name, titlebar=False, time_view=span.axis(room))
 
 
 def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
@@ -149,7 +162,9 @@ def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:
     ]
     name = "Sum of a minute's innovations over its sd [1]; within ±1.96 if white"
     white = plot(f"{root}/{paths.WHITENESS}", name, span, legend=False)
-    return rrb.Vertical(*maps, rrb.Horizontal(white, nis_view(root, span)), row_shares=[3, 3, 2.4], name="Residuals")
+    lanes = rrb.Horizontal(state_view(root, span), channel_states(root, span))
+    tests = rrb.Horizontal(white, nis_view(root, span))
+    return rrb.Vertical(*maps, lanes, tests, row_shares=[3, 3, 3, 2.2], name="Residuals")
 
 
 def channel_page(root: str, rig: Rig, span: Span, temperature_C: Range | None = None) -> rrb.Container:

@@ -1,1 +1,1 @@
-"""Views of a run that goes on: live, outlet, rows, minutes, body, room, repeat, scale, layout."""
+"""Views of a run that goes on: live, outlet, rows, sure, minutes, body, room, repeat, scale, layout."""

@@ -19,8 +19,9 @@ from estimator.step import Step
 from viz.drawing import paths
 from viz.drawing.entity import Entity
 from viz.drawing.file import begin, stream
-from viz.drawing.series import Event, Judged
+from viz.drawing.series import Event
 from viz.drawing.views import EVERYTHING, Span, sliding
+from viz.lanes.judged import Judged
 from viz.live.body import frame_of
 from viz.live.layout import blueprint
 from viz.live.outlet import Outlet
@@ -60,7 +61,7 @@ class LiveViews:
         self.url = ""
         self._rig, self._title, self._id, self._window_s = rig, title, uuid.uuid4(), window_s
         self._outlets: list[Outlet] = []
-        self._judged = Repeated[tuple[tuple[str, ...], tuple[Alarm, ...]]]()
+        self._judged = Repeated[tuple[tuple[str, ...], tuple[Alarm, ...], str]]()
         try:
             if port is not None:
                 self._serve(bind, port_at(bind, port), memory)
@@ -75,11 +76,12 @@ class LiveViews:
         for outlet in self._outlets:
             outlet.tick(sample, step)
 
-    def judge(self, time_s: float, why: tuple[str, ...], alarms: tuple[Alarm, ...]) -> None:
-        """Show from `time_s` on why the estimate is not to be relied on, empty: it is, and the alarms that are on."""
-        if self._judged.due((why, alarms), time_s):
+    def judge(self, time_s: float, why: tuple[str, ...], alarms: tuple[Alarm, ...], published: str = "") -> None:
+        """Show from `time_s` on why the estimate is not to be relied on, empty: it is, the alarms that are on, and
+        whether it is sent."""
+        if self._judged.due((why, alarms, published), time_s):
             for outlet in self._outlets:
-                outlet.event(Judged(time_s, why, alarms))
+                outlet.event(Judged(time_s, why, alarms, published))
 
     def say(self, time_s: float, text: str, level: str = "INFO") -> None:
         """Log what happened at `time_s`, s; level is INFO, WARN or ERROR."""

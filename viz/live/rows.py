@@ -16,11 +16,15 @@ from estimator.step import Step, Track
 from viz.drawing import paths, series
 from viz.drawing.entity import Entity
 from viz.drawing.residuals import Residuals
-from viz.drawing.series import Event, Judged, Lanes
+from viz.drawing.series import Event
+from viz.lanes.judged import Judged
+from viz.lanes.lanes import Lanes
+from viz.lanes.states import States
 from viz.live.body import Body
 from viz.live.minutes import Minutes
 from viz.live.repeat import Repeated
 from viz.live.room import Room
+from viz.live.sure import Sure
 
 READING = "displacement"  # the channel whose readings are drawn beside the elongation
 LEAST_UM, LEAST_K = 5.0, 1.0  # height of a plot at least
@@ -46,9 +50,11 @@ class Rows:
             for plot, group in paths.thermometer_groups(rig).items()
         ]
         self._last = np.full(2, np.nan)  # elongation by the filter and by the model alone, um
-        self._dot = np.full((1, 2), np.nan)  # time and value of the reading drawn last
+        self._dot = np.full((1, 3), np.nan)  # time and value of the reading drawn last, and whether it was used
         self._fused = np.zeros(len(self._lengths), dtype=int)
         self._time_s, self._lanes = 0.0, Lanes(at)
+        self._sure = Sure(at, READING)
+        self._states, self._again = States(rig), Repeated[None]()
         series.style(at, rig, series.OPEN_LOOP)
 
     def send(
@@ -65,8 +71,9 @@ class Rows:
             (self._at / paths.STATUS).text(status, self._time_s)
 
     def end(self) -> None:
-        """Send what waits for its minute to be over."""
+        """Send what waits for its minute to be over, or has not lasted yet."""
         self._minutes.end()
+        self._lanes.follow(self._states.end())
 
     def _ticks(self, ticks: Sequence[tuple[Sample, Step]]) -> None:
         samples, steps = zip(*ticks, strict=True)
@@ -76,15 +83,19 @@ class Rows:
         (self._at / paths.ELONGATION / "models").known(track.time_s, track.open_loop_um)
         band = 2 * track.sigma_um
         self._elongation.hold(self._time_s, [track.elongation_um - band, track.elongation_um + band])
-        self._readings(track)
+        self._readings(samples, track)
         heat = self._rig.is_thermometer
         self._minutes.send(Residuals.of(track, heat))
         self._body.send(samples, track)
+        for sample, step in ticks:
+            self._lanes.follow(self._states.tick(sample, step))
+        if self._again.due(None, self._time_s):
+            self._lanes.follow(self._states.again())
         fused = np.where(track.fused, track.measured, np.nan)[:, heat]
         for room, group in self._temperatures:
             room.hold(self._time_s, [fused[:, group]])
 
-    def _readings(self, track: Track) -> None:
+    def _readings(self, samples: Sequence[Sample], track: Track) -> None:
         """Innovations of lengths, but for the first reading of each, which sets its zero."""
         fused = track.fused[:, self._lengths]
         before = self._fused + np.cumsum(fused, axis=0) - fused
@@ -97,17 +108,19 @@ class Rows:
         self._last = now[-1]
         if READING in self._rig.channels:
             column = np.flatnonzero(self._lengths == self._rig.index(READING))[0]
+            sd = track.innovation_sd[:, self._lengths][:, column]
+            self._sure.send(samples, track, np.where(fused[:, column], innovation[:, column], np.nan), sd)
             readings = last[:, 0] + now[:, 1] - last[:, 1] + innovation[:, column]
-            self._dots(track.time_s, readings, np.where(fused[:, column], readings, np.nan))
+            self._dots(track.time_s, readings, fused[:, column])
 
-    def _dots(self, time_s: Array, readings_um: Array, fused_um: Array) -> None:
+    def _dots(self, time_s: Array, readings_um: Array, used: Array) -> None:
         """Readings far enough apart from the one drawn last; one that is impossible does not stretch the plot."""
-        extent = self._elongation.hold(self._time_s, [fused_um])
+        extent = self._elongation.hold(self._time_s, [readings_um[used]])
         if extent is None:
             return
-        rows = np.concatenate([self._dot, np.stack([time_s, readings_um], axis=-1)])
+        rows = np.concatenate([self._dot, np.stack([time_s, readings_um, used], axis=-1)])
         shown = series.spaced(rows[:, 0], rows[:, 1], (0.0, self._window_s), extent)
         if len(shown):
             self._dot = rows[shown[-1:]]
         drawn = rows[shown[shown > 0]]
-        (self._at / paths.ELONGATION / "readings").curves(*drawn.T)
+        series.send_readings(self._at, drawn[:, 0], drawn[:, 1], drawn[:, 2] > 0)

@@ -1,1 +1,1 @@
-"""Views of recordings: recorded, run, layout, accuracy, happened."""
+"""Views of recordings: recorded, run, layout, accuracy, sure, happened."""

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from viz.drawing.series import Event, Judged, clock
+from viz.drawing.series import Event, clock
+from viz.lanes.judged import Judged
 from viz.recorded.run import ReviewedRun
 
 

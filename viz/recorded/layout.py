@@ -8,10 +8,10 @@ import rerun.blueprint as rrb
 
 from viz.drawing import paths, profile, screw, views
 from viz.drawing.scale import Range
-from viz.recorded import accuracy
+from viz.recorded import accuracy, sure
 from viz.recorded.run import JUDGED, ReviewedRun
 
-MOST_LANES = 4  # that have room below the elongation; one looks for more by scrolling
+MOST_LANES = 5  # that have room below the elongation; one looks for more by scrolling
 
 
 def blueprint(runs: Sequence[ReviewedRun]) -> rrb.Blueprint:
@@ -27,7 +27,12 @@ def pages_of(run: ReviewedRun) -> list[rrb.Container]:
     """The tabs of one run."""
     root, rig, span = paths.root(run.name), run.rig, views.whole(run.track.time_s)
     residuals = views.residual_page(root, rig, span)
-    return [_overview(run), residuals, views.channel_page(root, rig, span, run.scale.temperature_C)]
+    return [
+        _overview(run),
+        sure.page(root, run),
+        residuals,
+        views.channel_page(root, rig, span, run.scale.temperature_C),
+    ]
 
 
 def _accuracy(bounds: tuple[Range, Range]) -> rrb.Container:
@@ -42,10 +47,10 @@ def _overview(run: ReviewedRun) -> rrb.Container:
     plots = {paths.ELONGATION: ("Elongation [µm]", scale.elongation_um)}
     if scale.error_um:
         plots[paths.ERROR] = "Error: reference − estimate [µm]", scale.error_um
-    curves = [views.below_legend(f"{root}/{at}", name, span, extent) for at, (name, extent) in plots.items()]
-    others = [4, *[3] * len(curves[1:]), 2]
-    lanes = sum(others) * (0.02 + 0.08 * min(run.lanes, MOST_LANES))  # a lane is as high whatever stands below it
-    shown = [curves[0], views.state_view(root, span), *curves[1:], views.events_view(root)]
+    curves = [views.beside_legend(f"{root}/{at}", name, span, extent) for at, (name, extent) in plots.items()]
+    others = [6, *[2.8] * len(curves[1:]), 2]
+    lanes = sum(others) * (0.03 + 0.088 * min(run.lanes, MOST_LANES))  # a lane is as high whatever stands below it
+    shown = [curves[0], views.state_view(root, span, views.BESIDE_LEGEND), *curves[1:], views.events_view(root)]
     right = rrb.Vertical(*shown, row_shares=[others[0], lanes, *others[1:]])
     if rig.screw is None:
         return rrb.Horizontal(right, name="Overview")

@@ -12,9 +12,11 @@ from viz.drawing.entity import Entity
 from viz.drawing.file import distinct, saved
 from viz.drawing.frames import colour_bar
 from viz.drawing.scale import Indices, extent_of, minutes
-from viz.recorded import accuracy, happened
+from viz.lanes.lanes import Lanes
+from viz.lanes.states import States
+from viz.recorded import accuracy, happened, sure
 from viz.recorded.layout import blueprint
-from viz.recorded.run import ReviewedRun
+from viz.recorded.run import READINGS, ReviewedRun
 
 
 def save(
@@ -37,9 +39,7 @@ def send(at: Entity, run: ReviewedRun) -> None:
     shown = profile.picture_ticks(run.track.time_s, run.track.profile_C)
     if run.rig.screw is not None and len(shown):
         _pictures(at, run, shown)
-    lanes = series.Lanes(at)
-    for judged in run.judged:
-        lanes.send(judged)
+    _lanes(at, run)
     series.send_events(at, happened.events_of(run))
 
 
@@ -51,9 +51,8 @@ def _curves(at: Entity, run: ReviewedRun) -> None:
     (length / "smoothed").band("smoothed ±2 sd", paths.SMOOTHED, 1.5)
     (length / "smoothed").banded(track.time_s, run.smoothed_um, run.smoothed_sd_um)
     (length / "models").curves(track.time_s, np.stack([run.polyline_um, track.open_loop_um], axis=-1))
-    shown = series.spaced(track.time_s, run.readings_um, extent_of(track.time_s), run.scale.elongation_um)
-    (length / "readings").known(track.time_s[shown], run.readings_um[shown])
-    if not np.array_equal(run.reference_um, run.readings_um, equal_nan=True):
+    _readings(at, run)
+    if run.reference_name != READINGS:
         (length / "reference").known(track.time_s, run.reference_um)
     (error / "filter").banded(track.time_s, run.errors_um["filter"], run.error_sd_um)
     for name in ("smoothed", "polyline"):
@@ -61,6 +60,28 @@ def _curves(at: Entity, run: ReviewedRun) -> None:
     lengths = track.innovation[:, ~run.rig.is_thermometer]
     read = np.flatnonzero(np.isfinite(lengths).any(axis=1))[1:]  # the first one sets the zero
     (at / paths.DISPLACEMENT).curves(track.time_s[read], lengths[read])
+    sure.send(at, run)
+
+
+def _readings(at: Entity, run: ReviewedRun) -> None:
+    """Readings that the filter used, those that it did not, and the dial at rest, joined to the drives around it."""
+    time_s, length, dial = run.track.time_s, at / paths.ELONGATION, ~run.turning & ~run.read
+    for single in (run.read, run.turning & ~run.read):
+        um = np.where(single, run.readings_um, np.nan)
+        shown = series.spaced(time_s, um, extent_of(time_s), run.scale.elongation_um)
+        series.send_readings(at, time_s[shown], um[shown], single[shown] & run.read[shown])
+    if np.isfinite(run.level_um[dial]).any():
+        (length / "dial").band(series.DIAL, paths.DIAL, 1.0)
+        (length / "dial").spans(time_s, np.where(dial, run.level_um, np.nan), run.level_sd_um)
+
+
+def _lanes(at: Entity, run: ReviewedRun) -> None:
+    lanes, states = Lanes(at), States(run.rig)
+    for judged in run.judged:
+        lanes.send(judged)
+    for k, sample in enumerate(run.recording):
+        lanes.follow(states.tick(sample, run.track.step(k, ())))
+    lanes.follow(states.end())
 
 
 def _residuals(at: Entity, run: ReviewedRun) -> None:

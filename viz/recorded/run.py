@@ -14,8 +14,9 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import Track
 from viz.drawing.scale import BodyScale, Flags, Range, extent_of, minutes, rounded, symmetric, widened
-from viz.drawing.series import Judged
+from viz.lanes.judged import Judged
 
+READINGS = "readings"  # the reference where the truth is not known
 JUDGED = ("filter", "polyline")  # the estimates that see the thermometers
 
 
@@ -36,6 +37,7 @@ class ReviewedRun:
     smoothed_um     (K,) elongation after the fact, from the readings before and after; smoothed_sd_um (K,)
     polyline_um     (K,) elongation by the polyline through the thermometers
     readings_um     (K,) displacement readings joined to the start, um; NaN where there is none
+    level_um        (K,) their level over a minute, without their scatter; level_sd_um (K,) how well it is known
     reference_um    (K,) what the estimates are judged by; NaN where there is none
     reference_name  what the reference is: "truth", "readings"
     errors_um       (K,) reference minus estimate for "filter", "smoothed" and "polyline"; where the reference is a
@@ -53,6 +55,8 @@ class ReviewedRun:
     smoothed_sd_um: Array
     polyline_um: Array
     readings_um: Array
+    level_um: Array
+    level_sd_um: Array
     reference_um: Array
     reference_name: str
     errors_um: Mapping[str, Array]
@@ -71,8 +75,14 @@ class ReviewedRun:
 
     @property
     def lanes(self) -> int:
-        """How many things are told of over time: whether the estimate is valid, and each kind of alarm of channels."""
-        return len({lane for judged in self.judged for lane in judged.states})
+        """How many things are told of over time: motion, mode, thermometers used, whether the estimate is valid, alarms
+        as a whole and each kind of alarm of channels."""
+        return 3 + len({lane for judged in self.judged for lane in judged.states})
+
+    @property
+    def read(self) -> Flags:
+        """(K,) whether the filter used a reading of a length."""
+        return np.asarray(self.track.fused[:, ~self.rig.is_thermometer].any(axis=1))
 
     @property
     def turning(self) -> Flags:

@@ -115,8 +115,12 @@ def test_without_truth_a_reading_is_compared_with_the_prediction_before_its_use(
     assert found.reference_name == "readings"
     fused = found.track.fused[:, 15]
     assert fused.sum() == 30
-    np.testing.assert_array_equal(found.errors["filter"][fused][1:], found.track.innovation[fused, 15][1:])
-    np.testing.assert_array_equal(found.sigma["filter"][fused], found.track.innovation_sd[fused, 15])
+    track = found.track
+    at = np.flatnonzero(fused)[1:]
+    before = track.elongation_um[at - 1] + track.open_loop_um[at] - track.open_loop_um[at - 1]
+    np.testing.assert_allclose(found.errors["filter"][at], found.reference[at] - before, atol=1e-9)
+    assert np.isfinite(found.errors["filter"][at]).sum() > 25
+    np.testing.assert_allclose(found.sigma["filter"], np.hypot(track.sigma_um, found.readings.sd))
     assert np.isnan(found.errors["filter"][0])  # the first reading tells the zero, no more
 
 
@@ -125,9 +129,9 @@ def test_the_smoothed_estimate_is_not_judged_by_a_reading_that_it_is_made_of(run
     fused = found.track.fused[:, 15]
     assert np.isnan(found.errors["smoothed"][fused]).all()
     unread = review(run, rig, full, mute=lambda _: np.arange(16) == 15)
-    np.testing.assert_array_equal(np.isfinite(unread.errors["smoothed"]), np.isfinite(unread.readings))
-    read = np.flatnonzero(np.isfinite(unread.readings))[1:]  # the first tick's growth is 0 by definition
-    assert (unread.sigma["smoothed"] > unread.reference_sd)[read].all()  # a doubt of its own beside theirs
+    np.testing.assert_array_equal(np.isfinite(unread.errors["smoothed"]), np.isfinite(unread.readings.um))
+    read = np.flatnonzero(np.isfinite(unread.readings.um))[1:]  # the first tick's growth is 0 by definition
+    assert (unread.sigma["smoothed"] > unread.readings.sd)[read].all()  # a doubt of its own beside theirs
 
 
 def test_nis_is_the_mean_over_fused_channels(run, rig, full):

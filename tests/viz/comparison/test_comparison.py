@@ -52,14 +52,14 @@ def side(rig: Rig, off: float, bodies: tuple[str, ...] = ()) -> Side:
     level = np.full((SECONDS, m), 22.0)
     line = np.linspace(0.0, 10.0 - off, SECONDS)
     time_s = np.arange(SECONDS) + 1.0
-    return Side(level - misfit, level, misfit / 10, line, np.full(SECONDS, 0.2), line, time_s, misfit, lacks)
+    readings = np.where(np.arange(SECONDS) % 3 == 0, np.linspace(0, 10, SECONDS), np.nan)
+    return Side(level - misfit, level, misfit / 10, line, np.full(SECONDS, 0.2), line, readings, time_s, misfit, lacks)
 
 
 def compared(rig: Rig, name: str = "FS-20", sides: int = 2) -> ComparedRun:
     measured = np.full((SECONDS, len(rig.names)), 22.0)
-    readings = np.where(np.arange(SECONDS) % 3 == 0, np.linspace(0, 10, SECONDS), np.nan)
     both = side(rig, 2.0), side(rig, -0.5)
-    return ComparedRun(name, rig, np.arange(SECONDS) + 1.0, measured, readings, both[:sides])
+    return ComparedRun(name, rig, np.arange(SECONDS) + 1.0, measured, both[:sides])
 
 
 @pytest.fixture(scope="module")
@@ -174,9 +174,8 @@ def test_heat_of_bodies_is_a_curve_and_nothing_known_leaves_no_empty_chunk(small
     one = side(small, 1.0, ("nut",))
     nothing = np.full((SECONDS, len(small.names)), np.nan)
     no_place = HeatMap(one.heat.time_s, np.empty(0), np.empty((10, 0)), ("nut",), one.heat.W)
-    silent = Side(nothing, nothing, nothing, nothing[:, 0], nothing[:, 0], nothing[:, 0], one.misfit_time_s, nothing,
-                  no_place)  # fmt: skip
-    run = ComparedRun("short", small, np.arange(SECONDS) + 1.0, nothing, nothing[:, 0], (silent,))
+    silent = Side(*[nothing] * 3, *[nothing[:, 0]] * 4, one.misfit_time_s, nothing, no_place)
+    run = ComparedRun("short", small, np.arange(SECONDS) + 1.0, nothing, (silent,))
     save(tmp_path / "short.rrd", [run], ["model"], {"Channels": [ERRORS]}, "")
     chunks = RrdReader(tmp_path / "short.rrd").stream().to_chunks()
     assert all(chunk.to_record_batch().num_rows for chunk in chunks)
