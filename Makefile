@@ -112,8 +112,10 @@ tuning: $(READY)
 	@$(BIN)/python -m tests.tuning.renew --reason '$(subst ','\'',$(REASON))' $(if $(RIG),--rig-folder '$(RIG)')
 
 $(READY): pyproject.toml constraints.txt
+	@echo "setting up $(VENV): Python packages, some 600 MB; a few minutes the first time"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/ballscrew warm
 	touch $@
 
 $(PEERS): $(READY)

@@ -34,6 +34,7 @@ COMMANDS = {
     "effects": "Print the catalogue of effects, or one of them; check one.",
     "add": "Add an effect to a model.",
     "new-effect": "Write an effect of your own into a file, ready to be changed.",
+    "warm": "Compile the filter before it is needed.",
 }
 
 
