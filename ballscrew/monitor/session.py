@@ -166,9 +166,7 @@ class Session:
         """Whether the estimate goes to a control, and why not."""
         if self.publisher is None:
             return "not asked for (--publish)"
-        if self.publisher.trouble:
-            return f"not sent: {self.publisher.trouble}"
-        return "sent" if trust.valid else "sent as invalid"
+        return self.publisher.trouble or ("sent" if trust.valid else "sent as invalid")
 
     def _publish(self) -> None:
         """What is newest, once a turn: a control has no use for what was."""

@@ -66,13 +66,14 @@ class Views:
     trouble = ""
 
     def __init__(self) -> None:
-        self.ticks, self.texts, self.states, self.judged = 0, [], [], []
+        self.ticks, self.texts, self.states, self.judged, self.published = 0, [], [], [], []
 
     def show(self, sample, step) -> None:
         self.ticks += 1
 
-    def judge(self, time_s, why, alarms) -> None:
+    def judge(self, time_s, why, alarms, published) -> None:
         self.judged.append((time_s, why, alarms))
+        self.published.append(published)
 
     def say(self, time_s, text, level) -> None:
         self.texts.append((text, level))
@@ -224,6 +225,7 @@ def test_validity_is_told_when_it_changes(session, frames):
     told = [text for text in said if text.startswith("estimate valid")]
     assert told == ["estimate valid no longer: no news of the drive", "estimate valid again"]
     assert {why for _, why, _ in live.views.judged} >= {(), ("no news of the drive",)}
+    assert {*live.views.published} == {"sent", "sent as invalid"}
 
 
 def test_text_from_outside_is_no_markup(session, frames):

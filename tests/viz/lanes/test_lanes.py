@@ -116,7 +116,10 @@ def test_a_run_that_begins_anew_has_lanes_of_its_own(run: ReviewedRun) -> None:
 
 def test_what_is_sent_is_a_lane_where_somebody_may_listen() -> None:
     assert "published" not in Judged(1.0, (), ()).states
-    assert Judged(1.0, (), (), "not sent: another sender").states["published"] == ("not sent: another sender", 1.0)
+    assert Judged(1.0, (), (), "not publishing: another sender").states["published"] == (
+        "not publishing: another sender",
+        1.0,
+    )
     assert paths.lane_colour("state/published", "sent") != paths.lane_colour("state/published", "sent as invalid")
 
 
