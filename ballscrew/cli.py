@@ -29,6 +29,7 @@ COMMANDS = {
     "suggest": "Say which physical effect is missing from a model.",
     "improve": "Add to a model what is missing, effect by effect.",
     "trend": "Say what wears: a machine's parameters over weeks.",
+    "fleet": "Look at all rigs of a plant, a row each.",
     "export": "Convert logs of CAN frames to another format.",
     "show": "Print a model as equations, with values, bounds and sources.",
     "effects": "Print the catalogue of effects, or one of them; check one.",

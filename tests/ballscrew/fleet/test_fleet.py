@@ -1,0 +1,85 @@
+"""A plant: a row a rig, the same with any number of workers, and with one that is killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from ballscrew.fleet.inspection import Inspection
+from ballscrew.fleet.workers import MOST_LOST, shared
+from tests.conftest import PAPER, ballscrew
+
+EXAMPLES = PAPER.parent / "examples"
+
+
+@pytest.fixture(scope="module")
+def plant(tmp_path_factory) -> Path:
+    """A rod that is as its model says, two heaters that are not, no model, no recording."""
+    folder = tmp_path_factory.mktemp("plant")
+    for name, files in {
+        "rod": ("heated_rod", "check.csv"), "heaters": ("two_heaters", "both.csv"), "new": ("two_heaters", ""),
+        "empty": ("heated_rod", ""),
+    }.items():  # fmt: skip
+        (folder / name).mkdir()
+        for file in ("rig.toml", "model.toml", "effects.py", files[1]):
+            if file and not (name == "new" and file == "model.toml"):
+                shutil.copy(EXAMPLES / files[0] / file, folder / name)
+    (folder / "empty" / "x.csv").write_text("hello\n")
+    return folder
+
+
+def test_each_rig_is_a_row_and_one_that_fails_says_why(plant):
+    status, out, _ = ballscrew("fleet", plant)
+    assert status == 1
+    rows = {Path(line.split()[0]).name: line.split()[1:] for line in out.splitlines()[1:5]}
+    assert list(rows) == ["empty", "heaters", "new", "rod"]
+    assert rows["rod"][-1] == "adequate"
+    assert rows["heaters"][-1] == "fails"
+    assert rows["new"] == rows["empty"] == ["failed"]
+    assert "no model.toml beside rig.toml" in out
+    assert "x.csv: no column of any channel" in out
+
+
+def test_the_same_numbers_whoever_does_the_work(plant):
+    alone, shared_out = (ballscrew("fleet", plant, "--workers", n, "--json")[1] for n in (1, 2))
+    assert alone == shared_out
+    rigs = {Path(rig["folder"]).name: rig for rig in json.loads(alone)["rigs"]}
+    assert rigs["rod"]["adequate"] is True
+    assert rigs["rod"]["recordings"] == 1
+    assert rigs["rod"]["drifts"] is None
+    assert rigs["heaters"]["adequate"] is False
+    assert rigs["new"]["error"]
+    assert set(rigs["rod"]) == {
+        "folder", "recordings", "failed", "filter", "nis", "adequate", "verdict", "where", "drifts", "error",
+    }  # fmt: skip
+
+
+def test_a_folder_of_no_rig_names_the_way_to_one(tmp_path):
+    status, _, err = ballscrew("fleet", tmp_path)
+    assert status == 2
+    assert "no rig.toml in it, nor in a folder of it; `ballscrew init LOG -o FOLDER` makes one" in err
+
+
+def killed(at: Path, times: int, folder: Path) -> Inspection:
+    """A job that kills its worker the first times that it is done at "bad"."""
+    done = len(list(at.glob("*")))
+    if folder.name == "bad" and done < times:
+        (at / str(done)).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return Inspection(str(folder), recordings=1)
+
+
+@pytest.mark.parametrize("times", [1, MOST_LOST])
+def test_a_lost_worker_costs_only_what_it_was_at(tmp_path, times):
+    folders = [Path(name) for name in ("a", "b", "bad", "c", "d")]
+    found = {one.folder: one for one in shared(partial(killed, tmp_path, times), folders, 2)}
+    well = {name for name, one in found.items() if not one.error}
+    assert well == {"a", "b", "c", "d"} | ({"bad"} if times == 1 else set())
+    if times == MOST_LOST:
+        assert found["bad"].error == f"its worker was lost {MOST_LOST} times: out of memory?"
