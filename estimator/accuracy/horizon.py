@@ -95,7 +95,7 @@ def _references(trial: Trial, posed: Posed, model: Model, truth: Array | None) -
     """
     if truth is not None:
         return dict.fromkeys(HORIZONS, truth[trial.begin :])
-    measured, read = grown(trial, posed, model), np.isfinite(trial.rest.channels[:, ~trial.rig.is_thermometer])
+    measured, read = grown(trial, posed, model).level, np.isfinite(trial.rest.channels[:, ~trial.rig.is_thermometer])
     unread = np.where(read.any(axis=1) | (phase_of(trial.rest) == "drive"), np.nan, measured)
     return {"one_step": unread, "ahead": unread, "open_loop": measured}
 
@@ -107,7 +107,7 @@ def open_loop_error(model: Model, trials: Trials) -> Error:
 
     def misfits(trial: Trial) -> tuple[Array, Array]:
         posed = trial.pose(model)
-        rest, reference = open_loop_misfit(trial, posed), grown(trial, posed, model)
+        rest, reference = open_loop_misfit(trial, posed), grown(trial, posed, model).level
         return rest[:, heat], _elongation_errors(reference, posed.run.grown, rest[:, ~heat])
 
     return Error(*(rms(np.concatenate(some)) for some in zip(*trials.each(misfits), strict=True)))

@@ -104,14 +104,15 @@ def left_alone(recording: Recording, rig: Rig, model: Model, alone: Array) -> Jo
     return Joined(um, level, np.sqrt(sd**2 * noise + walked + jig_doubt(recording, model, anchored_s) ** 2))
 
 
-def grown(trial: Trial, posed: Posed, model: Model) -> Array:
-    """The reference at the ticks of a trial, (T,) um since its start, each reading by itself; NaN where none is."""
+def grown(trial: Trial, posed: Posed, model: Model) -> Joined:
+    """The reference at the ticks of a trial, (T,) um since its start; NaN where none is."""
     run, rig = posed.run, trial.rig
     alone = np.append(0.0, run.grown)
     if "displacement" in rig.channels and np.isfinite(posed.forcing.readings.sd[at := rig.index("displacement")]):
         alone = np.append(run.spot[0, at], run.lagged[:, at]) + posed.offset[:, at]
     alone = np.append(np.full(trial.begin - 1, np.nan), alone)
-    return run.grown + left_alone(trial.recording, rig, model, alone).um[trial.begin :]
+    left = Joined(*(each[trial.begin :] for each in left_alone(trial.recording, rig, model, alone)))
+    return left._replace(um=run.grown + left.um, level=run.grown + left.level)
 
 
 def slopes(reads: Array, trial: Trial) -> Array:

@@ -93,7 +93,7 @@ def moments_of(trial: Trial, model: Model, columns: Sequence[Column], own: Model
     posed = trial.pose(model)
     found = slopes_beside(own, trial, posed, columns) if own else slopes_of(trial, posed, columns)
     stack = np.array([*(slope.reading for slope in found), open_loop_misfit(trial, posed)])
-    lengths = np.array([*(slope.length for slope in found), grown(trial, posed, model) - posed.run.grown])
+    lengths = np.array([*(slope.length for slope in found), grown(trial, posed, model).um - posed.run.grown])
     since, heat = trial.rest.time_s - trial.rest.time_s[0], trial.rig.is_thermometer
     starts = np.flatnonzero(np.diff(since // BLOCK_S, prepend=-1.0))
     (heats, heat_count), (reads, read_count), (grows, grown_count) = (

@@ -29,7 +29,7 @@ def pages_of(run: ReviewedRun) -> list[rrb.Container]:
     residuals = views.residual_page(root, rig, span)
     return [
         _overview(run),
-        sure.page(root, run),
+        *([sure.page(root, run)] if sure.is_known(run) else []),
         residuals,
         views.channel_page(root, rig, span, run.scale.temperature_C),
     ]

@@ -64,11 +64,16 @@ def share_bars(shares: Mapping[str, float]) -> Bars:
     return Bars(TITLE, list(shares), [BarSeries(name, np.where(so, found, np.nan), at) for name, at, so in pairs], WIDE)
 
 
+def is_known(run: ReviewedRun) -> bool:
+    """Whether there is an elongation to be sure of: not on a rig without a screw."""
+    return bool(np.isfinite(run.track.sigma_um).any())
+
+
 def page(root: str, run: ReviewedRun) -> rrb.Container:
     """The views that show it."""
     span = views.whole(run.track.time_s)
     most = np.nanquantile(np.concatenate([run.error_sd_um, run.track.sigma_um, run.level_sd_um]), 1 - NEAR)
-    height = 0.0, _labelled(float(most) if np.isfinite(most) else LEAST_UM)
+    height = 0.0, _labelled(float(most))
     sd = views.beside_legend(f"{root}/{paths.SURE_SD}", "Standard deviation [µm]", span, height)
     if not run.is_judged:
         return rrb.Vertical(sd, name="How sure")
