@@ -67,8 +67,9 @@ def share_bars(shares: Mapping[str, float]) -> Bars:
 def page(root: str, run: ReviewedRun) -> rrb.Container:
     """The views that show it."""
     span = views.whole(run.track.time_s)
-    most = np.nanquantile(np.concatenate([run.error_sd_um, run.track.sigma_um, run.level_sd_um]), 1 - NEAR)
-    height = 0.0, _labelled(float(most) if np.isfinite(most) else LEAST_UM)
+    told = np.concatenate([run.error_sd_um, run.track.sigma_um, run.level_sd_um])
+    told = told[np.isfinite(told)]  # nothing on a rig without a screw
+    height = 0.0, _labelled(float(np.quantile(told, 1 - NEAR)) if len(told) else LEAST_UM)
     sd = views.beside_legend(f"{root}/{paths.SURE_SD}", "Standard deviation [µm]", span, height)
     if not run.is_judged:
         return rrb.Vertical(sd, name="How sure")

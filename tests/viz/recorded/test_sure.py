@@ -82,3 +82,10 @@ def test_a_run_that_nothing_judges_shows_its_sd_alone(run: ReviewedRun, tmp_path
     found = view_names(tmp_path / "blind.rrd")
     assert "Standard deviation [µm]" in found
     assert sure.TITLE not in found
+
+
+def test_a_rig_without_an_elongation_has_the_view_without_a_word_of_numpy(run: ReviewedRun) -> None:
+    nothing = np.full(SECONDS, np.nan)
+    bodies = replace(run, error_sd_um=nothing, level_sd_um=nothing, track=replace(run.track, sigma_um=nothing))
+    bodies = replace(bodies, errors_um=dict.fromkeys(run.errors_um, nothing))
+    assert sure.page("/bodies", bodies).name == "How sure"
