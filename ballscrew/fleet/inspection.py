@@ -19,6 +19,7 @@ from estimator.effects import CATALOGUE
 from estimator.errors import BallscrewError
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_heat.diagnose import diagnose
+from estimator.model import Model
 from estimator.trend.drift import FEWEST
 from estimator.trend.trend import trend
 from estimator.work import Runs
@@ -34,7 +35,7 @@ class Inspection:
     filter      errors of the estimate, as `review --json` has them;   nis: mean of the recordings
     adequate    whether the model is, and `where` it fails: as `diagnose --json` has it
     verdict     of `suggest`, where it was asked
-    drifts      as `trend --json` has them; None with fewer recordings than a trend needs
+    drifts      as `trend --json` has them; None with too few recordings, or a model that no fit has seen
     said        of the model, and of what drifts, in words
     """
 
@@ -74,7 +75,7 @@ def _inspected(work: Workspace, folder: Path, search: bool) -> Inspection:
     figures = review_report.as_json(seen.reviews, seen.fitted, seen.seconds)
     nis = [review.nis_mean for review in seen.reviews]
     diagnosis = diagnose(work.model, runs)
-    followed = trend(work.model, runs) if len(runs.recordings) >= FEWEST else None
+    followed = trend(work.model, runs) if _can_drift(work.model, runs) else None
     found = suggest(work.model, runs, CATALOGUE.values()) if search else None
     drifting = trend_report.sentences(followed) if followed and followed.told else []
     return Inspection(
@@ -82,3 +83,8 @@ def _inspected(work: Workspace, folder: Path, search: bool) -> Inspection:
         diagnosis.adequate, diagnosis_report.as_json(diagnosis, [])["where"], found and found.verdict,
         trend_report.as_json(followed)["drifts"] if followed else None, [*diagnosis.sentences, *drifting],
     )  # fmt: skip
+
+
+def _can_drift(model: Model, runs: Runs) -> bool:
+    """Whether a trend can be asked for."""
+    return len(runs.recordings) >= FEWEST and any(model.values[path].sd for path in model.free())

@@ -9,7 +9,7 @@ import numpy as np
 
 from ballscrew.terminal import Terminal
 from estimator.trend.course import Course
-from estimator.trend.drift import WEEK_S
+from estimator.trend.drift import FEWEST, WEEK_S
 from estimator.trend.trend import Told, Trend
 
 HEAD = ["parameter", "unit", "runs", "mean", "scatter", "sd of a run", "first", "last", "change"]
@@ -39,18 +39,31 @@ def _row(course: Course, trend: Trend) -> list[str]:
 def sentences(trend: Trend) -> list[str]:
     """What has changed, the clearest first; else that nothing has."""
     if trend.told:
-        return [*_undated(trend), *(_sentence(one, trend) for one in trend.told)]
-    known = sum(len(course.known) > 0 for course in trend.courses)
+        return [*_order(trend), *(_sentence(one, trend) for one in trend.told)]
+    known, runs = sum(len(course.known) >= FEWEST for course in trend.courses), f"these {len(trend.names)} runs"
+    if not known:
+        return [*_order(trend), f"Whether a parameter has changed {runs} do not tell: of none do {FEWEST} know enough."]
     return [
-        *_undated(trend),
-        f"No parameter has changed over these {len(trend.names)} runs by more than chance gives: of the "
-        f"{len(trend.courses)} that the model leaves open, {known} are told by single runs.",
+        *_order(trend),
+        f"No parameter has changed over {runs} by more than chance gives: of the {len(trend.courses)} that the model "
+        f"leaves open, {known} are told by single runs.",
     ]
 
 
-def _undated(trend: Trend) -> Iterator[str]:
-    if not trend.dated:
-        yield "These recordings tell no date, or one date more than once: they are taken in the order given."
+def _order(trend: Trend) -> Iterator[str]:
+    """What is odd of the runs' dates."""
+    alone = trend.undated if len(trend.undated) < len(trend.names) else ()
+    if trend.dated:
+        _, first, count = np.unique(trend.start_s, return_index=True, return_counts=True)
+        for i, n in zip(first[count > 1], count[count > 1], strict=True):
+            same = ", ".join(trend.names[i : i + n])
+            yield f"{same} begin at one instant, {_date(trend, i)}: look for a clock that stands, or copies of one run."
+    elif alone:
+        more = "tells" if len(alone) == 1 else "tell"
+        yield f"{', '.join(alone)} {more} no date: all are taken in the order given; without, they are by their dates."
+    else:
+        of = "tell no date" if trend.undated else "all begin at one date"
+        yield f"These recordings {of}: they are taken in the order given."
 
 
 def _sentence(told: Told, trend: Trend) -> str:

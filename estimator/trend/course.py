@@ -85,8 +85,12 @@ class Known:
         U = np.array([[each.along.get(path, 0.0) for path in self.paths] for each in some]).T
         told = np.array([self._run(sums, U, some) for sums in self._sums])
         value, sd = one.now + told[:, 0], told[:, 1]
-        seen = sd < TOLD * one.sd
+        seen = (sd < TOLD * one.sd) & self._believed(one)
         return Course(one.name, one.unit, np.where(seen, value, np.nan), np.where(seen, sd, np.nan))
+
+    def _believed(self, one: Direction) -> bool:
+        """Whether a fit or a table says anything of it that a run could differ from."""
+        return any(self._precision[i, i] > 0.0 for i, path in enumerate(self.paths) if path in one.along)
 
     def _run(self, sums: Array, U: Array, some: Sequence[Direction]) -> tuple[float, float]:
         """By how much the first direction is another one in a run, and its sd."""
@@ -98,7 +102,8 @@ class Known:
         slope = wide.T @ sums[:k, k]
         slope[:k] -= self._precision @ self._off
         slope[k:] += np.array([each.usual - each.now for each in some]) * widths**-2.0
-        scale = np.maximum(np.diag(curvature), 1e-300) ** -0.5
+        size = np.diag(curvature)
+        scale = np.where(size > 0.0, size, 1.0) ** -0.5  # 0: of what neither the run nor anything else tells
         scaled = curvature * np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
         inverse = np.linalg.inv(scaled) * np.outer(scale, scale)
         return float((inverse @ slope)[k]), float(np.sqrt(inverse[k, k]))

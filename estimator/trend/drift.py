@@ -79,7 +79,8 @@ def _shapes(start_s: Array) -> Iterator[tuple[str, int, Array]]:
         yield "step", first, (np.arange(R) >= first).astype(float)
     for first in range(1, R - AT_EACH_END):
         since = np.maximum(start_s - start_s[first - 1], 0.0)
-        yield "rise", first, since / since[-1]
+        if since[-1]:  # not of runs of one date
+            yield "rise", first, since / since[-1]
 
 
 def _white(shape: Array, weight: Array) -> Array:

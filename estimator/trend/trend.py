@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.batch.trials import slow_trials_of
-from estimator.errors import InputError
+from estimator.errors import InputError, SetupError
 from estimator.faults.use import Use
 from estimator.hypotheses.moments import moments
 from estimator.hypotheses.slopes import Column
@@ -42,24 +42,35 @@ class Trend:
     """Every parameter's and effect's course over the runs in order of time, and what has changed.
 
     names, start_s  of the runs, R each; start_s in s since 1970, or their number where a log tells no date
-    dated           whether all of them tell one, each its own
+    dated           whether all of them tell one, and not one for all
+    undated         the names of those that tell none
     uses            what was used of each
     """
 
     names: tuple[str, ...]
     start_s: Array
     dated: bool
+    undated: tuple[str, ...]
     courses: tuple[Course, ...]
     told: tuple[Told, ...]
     uses: tuple[Use, ...] = ()
 
 
 def trend(model: Model, runs: Runs) -> Trend:
-    """Follow a model's free parameters over runs of one machine; fewer than six runs are an InputError."""
+    """Follow a model's free parameters over runs of one machine.
+
+    Fewer than six runs are an InputError; a model of which no fit has left an sd is a SetupError.
+    """
     if len(runs.recordings) < FEWEST:
         raise InputError(f"a trend needs {FEWEST} recordings of one machine at least; here are {len(runs.recordings)}")
+    if not any(model.values[path].sd for path in model.free()):
+        why = "none of its parameters has an sd: nothing is known that a run could differ from"
+        raise SetupError(
+            f"{model.name}: {why}; fit it first, `ballscrew fit LOG... --model {model.name} -o fitted.toml`"
+        )
     began = [recording.began_s for recording in runs.recordings]
-    dated = None not in began and len({*began}) == len(began)
+    undated = tuple(recording.name for recording in runs.recordings if recording.began_s is None)
+    dated = not undated and len({*began}) > 1
     order = np.argsort(np.array(began, dtype=float), kind="stable") if dated else np.arange(len(began))
     some = [runs.recordings[i] for i in order]
     runs.progress("reading the misfit of each run", 0.0)
@@ -73,7 +84,7 @@ def trend(model: Model, runs: Runs) -> Trend:
     while len(told) < MOST and (found := _next(known, asked, start_s, told)) is not None:
         told.append(found)
     all_ = tuple(known.course(one) for one in asked)
-    return Trend(tuple(r.name for r in some), start_s, dated, all_, tuple(told), trials.uses)
+    return Trend(tuple(r.name for r in some), start_s, dated, undated, all_, tuple(told), trials.uses)
 
 
 def _next(known: Known, asked: Sequence[Direction], start_s: Array, told: Sequence[Told]) -> Told | None:

@@ -56,3 +56,9 @@ def test_too_few_runs_tell_nothing():
 
 def test_values_all_alike_do_not_drift():
     assert drift(course(np.full(len(DAYS), 25.0)), DAYS, 1).p == 1.0
+
+
+def test_runs_of_one_date_are_no_rise_of_no_length():
+    days = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0]) * 86400.0
+    found = drift(course(np.array([25.0, 25.1, 24.9, 25.0, 28.0, 28.1, 27.9, 28.0])), days, 1)
+    assert (found.shape, found.run) == ("step", 4)

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
-from estimator.errors import InputError
+from estimator.errors import InputError, SetupError
+from estimator.hypotheses.moments import Moments
+from estimator.trend.course import Known, directions
 from estimator.trend.trend import trend
 from estimator.work import Runs
+from tests.estimator.conftest import Chips
 
 WEAR = 1.15
 SD = {"still_air.h": 0.3, "nut_friction.power": 1.0}
@@ -54,3 +59,27 @@ def test_few_runs_are_refused_and_one_date_for_all_is_no_date(known, bar, life):
     with pytest.raises(InputError, match="needs 6 recordings of one machine at least; here are 5"):
         trend(known, Runs(bar, life[:5]))
     assert not trend(known, Runs(bar, [replace(run, began_s=1.7e9) for run in life[4:10]])).dated
+
+
+def test_two_runs_of_one_date_cost_the_others_nothing_and_one_without_a_date_is_named(known, bar, life):
+    twice = [replace(run, began_s=1.7e9) if run.name == "day 1" else run for run in life]
+    found = trend(known, Runs(bar, twice))
+    assert found.dated
+    assert found.names == tuple(f"day {k}" for k in range(12))
+    assert [one.drift.course.name for one in found.told] == ["nut_friction.power"]
+    without = trend(known, Runs(bar, [*life[4:9], replace(life[9], began_s=None)]))
+    assert (without.dated, without.undated) == (False, (life[9].name,))
+
+
+def test_a_model_that_no_fit_has_left_an_sd_is_refused(plain, bar, life):
+    with pytest.raises(SetupError, match="none of its parameters has an sd"):
+        trend(plain, Runs(bar, life))
+
+
+def test_a_parameter_that_neither_fit_nor_table_knows_is_not_told(known):
+    """Of a run that has nothing to say of it either: no overflow, and no value to +-1000."""
+    model = known + Chips
+    size = len(model.free()) + 1
+    sums = cast(list[Moments], [SimpleNamespace(weighted=np.zeros((size, size)))])
+    (power,) = (one for one in directions(model) if one.name == "chips.power")
+    assert not np.isfinite(Known(model, sums).course(power).value).any()

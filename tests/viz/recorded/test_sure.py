@@ -82,3 +82,10 @@ def test_a_run_that_nothing_judges_shows_its_sd_alone(run: ReviewedRun, tmp_path
     found = view_names(tmp_path / "blind.rrd")
     assert "Standard deviation [µm]" in found
     assert sure.TITLE not in found
+
+
+def test_a_rig_without_an_elongation_has_no_such_view(run: ReviewedRun) -> None:
+    nothing = np.full(SECONDS, np.nan)
+    bodies = replace(run, error_sd_um=nothing, level_sd_um=nothing, track=replace(run.track, sigma_um=nothing))
+    assert sure.is_known(run)
+    assert not sure.is_known(bodies)
