@@ -87,5 +87,5 @@ def test_a_run_that_nothing_judges_shows_its_sd_alone(run: ReviewedRun, tmp_path
 def test_a_rig_without_an_elongation_has_the_view_without_a_word_of_numpy(run: ReviewedRun) -> None:
     nothing = np.full(SECONDS, np.nan)
     bodies = replace(run, error_sd_um=nothing, level_sd_um=nothing, track=replace(run.track, sigma_um=nothing))
-    bodies = replace(bodies, errors_um=dict.fromkeys(run.errors_um, nothing))
+    bodies = replace(bodies, errors_um=dict.fromkeys(run.errors_um, nothing), reference_um=nothing)
     assert sure.page("/bodies", bodies).name == "How sure"
