@@ -274,3 +274,8 @@ def test_a_log_that_cannot_be_used_and_a_rig_that_is_wrong(rod):
     put(rod, ("outer_mm", "outer"))
     status, _, err = ballscrew("check", rod)
     assert (status, "has no 'outer'" in err) == (2, True)
+
+
+def test_a_recording_in_the_place_of_the_folder_is_told_apart(rod):
+    status, _, err = ballscrew("check", rod / "check.csv")
+    assert (status, "check.csv: is a file; name the rig folder first" in err) == (2, True)
