@@ -111,6 +111,13 @@ def test_a_column_that_is_called_otherwise(rod):
     assert "TCfive" in found["rig.toml"][0]
 
 
+def test_a_column_without_a_number_is_there_and_no_other_is_proposed_for_it(rod):
+    cells(rod / "check.csv", "TC3", lambda value: np.nan)
+    assert the_one(rod) == (
+        "rig.toml: channels.TC3", "column 'TC3' holds no number", "look at that sensor and its logger",
+    )  # fmt: skip
+
+
 def test_temperatures_that_nobody_named(screw):
     put(screw, ("T03 = .*\n", ""), ("free_bracket = .*\n", ""))
     place, doubt, fix = the_one(screw)
