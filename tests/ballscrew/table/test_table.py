@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -105,3 +106,13 @@ def test_a_table_beside_its_recording_is_no_recording_the_next_time(short_log, t
         )
     assert find_recordings([tmp_path]) == [tmp_path / short_log.name]
     assert csv.read_csv(tmp_path / "1.csv").column_names[0] == "time_s"
+
+
+def test_a_table_overwrites_a_table_and_no_recording(tmp_path):
+    recording, table = Path(shutil.copy(ROD / "check.csv", tmp_path)), tmp_path / "table.csv"
+    before = recording.read_bytes()
+    status, _, err = ballscrew("review", recording, "--rig", ROD, "--table", recording)
+    assert (status, recording.read_bytes() == before) == (2, True)
+    assert "check.csv: is there, and is no table of `review`; choose another name" in err
+    for _ in range(2):
+        assert ballscrew("review", recording, "--rig", ROD, "--table", table, "--quiet")[0] == 0
