@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from ballscrew.terminal import STDOUT, Terminal
+from drivers.lab.estimates import is_estimates
 from estimator.errors import SetupError
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
@@ -59,10 +60,14 @@ def writable(ctx: click.Context, param: click.Parameter, value: Path | str | Non
 
 
 def writable_table(ctx: click.Context, param: click.Parameter, value: Path | None) -> Path | str | None:
-    """A table's file: its name says in which format."""
+    """A table's file: its name says in which format. No CSV but a table is overwritten: it may be a recording."""
     if value is not None and value.suffix.lower() not in TABLES:
         raise SetupError(f"--table {value}: a table is written as one of {', '.join(TABLES)}")
-    return writable(ctx, param, value)
+    checked = writable(ctx, param, value)
+    is_there = value is not None and value.suffix.lower() == ".csv" and value.is_file() and value.stat().st_size > 0
+    if value is not None and is_there and not is_estimates(value):
+        raise SetupError(f"--table {value}: is there, and is no table of `review`; choose another name")
+    return checked
 
 
 def _try_to_write(path: Path) -> None:

@@ -16,6 +16,7 @@ from drivers.decode.clock import RigClock
 from drivers.decode.decode import Decoder
 from drivers.decode.ticks import Ticks, split
 from drivers.frames import Frames, Tally
+from drivers.lab.estimates import is_estimates
 from drivers.lab.lab import read_lab
 from drivers.logs.joined import Progress, join
 from drivers.logs.logs import SUFFIXES, is_lab_csv, read_log
@@ -31,15 +32,16 @@ A_DATE = 1e8  # s: a log's clock that is so far on counts from 1970, and not fro
 def find_recordings(paths: Iterable[Path]) -> list[Path]:
     """The recordings among these files and folders, in order; a folder means all logs in it, sorted by name.
 
-    Truth files are left out; any other file is kept, reading it says what is wrong with it. A folder without a log is
-    an InputError.
+    Truth files are left out, and of a folder the tables that `review` has written into it; any other file is kept,
+    reading it says what is wrong with it. A folder without a log is an InputError.
     """
     recordings: list[Path] = []
     for path in map(Path, paths):
         inside = [path]
         if path.is_dir():
             inside = sorted(p for p in path.iterdir() if p.is_file() and p.suffix.lower() in SUFFIXES)
-            if not any(not is_truth(p) for p in inside):
+            inside = [p for p in inside if not is_truth(p) and not is_estimates(p)]
+            if not inside:
                 raise InputError(f"{path}: no recording in this folder; expected files *{', *'.join(sorted(SUFFIXES))}")
         recordings += [p for p in inside if p not in recordings and not is_truth(p)]
     return recordings
@@ -59,6 +61,8 @@ def read_recording(
     budget = budget or Budget()
     if is_truth(path):
         raise InputError(f"{path}: the truth of a simulated recording, not a recording")
+    if is_estimates(path):
+        raise InputError(f"{path}: what `review --table` has written of a recording, not a recording")
     if is_lab_csv(path):
         rows = read_lab(path, rig, tally, budget)
     else:

@@ -12,10 +12,11 @@ from ballscrew.doubts.doubts import Told, of_recording, of_the_folder, together
 from ballscrew.options import PATH, terminal_options
 from ballscrew.own_effect.patience import patience
 from ballscrew.terminal import Terminal
+from drivers.lab.estimates import is_estimates
 from drivers.logs.logs import SUFFIXES
 from drivers.recordings import find_recordings
 from estimator.battery.admitted import admit
-from estimator.errors import InputError
+from estimator.errors import InputError, SetupError
 from estimator.model import Model
 from estimator.rig import Rig
 from estimator.rig_folder.model_toml import load_model
@@ -35,12 +36,14 @@ def command(terminal: Terminal, folder: Path, logs: tuple[Path, ...]) -> int:
     right.
     """
     folder = folder.parent if folder.name == "rig.toml" else folder
+    if folder.is_file():
+        raise SetupError(f"{folder}: is a file; name the rig folder first, then recordings")
     rig = load_rig(folder)
     with patience(folder / "model.toml"):
         model = load_model(folder / "model.toml") if (folder / "model.toml").is_file() else Model({}, {})
         admit(model, rig)
-    there = logs or [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
-    paths = find_recordings(there)
+    inside = [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
+    paths = find_recordings(logs or [path for path in inside if not is_estimates(path)])
     beside, failed = _beside(terminal, paths, rig, model)
     told = together([*(("", doubt) for doubt in of_the_folder(rig)), *beside])
     for one in told:

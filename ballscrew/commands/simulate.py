@@ -102,6 +102,8 @@ def command(
         raise click.UsageError("either -o FILE for a recording, or --interface for a bus, not both")
     if out is None and bus is None:
         raise click.UsageError("say where to: -o FILE for a recording, or --interface for a bus")
+    if date is not None and (bus is not None or not 1980 <= date.year < 2100):
+        raise click.UsageError("--date is of a recording, from 1980 to 2099: frames on a bus are of now")
     run = _simulate(
         terminal, name, machine=machine, seed=seed, plant=dict(_strength(word) for word in plant), without=without,
         onset_s=onset, max_drive_s=max_drive, cycles=cycles, seconds=seconds,

@@ -10,8 +10,9 @@ import numpy as np
 from ballscrew.doubts.doubt import Case, Doubt
 from ballscrew.new_rig import words
 from ballscrew.new_rig.bus_log import BusLog
+from ballscrew.new_rig.lab_table import LabTable
 from ballscrew.new_rig.temperatures import unit_of
-from drivers.lab.names import nearest_name
+from drivers.lab.names import known_as, nearest_name
 from estimator.errors import EffectError
 from estimator.inputs.inputs import nothing
 from estimator.network.check import checked_terms
@@ -32,10 +33,7 @@ def never_came(case: Case) -> Iterator[Doubt]:
             for message in {signal.partition(".")[0] for signal in rule.signals} & {*case.source.never}:
                 lost.setdefault(message, []).append(name)
         elif not case.of(name, rule) and not (table == "inputs" and _taken_by(case, name)):
-            free = [one.source for one in case.source.seen]
-            near = nearest_name(rule.column or name, free)
-            hint = f"is it '{near}'? Say" if near else "say"
-            yield Doubt(case.place(table, name), f"no column '{rule.column or name}'", f"{hint} its column")
+            yield _no_column(case, table, name, rule.column or name, case.source)
     for message, names in lost.items():
         told = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
         fix = "look at the DBC, the bus and the sender, or take it out of rig.toml"
@@ -43,6 +41,17 @@ def never_came(case: Case) -> Iterator[Doubt]:
     closes = case.rig.log.closes
     if isinstance(case.source, BusLog) and closes in case.source.never:
         yield Doubt("rig.toml: log.closes", f"{closes} never came: the timer closes each tick", "name one that comes")
+
+
+def _no_column(case: Case, table: str, name: str, column: str, source: LabTable) -> Doubt:
+    """A column that is not there, or in which there is no number."""
+    if any(known_as(one, column) for one in source.empty):
+        return Doubt(
+            case.place(table, name), f"column '{column}' holds no number", "look at that sensor and its logger"
+        )
+    near = nearest_name(column, [one.source for one in source.seen])
+    hint = f"is it '{near}'? Say" if near else "say"
+    return Doubt(case.place(table, name), f"no column '{column}'", f"{hint} its column")
 
 
 def unnamed(case: Case) -> Iterator[Doubt]:

@@ -41,6 +41,7 @@ class LabTable:
 
     time_column  as rig.toml has to call it      csv   what its reader has to be told, with `guessed` for whom it is
     step_s       from row to row                 said  what was recognised, in words
+    empty        columns without a number
     """
 
     path: Path
@@ -50,6 +51,7 @@ class LabTable:
     step_s: float
     seen: tuple[Seen, ...]
     said: tuple[str, ...]
+    empty: tuple[str, ...]
 
 
 def read_lab_table(path: Path, tally: Tally, told: Csv = _RULES[0]) -> LabTable:
@@ -85,7 +87,8 @@ def _told(path: Path, time: str, table: Table, units: dict[str, str], csv: Csv, 
             seen.append(Seen(name, units.get(name, ""), table.time[known], value[known]))
     steps = np.diff(table.time)
     step_s = float(np.median(steps[steps > 0])) if (steps > 0).any() else 1.0
-    return LabTable(path, time, csv, guessed, step_s, tuple(seen), tuple(table.said))
+    empty = tuple(name for name in table.columns if name not in {one.source for one in seen})
+    return LabTable(path, time, csv, guessed, step_s, tuple(seen), tuple(table.said), empty)
 
 
 def _rig(sheet: Sheet, time: str, csv: Csv, tick_s: float) -> Rig:

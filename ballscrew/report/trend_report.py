@@ -43,11 +43,17 @@ def sentences(trend: Trend) -> list[str]:
     known, runs = sum(len(course.known) >= FEWEST for course in trend.courses), f"these {len(trend.names)} runs"
     if not known:
         return [*_order(trend), f"Whether a parameter has changed {runs} do not tell: of none do {FEWEST} know enough."]
-    return [
-        *_order(trend),
-        f"No parameter has changed over {runs} by more than chance gives: of the {len(trend.courses)} that the model "
-        f"leaves open, {known} are told by single runs.",
-    ]
+    of = f"of the {len(trend.courses)} that the model leaves open"
+    if not trend.tellable:
+        return [*_order(trend), f"{runs.capitalize()} are too few to tell that one {of} has changed, however much."]
+    none = f"No parameter has changed over {runs} by more than chance gives: {of}, {known} are told by single runs."
+    return [*_order(trend), none, *_too_few(trend)]
+
+
+def _too_few(trend: Trend) -> Iterator[str]:
+    """Changes that are not told because the runs are too few, not because they are not there."""
+    if "step" not in trend.tellable:
+        yield "A step so few runs do not tell, however large: a rise only."
 
 
 def _order(trend: Trend) -> Iterator[str]:

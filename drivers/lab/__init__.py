@@ -1,1 +1,1 @@
-"""Tables into ticks: lab, sheet, names, columns, numerals, stamps, counting, order, doubts; and frame_table."""
+"""Tables into ticks: lab, sheet, names, columns, numerals, stamps, counting, order, doubts; frame_table, estimates."""

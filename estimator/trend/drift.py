@@ -72,6 +72,15 @@ def drift(course: Course, start_s: Array, asked: int) -> Drift | None:
     return _fitted(course, known, name, first, shape, min(1.0, chance * asked))
 
 
+def tellable(start_s: Array, asked: int, sure: float) -> set[str]:
+    """Of which shapes one, however large, would be told of runs of these dates: few runs have few orders."""
+    found = set[str]()
+    for name, _, shape in _shapes(start_s):
+        clear = drift(Course("", "", shape, np.ones_like(shape)), start_s, asked) if name not in found else None
+        found |= {name} if clear is not None and clear.p < sure else set()
+    return found
+
+
 def _shapes(start_s: Array) -> Iterator[tuple[str, int, Array]]:
     """Steps up to 1 at a run, and rises to 1 at the last run from the one before a run on: (R,) each."""
     R = len(start_s)

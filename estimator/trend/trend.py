@@ -20,7 +20,7 @@ from estimator.hypotheses.slopes import Column
 from estimator.model import Model
 from estimator.record import Array
 from estimator.trend.course import Course, Direction, Known, directions
-from estimator.trend.drift import FEWEST, Drift, drift
+from estimator.trend.drift import FEWEST, Drift, drift, tellable
 from estimator.work import Runs
 
 SURE = 0.05  # that anything is told of a machine that does not change
@@ -44,6 +44,7 @@ class Trend:
     names, start_s  of the runs, R each; start_s in s since 1970, or their number where a log tells no date
     dated           whether all of them tell one, and not one for all
     undated         the names of those that tell none
+    tellable        "rise", "step": changes that so many runs would tell, were they large enough
     uses            what was used of each
     """
 
@@ -53,6 +54,7 @@ class Trend:
     undated: tuple[str, ...]
     courses: tuple[Course, ...]
     told: tuple[Told, ...]
+    tellable: frozenset[str]
     uses: tuple[Use, ...] = ()
 
 
@@ -84,7 +86,8 @@ def trend(model: Model, runs: Runs) -> Trend:
     while len(told) < MOST and (found := _next(known, asked, start_s, told)) is not None:
         told.append(found)
     all_ = tuple(known.course(one) for one in asked)
-    return Trend(tuple(r.name for r in some), start_s, dated, undated, all_, tuple(told), trials.uses)
+    clear = frozenset(tellable(start_s, len(asked), SURE))
+    return Trend(tuple(r.name for r in some), start_s, dated, undated, all_, tuple(told), clear, trials.uses)
 
 
 def _next(known: Known, asked: Sequence[Direction], start_s: Array, told: Sequence[Told]) -> Told | None:

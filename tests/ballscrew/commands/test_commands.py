@@ -110,6 +110,8 @@ def test_the_same_seed_is_the_same_recording(tmp_path):
     ("words", "text"),
     [
         (["simulate", "FS-20"], "say where to: -o FILE for a recording, or --interface for a bus"),
+        (["simulate", "FS-20", "-o", "a.log", "--date", "0001-01-01"], "--date is of a recording, from 1980 to 2099"),
+        (["simulate", "FS-20", "--interface", "virtual", "--date", "2026-11-03"], "frames on a bus are of now"),
         (["simulate", "FX-20", "-o", "a.log"], "error: unknown experiment 'FX-20'; did you mean 'FS-20'?"),
         (["simulate", "FS-20", "-o", "a.log", "--plant", "motor_heat=x"], "'x' is no number; write motor_heat=0.5"),
         (["simulate", "FS-20", "-o", "a.log", "--max-drive", "2d"], "'2d' is no time; write 2h, 90min, 45s or seconds"),

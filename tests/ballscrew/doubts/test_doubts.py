@@ -111,6 +111,13 @@ def test_a_column_that_is_called_otherwise(rod):
     assert "TCfive" in found["rig.toml"][0]
 
 
+def test_a_column_without_a_number_is_there_and_no_other_is_proposed_for_it(rod):
+    cells(rod / "check.csv", "TC3", lambda value: np.nan)
+    assert the_one(rod) == (
+        "rig.toml: channels.TC3", "column 'TC3' holds no number", "look at that sensor and its logger",
+    )  # fmt: skip
+
+
 def test_temperatures_that_nobody_named(screw):
     put(screw, ("T03 = .*\n", ""), ("free_bracket = .*\n", ""))
     place, doubt, fix = the_one(screw)
@@ -274,3 +281,8 @@ def test_a_log_that_cannot_be_used_and_a_rig_that_is_wrong(rod):
     put(rod, ("outer_mm", "outer"))
     status, _, err = ballscrew("check", rod)
     assert (status, "has no 'outer'" in err) == (2, True)
+
+
+def test_a_recording_in_the_place_of_the_folder_is_told_apart(rod):
+    status, _, err = ballscrew("check", rod / "check.csv")
+    assert (status, "check.csv: is a file; name the rig folder first" in err) == (2, True)

@@ -11,6 +11,7 @@ from estimator.trend.trend import Trend
 
 DAYS = 1.7e9 + 86400.0 * np.arange(6.0)
 NAMES = tuple("abcdef")
+BOTH = frozenset({"rise", "step"})
 
 
 def course(runs: int) -> Course:
@@ -20,9 +21,9 @@ def course(runs: int) -> Course:
 
 
 def test_of_parameters_that_too_few_runs_tell_none_is_said_not_to_have_changed():
-    (said,) = sentences(Trend(NAMES, DAYS, True, (), (course(5),), ()))
+    (said,) = sentences(Trend(NAMES, DAYS, True, (), (course(5),), (), BOTH))
     assert said == "Whether a parameter has changed these 6 runs do not tell: of none do 6 know enough."
-    (said,) = sentences(Trend(NAMES, DAYS, True, (), (course(6), course(5)), ()))
+    (said,) = sentences(Trend(NAMES, DAYS, True, (), (course(6), course(5)), (), BOTH))
     assert said.endswith("of the 2 that the model leaves open, 1 are told by single runs.")
 
 
@@ -36,5 +37,15 @@ def test_of_parameters_that_too_few_runs_tell_none_is_said_not_to_have_changed()
     ],
 )
 def test_what_is_odd_of_dates_is_named(start_s, dated, undated, said):
-    first, _ = sentences(Trend(NAMES, start_s, dated, undated, (course(6),), ()))
+    first, _ = sentences(Trend(NAMES, start_s, dated, undated, (course(6),), (), BOTH))
     assert first.startswith(said)
+
+
+def test_what_so_few_runs_could_not_tell_is_not_said_to_be_absent():
+    (said,) = sentences(Trend(NAMES, DAYS, True, (), (course(6),), (), frozenset()))
+    assert (
+        said
+        == "These 6 runs are too few to tell that one of the 1 that the model leaves open has changed, however much."
+    )
+    _, said = sentences(Trend(NAMES, DAYS, True, (), (course(6),), (), frozenset({"rise"})))
+    assert said == "A step so few runs do not tell, however large: a rise only."

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -10,6 +12,7 @@ import pytest
 from pyarrow import csv, parquet
 
 import ballscrew as face
+from drivers.recordings import find_recordings
 from tests.conftest import PAPER, ballscrew
 
 ROD = PAPER.parent / "examples" / "heated_rod"
@@ -92,3 +95,24 @@ def test_a_table_of_another_format_is_refused_before_the_work(short_log, tmp_pat
     status, out, _ = ballscrew("review", short_log, "--rig", PAPER, "--table", tmp_path / "ticks.csv", "--json")
     assert status == 0
     assert json.loads(out)["recordings"][0]["ticks"] == len(csv.read_csv(tmp_path / "ticks.csv"))
+
+
+def test_a_table_beside_its_recording_is_no_recording_the_next_time(short_log, tmp_path):
+    shutil.copy(short_log, tmp_path)
+    for k in range(2):
+        assert ballscrew("review", tmp_path, "--rig", PAPER, "--table", tmp_path / f"{k}.csv", "--quiet")[::2] == (
+            0,
+            "",
+        )
+    assert find_recordings([tmp_path]) == [tmp_path / short_log.name]
+    assert csv.read_csv(tmp_path / "1.csv").column_names[0] == "time_s"
+
+
+def test_a_table_overwrites_a_table_and_no_recording(tmp_path):
+    recording, table = Path(shutil.copy(ROD / "check.csv", tmp_path)), tmp_path / "table.csv"
+    before = recording.read_bytes()
+    status, _, err = ballscrew("review", recording, "--rig", ROD, "--table", recording)
+    assert (status, recording.read_bytes() == before) == (2, True)
+    assert "check.csv: is there, and is no table of `review`; choose another name" in err
+    for _ in range(2):
+        assert ballscrew("review", recording, "--rig", ROD, "--table", table, "--quiet")[0] == 0

@@ -309,6 +309,14 @@ def test_recordings_in_a_folder(tmp_path: Path) -> None:
     assert complaint(tmp_path / "a.truth.csv").endswith("the truth of a simulated recording, not a recording")
 
 
+def test_a_table_that_review_wrote_beside_recordings_is_none_of_them(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text('"time_s","mode","elongation_um","sigma_um"\n0,"predict",0,0\n')
+    (tmp_path / "b.csv").write_text('"recording","time_s","mode"\n"a.log",0,"predict"\n')
+    (tmp_path / "c.csv").write_text('"time_s","T01"\n0,20\n')
+    assert [path.name for path in find_recordings([tmp_path])] == ["c.csv"]
+    assert complaint(tmp_path / "a.csv").endswith("what `review --table` has written of a recording, not a recording")
+
+
 def test_a_long_log_is_read_in_bulk(tmp_path: Path) -> None:
     """Whoever calls something for every frame needs minutes for a day."""
     path = tmp_path / "long.log"

@@ -7,7 +7,7 @@ import pytest
 
 from estimator.trend import drift as module
 from estimator.trend.course import Course
-from estimator.trend.drift import FEWEST, drift
+from estimator.trend.drift import FEWEST, drift, tellable
 
 DAYS = 86400.0 * np.arange(24.0)
 
@@ -62,3 +62,9 @@ def test_runs_of_one_date_are_no_rise_of_no_length():
     days = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0]) * 86400.0
     found = drift(course(np.array([25.0, 25.1, 24.9, 25.0, 28.0, 28.1, 27.9, 28.0])), days, 1)
     assert (found.shape, found.run) == ("step", 4)
+
+
+@pytest.mark.parametrize(("runs", "told"), [(6, set()), (7, {"rise"}), (12, {"rise"}), (16, {"rise", "step"})])
+def test_few_runs_have_few_orders_and_of_many_parameters_tell_no_step(runs, told):
+    """The paper's model leaves 35 open: 35 / 6! is no chance of one in twenty."""
+    assert tellable(DAYS[:runs], 35, 0.05) == told
