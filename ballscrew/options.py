@@ -70,6 +70,14 @@ def writable_table(ctx: click.Context, param: click.Parameter, value: Path | Non
     return checked
 
 
+def writable_views(ctx: click.Context, param: click.Parameter, value: Path | None) -> Path | str | None:
+    """A file of views: one whose name says so, so that no recording is overwritten by a slip."""
+    checked = writable(ctx, param, value)
+    if value is not None and value.suffix.lower() != ".rrd":
+        raise SetupError(f"--save {value}: views are written as .rrd")
+    return checked
+
+
 def _try_to_write(path: Path) -> None:
     """Open the file without changing what is in it; a SetupError if that fails."""
     is_new = not path.exists()
@@ -95,6 +103,11 @@ def stacked(*options: Decorator) -> Decorator:
 def output_file(*names: str, **more: Any) -> Decorator:
     """A file that the command writes."""
     return click.option(*names, type=PATH, callback=writable, **more)
+
+
+def views_file(help: str) -> Decorator:
+    """The views, as rerun reads them."""
+    return click.option("--save", "rrd", type=PATH, metavar="OUT.rrd", callback=writable_views, help=help)
 
 
 def model_output(help: str = "Write the model here.") -> Decorator:
@@ -174,7 +187,7 @@ rig_options = stacked(  # --rig and --model
     rig_option(f"Rig folder; {NEAREST_RIG}"),
     model_option("Model TOML; else the rig folder's model.toml."),
 )
-save_option = output_file("--save", "rrd", metavar="OUT.rrd", help="Write the views as a rerun file.")
+save_option = views_file("Write the views as a rerun file.")
 table_option = click.option(
     "--table", type=PATH, metavar="OUT.csv|.parquet", callback=writable_table,
     help="Write what was measured and estimated, a row a tick.",

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import model_output, output_file, search_options, view_option, workspace_options
+from ballscrew.options import model_output, output_file, search_options, view_option, views_file, workspace_options
 from ballscrew.own_effect.composed_file import taken_in, write_composed
 from ballscrew.own_effect.named import Named
 from ballscrew.page.improvement_page import write_report
@@ -37,10 +37,7 @@ from estimator.rig_folder.model_toml import save_model
     "--report", "md", metavar="OUT.md|.html",
     help="Write the report here, with its pictures beside it, or in it as HTML; default: beside MODEL.",
 )  # fmt: skip
-@output_file(
-    "--save", "rrd", metavar="OUT.rrd",
-    help="Write the views, before and after, as a rerun file; default: beside MODEL.",
-)  # fmt: skip
+@views_file("Write the views, before and after, as a rerun file; default: beside MODEL.")
 @view_option
 @workspace_options
 def command(

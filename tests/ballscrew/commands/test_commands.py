@@ -128,6 +128,7 @@ def test_the_same_seed_is_the_same_recording(tmp_path):
             ["simulate", "FS-20", "-o", "a.log", "--interface", "virtual"],
             "either -o FILE for a recording, or --interface",
         ),
+        (["review", "a.log", "--save", "a.csv"], "error: --save a.csv: views are written as .rrd"),
         (["reviw"], "No such command 'reviw'"),
         (["review"], "Missing argument 'LOG...'"),
         (["review", "a.log", "--colour"], "No such option '--colour'"),
