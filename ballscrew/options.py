@@ -59,6 +59,13 @@ def writable(ctx: click.Context, param: click.Parameter, value: Path | str | Non
     return value
 
 
+def writable_result(ctx: click.Context, param: click.Parameter, value: Path | str | None) -> Path | str | None:
+    """An output file that is no recording: none is overwritten by a slip."""
+    if value is not None and value != STDOUT and Path(value).suffix.lower() in INPUTS - {".toml"}:
+        raise SetupError(f"{'/'.join(param.opts)} {value}: the name of a recording; choose another")
+    return writable(ctx, param, value)
+
+
 def writable_table(ctx: click.Context, param: click.Parameter, value: Path | None) -> Path | str | None:
     """A table's file: its name says in which format. No CSV but a table is overwritten: it may be a recording."""
     if value is not None and value.suffix.lower() not in TABLES:
@@ -102,7 +109,7 @@ def stacked(*options: Decorator) -> Decorator:
 
 def output_file(*names: str, **more: Any) -> Decorator:
     """A file that the command writes."""
-    return click.option(*names, type=PATH, callback=writable, **more)
+    return click.option(*names, **{"type": PATH, "callback": writable_result} | more)
 
 
 def views_file(help: str) -> Decorator:
@@ -134,7 +141,7 @@ def terminal_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
     return stacked(
         click.option(
-            "--json", "json_path", is_flag=False, flag_value=STDOUT, metavar="[FILE]", callback=writable,
+            "--json", "json_path", is_flag=False, flag_value=STDOUT, metavar="[FILE]", callback=writable_result,
             help="Write the result as JSON; to stdout without FILE, and the tables then go to stderr.",
         ),
         click.option("--quiet", is_flag=True, help="No tables, no progress; errors only."),

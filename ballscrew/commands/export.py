@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from ballscrew.options import logs_argument, output_file, terminal_options
+from ballscrew.options import logs_argument, output_file, terminal_options, writable
 from ballscrew.terminal import Terminal, duration
 from drivers.frames import Tally
 from drivers.logs.every_frame import every_frame
@@ -48,7 +48,7 @@ class Source:
 @click.command("export")
 @logs_argument
 @output_file(
-    "-o", "out", metavar="FILE", required=True,
+    "-o", "out", metavar="FILE", required=True, callback=writable,
     help="Log to write; its suffix says the format: .blf, .mf4, .asc, .trc or .log.",
 )  # fmt: skip
 @terminal_options

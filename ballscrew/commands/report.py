@@ -76,7 +76,10 @@ def command(work: Workspace, asked: Asked, out: Path, iso: bool, at: str | None)
 
 def _positions(rig: Rig, at: str | None) -> list[float]:
     """The positions that --at names; none: those of each recording's stroke. A rig that has none is a SetupError."""
-    rig.the_screw(), rig.the_nut()
+    if rig.screw is None or rig.nut is None:
+        raise SetupError(
+            f"--iso230-3 is of an axis: {rig.folder / 'rig.toml'} has no [screw] with a [nut]; leave it out"
+        )
     return positions.positions(at, rig) if at is not None else []
 
 

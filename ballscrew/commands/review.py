@@ -35,7 +35,7 @@ def command(work: Workspace, asked: Asked, table: Path | None, rrd: Path | None,
         from ballscrew.table.columns import table as ticks  # pyarrow takes a while to import
         from ballscrew.table.file import write
 
-        write(ticks(reviews, work.rig), table)
+        write(ticks(reviews, work.rig, len(reviews) + len(found.failed) > 1), table)
     if rrd is not None:
         from ballscrew.report.review_views import save_views  # rerun takes half a second to import
 

@@ -8,7 +8,7 @@
     input_NAME        of each input of the rig, as measured
     clock             of the tick, where the log's clock tells a date
 
-What is not known is null. With more than one recording a first column `recording` tells them apart.
+What is not known is null. Where several recordings were given a first column `recording` tells them apart.
 """
 
 from __future__ import annotations
@@ -30,10 +30,13 @@ LINES = ("measured", "predicted", "innovation", "innovation_sd")  # of a channel
 Column = tuple[str, Array, str]  # name, values (K,), unit
 
 
-def table(reviews: Sequence[Review], rig: Rig) -> pa.Table:
-    """All ticks of some recordings, one after the other; the unit of a column is in its field's metadata."""
+def table(reviews: Sequence[Review], rig: Rig, several: bool) -> pa.Table:
+    """All ticks of recordings, one after the other; the unit of a column is in its field's metadata.
+
+    several  whether more than one recording was given, be it that not all could be used
+    """
     tables = [_table(review, rig) for review in reviews]
-    if len(tables) == 1:
+    if not several:
         return tables[0]
     named = [one.add_column(0, "recording", _names(r)) for one, r in zip(tables, reviews, strict=True)]
     return pa.concat_tables(named, promote_options="default")  # a model's profile begins where its run has

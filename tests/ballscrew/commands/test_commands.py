@@ -304,3 +304,14 @@ def test_ctrl_c_ends_with_130():
 def test_every_word_after_an_option_for_many_belongs_to_it(given, meant):
     """A shell's more/*.log after --held-out must not be taken for recordings to fit."""
     assert all_named(given.split()) == meant.split()
+
+
+@pytest.mark.parametrize("words", [("review", "--json={}"), ("fit", "-o", "{}"), ("tune", "-o", "{}")])
+def test_no_result_is_written_over_a_recording(tmp_path, words):
+    log = tmp_path / "check.csv"
+    log.write_text("time,TC1\n")
+    command, *rest = words
+    status, _, err = run(command, log, *(word.format(log) for word in rest))
+    assert status == 2
+    assert f"{log}: the name of a recording; choose another" in err
+    assert log.read_text() == "time,TC1\n"

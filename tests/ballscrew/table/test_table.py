@@ -116,3 +116,10 @@ def test_a_table_overwrites_a_table_and_no_recording(tmp_path):
     assert "check.csv: is there, and is no table of `review`; choose another name" in err
     for _ in range(2):
         assert ballscrew("review", recording, "--rig", ROD, "--table", table, "--quiet")[0] == 0
+
+
+def test_a_recording_of_two_that_could_be_read_keeps_its_name_in_the_table(tmp_path):
+    (tmp_path / "torn.csv").write_text("hello\n")
+    path = tmp_path / "rods.parquet"
+    assert ballscrew("review", ROD / "check.csv", tmp_path / "torn.csv", "--rig", ROD, "--table", path)[0] == 1
+    assert parquet.read_table(path)["recording"].unique().to_pylist() == ["check.csv"]
