@@ -98,4 +98,4 @@ def test_a_rig_without_a_screw_has_a_page_and_no_drift(tmp_path):
     assert "No reference: how far the elongation is off is not known." in out
     assert "elongation not judged" in text
     status, _, err = run("report", csv, "--iso230-3", "-o", tmp_path / "rod.html")
-    assert (status, "needs [" in err) == (2, True)
+    assert (status, "has no [screw] with a [nut]" in err) == (2, True)
