@@ -1,10 +1,11 @@
 """The columns of the table: a row a tick, each column with its unit, in this order.
 
     time_s, mode, elongation_um, sigma_um, smoothed_um, smoothed_sigma_um, open_loop_um, error_at_table_um,
-    error_at_table_sd_um, nis, reference_um
+    error_at_table_sd_um, nis
     NAME_measured, NAME_predicted, NAME_innovation, NAME_innovation_sd, NAME_used     of each channel
     x_MM_C            temperature of the screw each 20 mm
     body_NAME_C       of each body that the model has: nut, housings, or those of a rig without a screw
+    reference_um      what the estimates are judged by
     input_NAME        of each input of the rig, as measured
     clock             of the tick, where the log's clock tells a date
 
@@ -20,7 +21,7 @@ import numpy as np
 import pyarrow as pa
 
 from estimator.accuracy.review import Review
-from estimator.record import Array, Recording
+from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Mode
 
@@ -47,7 +48,7 @@ def _names(review: Review) -> pa.Array:
 
 
 def _table(review: Review, rig: Rig) -> pa.Table:
-    told = _estimate(review), _channels(review, rig), _temperatures(review, rig), _inputs(review.recording, rig)
+    told = _estimate(review), _channels(review, rig), _temperatures(review, rig), _beside(review, rig)
     fields, arrays = zip(*(_field(*column) for column in chain(*told)), strict=True)
     return pa.Table.from_arrays(list(arrays), schema=pa.schema(fields))
 
@@ -69,7 +70,6 @@ def _estimate(review: Review) -> Iterator[Column]:
     yield "error_at_table_um", track.error_at_table_um, "um"
     yield "error_at_table_sd_um", track.error_at_table_sd_um, "um"
     yield "nis", track.nis, "1"
-    yield "reference_um", review.reference, "um"
 
 
 def _channels(review: Review, rig: Rig) -> Iterator[Column]:
@@ -98,7 +98,9 @@ def _at(at_mm: float, x_mm: Array, profile: Array) -> Array:
     return profile[:, right - 1] * (1 - share) + profile[:, right] * share
 
 
-def _inputs(recording: Recording, rig: Rig) -> Iterator[Column]:
+def _beside(review: Review, rig: Rig) -> Iterator[Column]:
+    recording = review.recording
+    yield "reference_um", review.reference, "um"
     for name, values in recording.inputs.items():
         yield f"input_{name}", values, rig.inputs[name].unit
     if recording.began_s is not None:

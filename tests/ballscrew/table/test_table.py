@@ -39,9 +39,9 @@ def test_a_parquet_holds_what_review_found_to_the_bit_with_units(short_log, foun
     path = tmp_path / "ticks.parquet"
     assert ballscrew("review", short_log, "--rig", PAPER, "--table", path)[0] == 0
     rows, track = parquet.read_table(path), review.track
-    assert rows.column_names[:11] == [
+    assert rows.column_names[:10] == [
         "time_s", "mode", "elongation_um", "sigma_um", "smoothed_um", "smoothed_sigma_um", "open_loop_um",
-        "error_at_table_um", "error_at_table_sd_um", "nis", "reference_um",
+        "error_at_table_um", "error_at_table_sd_um", "nis",
     ]  # fmt: skip
     for name, series in {
         "time_s": track.time_s, "elongation_um": track.elongation_um, "sigma_um": track.sigma_um,
