@@ -122,6 +122,21 @@ class Expand:
 
 
 @dataclass(frozen=True, eq=False)
+class Hold:
+    """The bearing at `by_mm` holds the screw along its axis as the anchor bearing at `anchor_mm` does.
+
+    Of the growth that the screw between them would have were it free,
+    squeeze  is the share that is pressed back, evenly along what lies between them
+    give     the share by which the anchor bearing gives way, away from the other one
+    """
+
+    anchor_mm: float
+    by_mm: float
+    squeeze: Any
+    give: Any
+
+
+@dataclass(frozen=True, eq=False)
 class Shift:
     """What links to a measured input feel is not what its sensor shows: input + by over.
 
@@ -134,6 +149,6 @@ class Shift:
     over: Any = 1.0
 
 
-Term = Store | Chain | Link | Heat | Read | Lag | Expand | Shift
-OF_READINGS = (Read, Lag, Expand)  # what says how channels read
+Term = Store | Chain | Link | Heat | Read | Lag | Expand | Hold | Shift
+OF_READINGS = (Read, Lag, Expand, Hold)  # what says how channels read
 OF_TICKS = (Heat, Read, Shift)  # what is said of each tick: the others say something of a regime, or of the run

@@ -45,7 +45,12 @@ settings.load_profile("ballscrew")
 
 PAPER = Path(__file__).parents[1] / "recordings"
 FAST = 174.5  # rad/s: 20 m/min
-WITH_BEARINGS = {"bearing_speed_exponent", "support_yield", "motor_heat"}  # as all that are named after a bearing
+WITH_BEARINGS = {
+    "bearing_speed_exponent",
+    "support_yield",
+    "motor_heat",
+    "held_ends",
+}  # as all that are named after a bearing
 SMALL = [  # effects that the small rig can serve
     effect
     for effect in CATALOGUE.values()

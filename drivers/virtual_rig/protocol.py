@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drivers.virtual_rig.machine.geometry import OMEGA_20, SPAN_MM, TABLE_MM, nut_centre_mm
+from drivers.virtual_rig.machine.geometry import OMEGA_20
 from drivers.virtual_rig.machine.heat import ThermalRig, step_middles
+from drivers.virtual_rig.machine.held import Growths
 from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
-from drivers.virtual_rig.machine.screw import growth_weights
 from drivers.virtual_rig.sensors.jig import Jig
 from drivers.virtual_rig.sensors.probes import OVER_RANGE, Gauge, Probes, Reading
 from drivers.virtual_rig.sensors.truth import Truth
@@ -34,13 +34,10 @@ class Experiment:
     """One run under way: the rig, the operator's eye on the held readings, and what has happened so far."""
 
     def __init__(
-        self, rig: ThermalRig, probes: Probes, travel: Travel, expansion: float, draw: np.random.Generator
+        self, rig: ThermalRig, probes: Probes, travel: Travel, growths: Growths, draw: np.random.Generator
     ) -> None:
         self.rig, self.probes, self.travel, self.draw = rig, probes, travel, draw
-        anchor, start = rig.machine.anchor.centre, rig.weather.start
-        self.motor_growth = growth_weights(anchor, SPAN_MM[1], expansion)
-        self.free_growth = growth_weights(SPAN_MM[0], anchor, expansion)
-        self.table_growth = np.array([growth_weights(nut_centre_mm(at), anchor, expansion) for at in TABLE_MM])
+        self.growths, start = growths, rig.weather.start
         self.jig = Jig(start, start, start + rig.machine.jig.board_self_heating)
         self.rows: list[tuple] = []
         self.held: list[tuple[float, float, float, int]] = []
@@ -86,10 +83,10 @@ class Experiment:
     def _record(self, t: float) -> None:
         rig, weather = self.rig, self.rig.weather
         rise = rig.mean - weather.start
-        motor, free = float(self.motor_growth @ rise), float(self.free_growth @ rise)
+        motor, free = float(self.growths.motor @ rise), float(self.growths.free @ rise)
         nut = rig.now.bodies[0]
         around = (weather.ambient(t), weather.base(t), *rig.brackets, nut, self.jig.probe, self.jig.bar)
-        table = self.table_growth @ rise
+        table = self.growths.table @ rise
         self.rows.append((t, rig.at_channels, motor, free, table, around, self.jig.board, rig.anchor_seat, *rig.torque))
 
     def _watch(self, t: float, plan: Plan) -> None:

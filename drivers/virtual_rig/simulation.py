@@ -9,6 +9,7 @@ from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.experiments import stroke
 from drivers.virtual_rig.machine.heat import ThermalRig
 from drivers.virtual_rig.machine.heaters import Heaters, heaters
+from drivers.virtual_rig.machine.held import Growths
 from drivers.virtual_rig.machine.motion import Travel
 from drivers.virtual_rig.machine.planted import BASE, Strengths, strengths
 from drivers.virtual_rig.machine.weather import weather
@@ -60,8 +61,9 @@ def simulate(
     rig = ThermalRig(built, at_first, weather(seed, name, strength), heaters(seed, at_first, built.sources))
     rig.change(onset_s, strength, sources)
     expansion = built.screw.expansion * (1.0 + EXPANSION_ERROR * strength["expansion_error"])
+    growths = Growths.of(built.anchor.centre, built.free.centre, expansion, strength["held_ends"])
     travel, draw = Travel(stroke(name)), dice(seed, name, "hold")
-    experiment = Experiment(rig, probes(seed, strength, built.sensors), travel, expansion, draw)
+    experiment = Experiment(rig, probes(seed, strength, built.sensors), travel, growths, draw)
     experiment.run(Plan(max_drive_s, stop_s, cycles, seconds), progress)
     began = Began(onset_s, at_first, strength)
     return _finished(name, seed, built, began, sources, experiment)

@@ -1,12 +1,13 @@
 """The catalogue of effects, one file per place on the rig.
 
-In the order to read them: screw, nut, bearings, friction, air, surroundings, local, readings, length.
+In the order to read them: screw, nut, bearings, friction, air, surroundings, local, readings, length,
+held.
 """
 
 from __future__ import annotations
 
 from estimator.effect import Effect
-from estimator.effects import air, bearings, friction, length, local, nut, readings, screw, surroundings
+from estimator.effects import air, bearings, friction, held, length, local, nut, readings, screw, surroundings
 
 STRUCTURE: tuple[type[Effect], ...] = (
     screw.Conduction,
@@ -16,6 +17,7 @@ STRUCTURE: tuple[type[Effect], ...] = (
     bearings.FreeFriction,
     readings.Thermometers,
     length.Displacement,
+    held.HeldEnds,
 )
 HEAT: tuple[type[Effect], ...] = (
     air.RotatingConvection,

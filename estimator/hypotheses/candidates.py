@@ -14,7 +14,7 @@ from estimator.inputs.inputs import no_inputs, nothing
 from estimator.model import Model
 from estimator.network.check import checked_terms
 from estimator.rig import Rig
-from estimator.terms import Expand, Lag, Read, Store, Term
+from estimator.terms import OF_READINGS, Store, Term
 
 APART_MM = 30.0  # places tried along the screw are about so far apart
 
@@ -78,7 +78,7 @@ def at_null(model: Model, effect: type[Effect]) -> Model:
 def kind_of(model: Model, name: str, rig: Rig) -> str:
     """Whether an effect of a model moves temperatures, or only readings."""
     terms = _at_ones(model, name, rig)
-    return "reading" if terms and all(isinstance(term, (Read, Lag, Expand)) for term in terms) else "heat"
+    return "reading" if terms and all(isinstance(term, OF_READINGS) for term in terms) else "heat"
 
 
 def _at_ones(model: Model, name: str, rig: Rig) -> list[Term]:

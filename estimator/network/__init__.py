@@ -1,1 +1,2 @@
-"""Terms into a thermal network, and one tick: mesh, sound, check, assemble, discretise, regime, unknown, forcing."""
+"""Terms into a thermal network, and one tick: mesh, growth, sound, check, assemble, discretise, regime,
+unknown, forcing."""

@@ -16,9 +16,10 @@ import numpy as np
 
 from estimator.inputs.inputs import Inputs
 from estimator.network import mesh
+from estimator.network.growth import Growth
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.terms import ELONGATION, SCREW, Chain, Expand, Heat, Lag, Link, Read, Shift, Spot, Store, Term
+from estimator.terms import ELONGATION, SCREW, Chain, Heat, Lag, Link, Read, Shift, Spot, Store, Term
 
 Projection = Callable[[Any, Any, Array], Array]
 
@@ -219,17 +220,11 @@ def outside(terms: Sequence[Term], u: Inputs, place: Layout) -> Array:
     return np.hstack([np.empty((len(u), 0)), *(u[name] for name in place.inputs), *shifts])
 
 
-def growth(terms: Sequence[Term], rig: Rig, place: Layout, from_mm: Array | float, to_mm: Array | float) -> Array:
-    """Weights (..., n) um/K: growth of the screw between two places; zeros without a screw."""
-    if rig.screw is None or SCREW not in place.nodes:
-        return np.zeros((*np.shape(from_mm), place.size))
-    share = 1.0 + sum(term.error for term in terms if isinstance(term, Expand))
-    return np.asarray(share * rig.screw.growth(from_mm, to_mm) @ place.rows(SCREW))
-
-
 def span_growth(terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
-    """Weights (n,) um/K: growth of the measured span."""
-    return growth(terms, rig, place, *rig.screw.span_mm) if rig.screw else np.zeros(place.size)
+    """Weights (n,) um/K: growth of the measured span; zeros without a screw."""
+    if rig.screw is None or SCREW not in place.nodes:
+        return np.zeros(place.size)
+    return np.asarray(Growth(terms, rig).span() @ place.rows(SCREW))
 
 
 def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:

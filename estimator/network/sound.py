@@ -23,6 +23,7 @@ from estimator.terms import (
     Chain,
     Expand,
     Heat,
+    Hold,
     Lag,
     Link,
     Read,
@@ -69,6 +70,12 @@ NUMBERS: Mapping[type, Mapping[str, Number]] = {  # wide enough for any machine
     },
     Lag: {"tau": Number(ONE, 0.0, 1e6, "s"), "noise": Number(ONE, 0.0, 1e6), "own_sd": Number(ONE, 0.0, 10.0)},
     Expand: {"error": Number(ONE, -0.9, 9.0)},
+    Hold: {
+        "anchor_mm": Number(ONE, -1e6, 1e6, "mm"),
+        "by_mm": Number(ONE, -1e6, 1e6, "mm"),
+        "squeeze": Number(ONE, 0.0, 1.0),
+        "give": Number(ONE, 0.0, 1.0),
+    },
     Shift: {"by": Number(TICKS, -1e4, 1e4, forced=True), "over": Number(CELLS, -1e6, 1e6)},
 }
 WEIGHTS = (-1e6, 1e6)
@@ -166,6 +173,8 @@ def _words(term: Term, rig: Rig) -> Iterator[str]:
         yield f"'{term.node}' stores no heat; choose another name"
     if isinstance(term, Chain) and term.node != SCREW:
         yield "a Chain is along the screw; between bodies there are Links"
+    if isinstance(term, Hold) and term.anchor_mm == term.by_mm:
+        yield "both its bearings are at one place"
     if isinstance(term, Link) and term.a == term.b:
         yield "both its ends are the same"
     if isinstance(term, Read) and not (isinstance(term.weights, Mapping) and all(map(_is_text, term.weights))):

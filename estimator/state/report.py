@@ -11,6 +11,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.state.run import Run, variances
 from estimator.state.state import State
+from estimator.state.view import Mounting
 from estimator.step import Mode, TableErrors, Track
 
 
@@ -67,7 +68,7 @@ class Reporter:
     def __init__(self, run: Run) -> None:
         self._rig, self._view, self._state, self._run = run.forcing.rig, run.view, run.state, run
         self._zeros = run.state.channel_zeros(run.x)
-        self._position = Held()
+        self._position, self._mounting = Held(), Mounting(run.view, run.forcing)
 
     @property
     def begun(self) -> Estimates:
@@ -106,7 +107,7 @@ class Reporter:
         grown_um = self._run.began_um + estimates.grown_um
         elongation = state.elongation(grown_um)
         position = self._position.held(rows.inputs.get("position", np.full(len(rows), np.nan)))
-        table, table_sd = self._table_error(view.table_error(position)[:, None], estimates)
+        table, table_sd = self._table_error(position[:, None], estimates)
         variance = variances(elongation[:, None], P)[:, 0] + (estimates.doubt_um**2).sum(axis=1)
         return Track(
             view.x_mm,
@@ -142,7 +143,7 @@ class Reporter:
 
     def table_errors(self, at_mm: Array, estimates: Estimates) -> TableErrors:
         """The error at the table, were it at places (p,) mm."""
-        return TableErrors(at_mm, *self._table_error(self._view.table_error(at_mm), estimates))
+        return TableErrors(at_mm, *self._table_error(at_mm, estimates))
 
     def _temperatures(self, estimates: Estimates) -> tuple[Array, Array]:
         """Temperatures (K, n) and their covariance (K, n, n), what they are in doubt by counted in."""
@@ -150,16 +151,20 @@ class Reporter:
         doubt = estimates.doubt[:, at]
         return estimates.x[:, at], estimates.P[:, at, at] + doubt @ doubt.mT
 
-    def _table_error(self, weights: Array, estimates: Estimates) -> tuple[Array, Array]:
-        """Growth since the start by weights (p, n), or (K, p, n) um/K, of View.table_error, and its sd: (K, p) um each.
+    def _table_error(self, at_mm: Array, estimates: Estimates) -> tuple[Array, Array]:
+        """Growth since the start by weights w of View.table_error at (p,), or (K, p), mm, and its sd: (K, p) um each.
 
-        growth (1 + e), e the error of the expansion coefficient;   var = w' P_z w + growth^2 P_e + (sum(w) zero_sd)^2
+        growth (1 + e), e the error of the expansion coefficient;   var = w' P_z w + growth^2 P_e + (sum(w) zero_sd)^2,
+        and what the mounting of the screw adds
         """
+        weights = self._view.table_error(at_mm)
         at = self._state.expansion
         z, P_z = self._temperatures(estimates)
-        growth = (weights * (z - self._run.zero)[:, None]).sum(axis=-1)
+        rise = z - self._run.zero
+        growth = (weights * rise[:, None]).sum(axis=-1)
         variance = variances(weights, P_z) + growth**2 * estimates.P[:, at, at, None]
         variance += (weights.sum(axis=-1) * self._rig.zero_sd_K) ** 2
+        variance += self._mounting.variance(at_mm, rise)
         return growth * (1.0 + estimates.x[:, at, None]), np.sqrt(variance)
 
 

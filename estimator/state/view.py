@@ -7,10 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.network import mesh
-from estimator.network.assemble import Layout, growth, span_growth
+from estimator.network.assemble import Layout, span_growth
+from estimator.network.forcing import Forcing
+from estimator.network.growth import Growth
 from estimator.record import Array
 from estimator.rig import Rig
-from estimator.terms import SCREW, Term
+from estimator.terms import SCREW, Hold, Term
 
 PLACES = 99
 
@@ -39,7 +41,9 @@ class View:
         self.profile[:, :knots] = mesh.shapes(place.knots_mm, self.x_mm)
 
     def table_error(self, position_mm: Array | float) -> Array:
-        """Weights (..., n) um/K of the growth between the anchor bearing and the nut's centre, positive = longer.
+        """Weights (..., n) um/K of how far the nut's centre moves away from the place of the anchor bearing.
+
+        That is the growth between them, less what the bearing gives way where another one holds the screw too.
 
         NaN where the position is not known or the rig has no such thing.
         """
@@ -48,5 +52,38 @@ class View:
             return np.full((*position.shape, self.place.size), np.nan)
         anchor = rig.supports["anchor"].at_mm
         nut = np.where(np.isfinite(position), rig.nut.centre(position), anchor)
-        weights = growth(self._terms, rig, self.place, np.minimum(nut, anchor), np.maximum(nut, anchor))
+        weights = Growth(self._terms, rig).away(anchor, nut) @ self.place.rows(SCREW)
         return np.where(np.isfinite(position)[..., None], weights, np.nan)
+
+
+class Mounting:
+    """What the error at the table is in doubt by where two bearings hold the screw.
+
+        var = g' rho g,      g_i = (w(p_i + sd_i) - w(p_i)) (z - z_0)
+
+    w are the weights of `View.table_error`, p_i the parameters that say how the screw is held, rho how their errors
+    correlate. What they do to temperatures and elongation is the matter of doubt.py, and is added apart.
+    """
+
+    def __init__(self, view: View, forcing: Forcing) -> None:
+        model, rig = forcing.model, forcing.rig
+        holding = {name for name in model.effects if _holds(model.terms_of(name, forcing.nothing, rig))}
+        self._view = view
+        self._paths = [path for path in model.doubts.paths if path.partition(".")[0] in holding]
+        covariance = model.covariance(self._paths)
+        sd = np.sqrt(np.diag(covariance))
+        self._rho = covariance / np.outer(sd, sd)
+        others = [model.with_values({path: model[path] + x}) for path, x in zip(self._paths, sd, strict=True)]
+        self._moved = [View(rig, forcing.place, list(other.terms(forcing.nothing, rig))) for other in others]
+
+    def variance(self, at_mm: Array, rise: Array) -> Array:
+        """Of the growth at places (p,), or (K, p), mm, at rises (K, n) of the states: (K, p) um2."""
+        if not self._moved:
+            return np.zeros((len(rise), 1))
+        usual = self._view.table_error(at_mm)
+        g = np.array([((view.table_error(at_mm) - usual) * rise[:, None]).sum(axis=-1) for view in self._moved])
+        return np.asarray(np.einsum("ikp,ij,jkp->kp", g, self._rho, g))
+
+
+def _holds(terms: Sequence[Term]) -> bool:
+    return any(isinstance(term, Hold) for term in terms)

@@ -42,6 +42,7 @@ PLANTED = {
     "board_drift": "all channels read 0.5 K more per 10 K of board temperature rise",
     "channel_offset": "0.3 K on one channel chosen by the seed, from the first motion on",
     "channel_gain": "5 % of its rise on one channel that warms, chosen by the seed",
+    "held_ends": "the free bearing holds the screw along its axis with 700 N/um, the anchor bearing with 900",
     "rubbing_cover": "6 W into 30 mm of screw at a place chosen by the seed at 20 m/min, ~ omega^2",
     "parked_chips": "1.5 W into 30 mm of screw at a place chosen by the seed, at rest after the first motion",
     "stop_blast": "8 W out of 30 mm of screw at a place chosen by the seed after each stop, fading with 300 s",

@@ -7,6 +7,7 @@ import numpy as np
 
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.machine.geometry import ANCHOR_BEARING_MM, LEAD_MM, nut_centre_mm
+from drivers.virtual_rig.machine.held import YOUNG_PA
 from drivers.virtual_rig.machine.motion import Stroke, TableMotion
 from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.screw import AREA_M2
@@ -21,7 +22,6 @@ HOLD_ERROR_UM = 0.19  # largest loss of a held peak
 EXTRA = 2.0  # planted: probes or bar expand by twice their own coefficient more
 YIELD_UM_PER_K = 0.54  # planted: the anchor's support moves the motor-side probes as it warms
 TABLE_KG = 250.0
-YOUNG_PA = 206e9
 TAPE_MM = 18.0
 HOLD_TURNS = 1.3  # the peak hold opens at the tape's edge and is frozen 1.3 turns later
 

@@ -25,7 +25,7 @@ from estimator.terms import Expand, Heat, Lag, Read, Spot, Store
 from tests.conftest import terms_of
 
 EFFECTS = list(CATALOGUE.values())
-WITHOUT_NULL = {"conduction", "displacement"}  # without them there is no bar, or no channel
+WITHOUT_NULL = {"conduction", "displacement", "held_ends"}  # the bar, a channel, and how the bar is mounted
 ALWAYS = {"local_heat"}  # heats at rest, too
 
 
