@@ -8,8 +8,8 @@ import numpy as np
 
 from drivers.virtual_rig.machine.geometry import OMEGA_20
 from drivers.virtual_rig.machine.heat import ThermalRig, step_middles
-from drivers.virtual_rig.machine.held import Growths
 from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
+from drivers.virtual_rig.machine.screw import Growths
 from drivers.virtual_rig.sensors.jig import Jig
 from drivers.virtual_rig.sensors.probes import OVER_RANGE, Gauge, Probes, Reading
 from drivers.virtual_rig.sensors.truth import Truth

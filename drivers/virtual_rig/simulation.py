@@ -9,9 +9,9 @@ from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.experiments import stroke
 from drivers.virtual_rig.machine.heat import ThermalRig
 from drivers.virtual_rig.machine.heaters import Heaters, heaters
-from drivers.virtual_rig.machine.held import Growths
 from drivers.virtual_rig.machine.motion import Travel
 from drivers.virtual_rig.machine.planted import BASE, Strengths, strengths
+from drivers.virtual_rig.machine.screw import Growths
 from drivers.virtual_rig.machine.weather import weather
 from drivers.virtual_rig.population import draw as population
 from drivers.virtual_rig.population.constants import Machine

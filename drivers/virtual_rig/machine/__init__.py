@@ -1,2 +1,2 @@
-"""What heats, moves and grows: heat, flows, screw, held, nut, bearings, air, heaters, drawn, weather, motion, geometry,
+"""What heats, moves and grows: heat, flows, screw, nut, bearings, air, heaters, drawn, weather, motion, geometry,
 and what is planted."""

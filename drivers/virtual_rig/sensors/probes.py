@@ -7,10 +7,9 @@ import numpy as np
 
 from drivers.virtual_rig.dice import dice
 from drivers.virtual_rig.machine.geometry import ANCHOR_BEARING_MM, LEAD_MM, nut_centre_mm
-from drivers.virtual_rig.machine.held import YOUNG_PA
 from drivers.virtual_rig.machine.motion import Stroke, TableMotion
 from drivers.virtual_rig.machine.planted import Strengths
-from drivers.virtual_rig.machine.screw import AREA_M2
+from drivers.virtual_rig.machine.screw import AREA_M2, YOUNG_PA
 from drivers.virtual_rig.population.constants import Sensors
 
 RANGE_UM = 50.0

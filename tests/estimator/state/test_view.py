@@ -8,7 +8,7 @@ import pytest
 from drivers.logs.truth import read_truth
 from drivers.recordings import read_recording
 from drivers.virtual_rig import simulate, write
-from drivers.virtual_rig.machine.held import ANCHOR_N_UM, FREE_N_UM
+from drivers.virtual_rig.machine.screw import ANCHOR_N_UM, FREE_N_UM
 from estimator.batch.replay import Replay
 from estimator.effects.held import HeldEnds
 
