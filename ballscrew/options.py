@@ -194,6 +194,10 @@ rig_options = stacked(  # --rig and --model
     rig_option(f"Rig folder; {NEAREST_RIG}"),
     model_option("Model TOML; else the rig folder's model.toml."),
 )
+workers_option = click.option(
+    "--workers", type=click.IntRange(min=1), metavar="N",
+    help="Processes that share the recordings; default: one a core where these are long. The result is the same.",
+)  # fmt: skip
 save_option = views_file("Write the views as a rerun file.")
 table_option = click.option(
     "--table", type=PATH, metavar="OUT.csv|.parquet", callback=writable_table,

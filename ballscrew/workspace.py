@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -17,6 +15,7 @@ import click
 from ballscrew.doubts.guesses import guesses
 from ballscrew.own_effect.patience import patience
 from ballscrew.terminal import Terminal
+from ballscrew.workers.processes import enough, working
 from drivers.logs.joined import Progress
 from drivers.logs.truth import Truth, read_truth
 from drivers.recordings import find_recordings, read_joined, read_recording
@@ -67,9 +66,13 @@ class Workspace:
         return [one.recording for one in self.loaded]
 
     @contextmanager
-    def runs(self, label: str, total: float | None = 1.0) -> Iterator[Runs]:
-        """The recordings to use, with a thread for each core, and a bar that shows how far the work is."""
-        with self.terminal.progress(label, total) as update, threads() as workers:
+    def runs(self, label: str, total: float | None = 1.0, processes: int | None = 1) -> Iterator[Runs]:
+        """The recordings to use, with their workers, and a bar that shows how far the work is.
+
+        `processes` share them; None: as many as serve recordings so long
+        """
+        lengths_s = [float(one.time_s[-1] - one.time_s[0]) for one in self.recordings]
+        with self.terminal.progress(label, total) as update, working(processes or enough(lengths_s)) as workers:
             yield Runs(self.rig, self.recordings, workers, lambda stage, done: update(done, stage))
 
     @property
@@ -217,13 +220,6 @@ def _read(parts: Sequence[Path], rig: Rig, progress: Progress) -> Loaded:
     if len(parts) == 1:
         return Loaded(parts[0], read_recording(parts[0], rig, progress))
     return Loaded(*read_joined(parts, rig, progress))
-
-
-@contextmanager
-def threads() -> Iterator[Workers]:
-    """A `map` with a thread for each core: the compiled engine works without Python's lock."""
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        yield pool.map
 
 
 def runs_of(rig: Rig, loaded: Sequence[Loaded], workers: Workers = map) -> Runs:

@@ -39,6 +39,9 @@ class EffectError(SetupError):
         super().__init__(message)
         self.effect = effect
 
+    def __reduce__(self) -> tuple[type[EffectError], tuple[str, str]]:
+        return EffectError, (self.effect, str(self))  # as it travels between processes
+
 
 def nearest(word: str, known: Iterable[str]) -> str:
     """Say which known word was probably meant, or which there are: the last part of an error line."""

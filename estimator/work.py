@@ -17,6 +17,12 @@ def silent(stage: str, done: float) -> None:
     """Progress that nobody hears."""
 
 
+def kept(workers: Workers) -> Workers:
+    """Those of workers that keep what they are given, for a job on each of some recordings: processes, if there are."""
+    found: Workers = getattr(workers, "kept", workers)
+    return found
+
+
 @dataclass(frozen=True)
 class Runs:
     """Recordings of one rig to work on. The engine needs no lock of Python's, so that threads serve as workers."""
@@ -28,4 +34,4 @@ class Runs:
 
     def each(self, job: Callable[[Recording], Any]) -> list[Any]:
         """What a job makes of every recording."""
-        return list(self.workers(job, self.recordings))
+        return list(kept(self.workers)(job, self.recordings))

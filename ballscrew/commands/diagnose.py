@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import join_option, save_option, workspace_options
+from ballscrew.options import join_option, save_option, workers_option, workspace_options
 from ballscrew.report.diagnosis_report import as_json, print_diagnosis, sections
 from ballscrew.report.sections import Section
 from ballscrew.workspace import Workspace
@@ -18,8 +18,9 @@ from estimator.missing_heat.diagnose import diagnose
 @click.command("diagnose")
 @join_option
 @save_option
+@workers_option
 @workspace_options
-def command(work: Workspace, join: bool, rrd: Path | None) -> int:
+def command(work: Workspace, join: bool, rrd: Path | None, workers: int | None) -> int:
     """Say whether a model is adequate for all LOGs, where it fails, and what the failure follows.
 
     What the model alone leaves is divided into heat that it lacks, by place and time, and errors of single readings;
@@ -28,7 +29,7 @@ def command(work: Workspace, join: bool, rrd: Path | None) -> int:
     """
     work.read(join=join)
     work.terminal.say_if_compiling("passes", "ahead")
-    with work.runs("diagnosing") as runs:
+    with work.runs("diagnosing", processes=workers) as runs:
         diagnosis = diagnose(work.model, runs)
         runs.progress("looking for what began within a run", 0.95)
         trials = Trials([found.misfit.trial for found in diagnosis.maps], runs.workers, diagnosis.uses)

@@ -14,12 +14,12 @@ from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_model, open_rig
 from estimator.battery.battery import Finding, battery
 from estimator.effect import Effect
-from estimator.effects import HEAT, READING, STRUCTURE
+from estimator.effects import HEAT, MOUNTING, READING, STRUCTURE
 from estimator.errors import InputError, SetupError
 from estimator.model import Model
 from estimator.rig import Rig
 
-KINDS = {"structure": STRUCTURE, "heat": HEAT, "reading": READING}
+KINDS = {"structure": STRUCTURE, "mounting": MOUNTING, "heat": HEAT, "reading": READING}
 
 
 @click.command("effects")

@@ -8,7 +8,15 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import model_output, output_file, search_options, view_option, views_file, workspace_options
+from ballscrew.options import (
+    model_output,
+    output_file,
+    search_options,
+    view_option,
+    views_file,
+    workers_option,
+    workspace_options,
+)
 from ballscrew.own_effect.composed_file import taken_in, write_composed
 from ballscrew.own_effect.named import Named
 from ballscrew.page.improvement_page import write_report
@@ -24,7 +32,8 @@ from ballscrew.report.improvement_report import (
 from ballscrew.report.use_report import print_use
 from ballscrew.search import effects_to_try, verdict_of
 from ballscrew.terminal import INTERRUPTED
-from ballscrew.workspace import Workspace, runs_of, threads
+from ballscrew.workers.processes import working
+from ballscrew.workspace import Workspace, runs_of
 from estimator.missing_effect.improve import Improvement, improve
 from estimator.model import Model
 from estimator.rig_folder.model_toml import save_model
@@ -39,10 +48,11 @@ from estimator.rig_folder.model_toml import save_model
 )  # fmt: skip
 @views_file("Write the views, before and after, as a rerun file; default: beside MODEL.")
 @view_option
+@workers_option
 @workspace_options
 def command(
     work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], compose: Path | None, out: Path, md: Path | None,
-    rrd: Path | None, view: bool,
+    rrd: Path | None, view: bool, workers: int | None,
 ) -> int:  # fmt: skip
     """Add the effects that are missing from the model, one at a time, until none makes all LOGs clearly better.
 
@@ -53,7 +63,7 @@ def command(
     effects = effects_to_try(work, own)
     taken = taken_in(compose) if compose is not None else None
     work.read_once(held_out)
-    with work.runs("improving") as runs:
+    with work.runs("improving", processes=workers) as runs:
         kept_apart = runs_of(work.rig, work.held_out, runs.workers)
         improvement = improve(work.model, runs, kept_apart, [one.effect for one in effects], taken)
     if compose is not None:
@@ -96,7 +106,7 @@ def _felt(work: Workspace, improvement: Improvement, after: Model) -> list[AtThe
     """What the filter leaves at the table before and after; nothing after Ctrl-C."""
     if improvement.last is None:
         return []
-    with work.terminal.progress("asking what the axis feels", None), threads() as workers:
+    with work.terminal.progress("asking what the axis feels", None), working() as workers:
         runs = {
             name: runs_of(work.rig, some, workers)
             for name, some in (("used", work.loaded), ("held out", work.held_out))
@@ -112,7 +122,7 @@ def _drawn(
     from ballscrew.report import comparison_views as views  # rerun takes a while
 
     assert improvement.last is not None
-    with work.terminal.progress("drawing before and after", None), threads() as workers:
+    with work.terminal.progress("drawing before and after", None), working() as workers:
         apart = {one.apart for one in improvement.apart}
         kept = [one for one in work.loaded if one.recording.name not in apart]
         verdict = verdict_of(improvement.last, runs_of(work.rig, kept, workers), runs_of(work.rig, []))

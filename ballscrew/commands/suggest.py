@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import PATH, save_option, search_options, workspace_options
+from ballscrew.options import PATH, save_option, search_options, workers_option, workspace_options
 from ballscrew.own_effect.composed_file import taken_in, write_composed
 from ballscrew.own_effect.named import Named
 from ballscrew.report.search.search_report import as_json, print_verdict, ranked, section_of
@@ -27,10 +27,11 @@ from estimator.missing_effect.suggestion import Suggestion
     "first, and the question is what has changed since; may be repeated.",
 )  # fmt: skip
 @save_option
+@workers_option
 @workspace_options
 def command(
     work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], compose: Path | None, healthy: tuple[Path, ...],
-    rrd: Path | None,
+    rrd: Path | None, workers: int | None,
 ) -> int:  # fmt: skip
     """Say which effect is missing from the model, as judged by all LOGs: each is left out once.
 
@@ -42,7 +43,7 @@ def command(
     taken = taken_in(compose) if compose is not None else []
     work.read_once(held_out)
     before = work.read_besides(healthy) if healthy else []
-    with work.runs("looking for what is missing") as runs:
+    with work.runs("looking for what is missing", processes=workers) as runs:
         known = runs_of(work.rig, before, runs.workers) if before else None
         found = suggest(work.model, runs, effects, healthy=known, taken=taken)
         verdict = verdict_of(found, runs, runs_of(work.rig, work.held_out, runs.workers))

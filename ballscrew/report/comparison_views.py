@@ -9,7 +9,8 @@ import numpy as np
 
 from ballscrew.report.felt_report import WAYS, AtTheTable, most
 from ballscrew.report.sections import Section, markdown
-from ballscrew.workspace import Loaded, Workspace, threads
+from ballscrew.workers.processes import working
+from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.noise_floor import Error
 from estimator.accuracy.reference import readings
 from estimator.batch.replay import replay
@@ -34,7 +35,7 @@ def save_views(
     path: Path, work: Workspace, models: Sequence[Model], sections: Sequence[Section], figures: Sequence[Bars] = ()
 ) -> None:
     """Write the views of one model, or of two, before and after; `figures` stand beside the text."""
-    with work.terminal.progress(f"writing {path}", None), threads() as workers:
+    with work.terminal.progress(f"writing {path}", None), working() as workers:
         write_views(path, compared(work.rig, models, work.loaded, workers), models, sections, figures)
     work.terminal.say_views(path)
 
@@ -125,7 +126,8 @@ def _rms(runs: Sequence[ComparedRun], shown: Array) -> list[BarSeries]:
 
 
 def _sides(model: Model, added: Sequence[str], runs: Runs) -> list[Side]:
-    tracks = runs.each(lambda recording: _kept(recording, runs.rig, model))
+    rig = runs.rig
+    tracks = runs.each(lambda recording: _kept(recording, rig, model))
     trials = slow_trials_of(model, runs)
     heats = missing_heat(trials.each(lambda trial: misfit(model, trial)), runs.workers)
     return [Side(**track, **_missed(heat, model, added)) for track, heat in zip(tracks, heats, strict=True)]

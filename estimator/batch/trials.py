@@ -12,7 +12,7 @@ from estimator.faults.use import Use
 from estimator.model import Model
 from estimator.record import Recording
 from estimator.rig import Rig
-from estimator.work import Runs, Workers
+from estimator.work import Runs, Workers, kept
 
 
 @dataclass(frozen=True)
@@ -34,20 +34,22 @@ class Trials:
 
     def each(self, job: Callable[[Trial], Any]) -> list[Any]:
         """What a job makes of every trial."""
-        return list(self.workers(job, self.trials))
+        return list(kept(self.workers)(job, self.trials))
 
 
 def trials_of(model: Model, runs: Runs) -> Trials:
     """Recordings made ready for the filter, tick by tick."""
-    trials = runs.each(lambda recording: Trial(model, runs.rig, recording))
+    rig = runs.rig
+    trials = runs.each(lambda recording: Trial(model, rig, recording))
     return Trials(trials, runs.workers, tuple(trial.use for trial in trials))
 
 
 def slow_trials_of(model: Model, runs: Runs) -> Trials:
     """Recordings made ready for open-loop runs."""
+    rig = runs.rig
 
     def made_ready(recording: Recording) -> tuple[Trial, Use]:
-        trial = Trial(model, runs.rig, recording)
+        trial = Trial(model, rig, recording)
         return slowed(trial, model), trial.use
 
     found = runs.each(made_ready)

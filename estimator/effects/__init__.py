@@ -17,8 +17,8 @@ STRUCTURE: tuple[type[Effect], ...] = (
     bearings.FreeFriction,
     readings.Thermometers,
     length.Displacement,
-    held.HeldEnds,
 )
+MOUNTING: tuple[type[Effect], ...] = (held.HeldEnds,)
 HEAT: tuple[type[Effect], ...] = (
     air.RotatingConvection,
     nut.NutBody,
@@ -47,4 +47,4 @@ READING: tuple[type[Effect], ...] = (
     readings.ChannelOffset,
     readings.ChannelGain,
 )
-CATALOGUE: dict[str, type[Effect]] = {effect.name: effect for effect in (*STRUCTURE, *HEAT, *READING)}
+CATALOGUE: dict[str, type[Effect]] = {effect.name: effect for effect in (*STRUCTURE, *MOUNTING, *HEAT, *READING)}

@@ -40,13 +40,14 @@ def events_of(model: Model, trials: Trials, runs: Runs, least: float = LEAST_GAI
     """The same of recordings that have been made ready for open-loop runs: by recording, and then by time."""
     seen = [each for each in trials.each(lambda trial: signature(model, trial)) if len(each.y) >= FEWEST]
     found = _found(seen, trials.workers, least) if seen else []
-    reads = runs.each(lambda one: as_read(model, runs.rig, one))
+    rig = runs.rig
+    reads = runs.each(lambda one: as_read(model, rig, one))
     by_name = {read.recording.name: read for read in reads}
     wrong = [event for use in trials.uses for event in of_readings(use, by_name[use.name])]
     pairs = [event for read in reads for event in exchanged(read)]
     plugs = {(pair.run, channel) for pair in pairs for channel in (pair.channel, pair.name)}
     loose = {str(event.channel) for event in (*found, *wrong) if event.kind == LOOSE}
-    heard = [event for event in found if not _shown_by(event, loose, runs.rig)] + wrong
+    heard = [event for event in found if not _shown_by(event, loose, rig)] + wrong
     found = [event for event in heard if (event.run, event.channel) not in plugs] + pairs
     order = {trial.recording.name: i for i, trial in enumerate(trials)}
     return sorted(found, key=lambda event: (order[event.run], event.since_s))

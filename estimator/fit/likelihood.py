@@ -50,8 +50,8 @@ class Likelihood:
 
     def slope(self, c: Array) -> tuple[float, Array]:
         """Log-likelihood, and its derivative with respect to c, (p,)."""
-        model, level = self.at(c), np.exp(c)
-        found = self._trials.each(lambda trial: score(trial, model, self._paths))
+        model, level, paths = self.at(c), np.exp(c), self._paths
+        found = self._trials.each(lambda trial: score(trial, model, paths))
         off = (level - self._middle) * self._root
         value = sum(value for value, _ in found) - 0.5 * float(off @ off)
         return value, level * (sum(slope for _, slope in found) - off * self._root)

@@ -35,9 +35,10 @@ class Felt:
 
 def felt(model: Model, runs: Runs) -> Felt | None:
     """Errors at the table by one model; None where no elongation is read at rest."""
-    if "displacement" not in runs.rig.channels:
+    rig = runs.rig
+    if "displacement" not in rig.channels:
         return None
-    pairs = list(runs.workers(lambda recording: _errors(model, runs.rig, recording), runs.recordings))
+    pairs = runs.each(lambda recording: _errors(model, rig, recording))
     seen, silent = (np.concatenate(errors) for errors in zip(*pairs, strict=True))
     return Felt(accuracy(seen), accuracy(silent)) if np.isfinite(seen).any() else None
 

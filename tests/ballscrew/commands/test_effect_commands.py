@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from estimator.effects import CATALOGUE, HEAT, READING, STRUCTURE
+from estimator.effects import CATALOGUE, HEAT, MOUNTING, READING, STRUCTURE
 from estimator.inputs.follower import NAMES
 from estimator.rig_folder.model_toml import load_model
 from tests.conftest import PAPER
@@ -79,7 +79,7 @@ def refused(*words: object) -> str:
 
 def test_the_catalogue_is_printed_by_kind():
     out = done("effects")
-    for kind, effects in (("structure", STRUCTURE), ("heat", HEAT), ("reading", READING)):
+    for kind, effects in (("structure", STRUCTURE), ("mounting", MOUNTING), ("heat", HEAT), ("reading", READING)):
         assert f"\n{kind}" in f"\n{out}"
         part = f"\n{out}".split(f"\n{kind}")[1]
         assert all(f"\n{effect.name} " in part for effect in effects)
@@ -88,7 +88,7 @@ def test_the_catalogue_is_printed_by_kind():
 
 def test_the_catalogue_as_json():
     told = json.loads(done("effects", "--json"))
-    assert list(told) == ["structure", "heat", "reading"]
+    assert list(told) == ["structure", "mounting", "heat", "reading"]
     assert {name for kind in told.values() for name in kind} == set(CATALOGUE)
     churning = told["heat"]["churning"]
     assert churning["trace"] == CATALOGUE["churning"].trace

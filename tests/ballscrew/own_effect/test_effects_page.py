@@ -12,7 +12,7 @@ import pytest
 from estimator import terms
 from estimator.battery.battery import CHECKS, battery
 from estimator.effect import Param
-from estimator.effects import HEAT, READING, STRUCTURE
+from estimator.effects import HEAT, MOUNTING, READING, STRUCTURE
 from estimator.inputs.follower import NAMES
 from estimator.rig_folder.model_toml import own_effect
 
@@ -32,7 +32,9 @@ def rows(title: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split(" | ")] for table in tables for line in table.splitlines()]
 
 
-@pytest.mark.parametrize(("title", "effects"), [("Structure", STRUCTURE), ("Heat", HEAT), ("Reading", READING)])
+@pytest.mark.parametrize(
+    ("title", "effects"), [("Structure", STRUCTURE), ("Mounting", MOUNTING), ("Heat", HEAT), ("Reading", READING)]
+)
 def test_the_catalogue_is_on_the_page(title, effects):
     assert rows(f"### {title}") == [[f"`{effect.name}`", effect.sentence(), effect.trace] for effect in effects]
 

@@ -12,7 +12,7 @@ from estimator.battery.battery import CHECKS, battery
 from estimator.battery.exercise import instants, open_loop
 from estimator.battery.exercise import run as exercise
 from estimator.effect import Effect, Param
-from estimator.effects import CATALOGUE, HEAT, READING, STRUCTURE
+from estimator.effects import CATALOGUE, HEAT, MOUNTING, READING, STRUCTURE
 from estimator.errors import SetupError
 from estimator.inputs.inputs import Inputs
 from estimator.inputs.start import Start
@@ -49,7 +49,7 @@ def u(rig) -> Inputs:
 
 def test_the_catalogue_is_keyed_by_name_and_sorted_by_kind():
     assert [effect.name for effect in EFFECTS] == list(CATALOGUE)
-    assert [*STRUCTURE, *HEAT, *READING] == EFFECTS
+    assert [*STRUCTURE, *MOUNTING, *HEAT, *READING] == EFFECTS
     assert {"conduction", "nut_friction", "anchor_housing", "thermometers", "displacement"} <= set(CATALOGUE)
 
 

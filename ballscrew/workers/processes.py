@@ -1,0 +1,137 @@
+"""Processes that keep what they are given: a recording, or what was made of it, travels once, then only jobs do.
+
+The search asks the same recordings hundreds of questions, most of which are Python and wait for its lock: threads share
+two cores no better than one and a quarter. The numbers are the same to the bit, whoever works.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+from itertools import cycle
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from typing import Any
+
+from ballscrew.workers.by_value import dumps, loads
+from estimator.errors import InputError
+from estimator.work import Workers
+
+KEPT = 64  # items a process keeps; the one asked of longest ago goes
+MOST_LOST = 3  # processes, at one job
+WORTH_S = 7200.0  # recorded, by default: to start processes takes a second or two
+
+
+def enough(recorded_s: Sequence[float]) -> int:
+    """How many processes serve recordings of such lengths: one a core, where starting them pays."""
+    return min(os.cpu_count() or 1, len(recorded_s)) if sum(recorded_s) >= WORTH_S else 1
+
+
+@contextmanager
+def working(processes: int = 1) -> Iterator[Workers]:
+    """A `map` with a thread for each core, and of several processes, those that keep what they are given."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool, ExitStack() as stack:
+        homes = [stack.enter_context(Home()) for _ in range(processes)] if processes > 1 else []
+        yield Keepers(pool.map, homes) if homes else pool.map
+
+
+class Keepers:
+    """Workers of both kinds: called, threads; `kept`: processes, for what is done on each of some recordings."""
+
+    def __init__(self, threads: Workers, homes: Sequence[Home]) -> None:
+        self._threads, self._homes = threads, homes
+
+    def __call__(self, job: Callable[[Any], Any], items: Sequence[Any]) -> Any:
+        return self._threads(job, items)
+
+    def kept(self, job: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
+        """What a job makes of each item, the n-th always by the same process."""
+        text = dumps(job)
+        asked = [home.ask(text, item) for home, item in zip(cycle(self._homes), items, strict=False)]
+        return [answer.result() for answer in asked]
+
+
+class Home:
+    """One process and what it keeps. It is started with the first job, and anew where it is lost."""
+
+    def __init__(self) -> None:
+        self._line = ThreadPoolExecutor(1)
+        self._kept: OrderedDict[int, Any] = OrderedDict()
+        self._process: Any = None
+        self._pipe: Connection | None = None
+
+    def __enter__(self) -> Home:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._line.shutdown(wait=False, cancel_futures=True)
+        self._end()
+
+    def ask(self, job: bytes, item: Any) -> Any:
+        """The future of what a job makes of an item; an error there is raised here."""
+        return self._line.submit(self._asked, job, item)
+
+    def _asked(self, job: bytes, item: Any) -> Any:
+        for _ in range(MOST_LOST):
+            try:
+                done, error = self._answer(job, item)
+            except (EOFError, ConnectionError):
+                self._end()
+                continue
+            if error is not None:
+                raise error
+            return done
+        raise InputError(f"a process was lost {MOST_LOST} times at one job: out of memory? Go on with --workers 1")
+
+    def _answer(self, job: bytes, item: Any) -> Any:
+        if self._pipe is None:
+            self._begin()
+        assert self._pipe is not None
+        gone = [] if id(item) in self._kept or len(self._kept) < KEPT else [self._kept.popitem(last=False)[0]]
+        self._pipe.send((job, id(item), None if id(item) in self._kept else dumps(item), gone))
+        self._kept[id(item)] = item  # as long as it lives no other has its id
+        self._kept.move_to_end(id(item))
+        return loads(self._pipe.recv_bytes())
+
+    def _begin(self) -> None:
+        context = get_context("spawn")
+        self._pipe, other = context.Pipe()
+        self._process = context.Process(target=serve, args=(other,), daemon=True)
+        self._process.start()
+        other.close()
+
+    def _end(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+        if self._pipe is not None:
+            self._pipe.close()
+        self._process = self._pipe = None
+        self._kept.clear()
+
+
+def serve(pipe: Connection) -> None:
+    """Do jobs until nobody asks any more. Ctrl-C is for who asks."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    kept: dict[int, Any] = {}
+    while True:
+        try:
+            job, key, item, gone = pipe.recv()
+        except EOFError:
+            return
+        for each in gone:
+            del kept[each]
+        if item is not None:
+            kept[key] = loads(item)
+        pipe.send_bytes(_done(job, kept[key]))
+
+
+def _done(job: bytes, item: Any) -> bytes:
+    try:
+        return dumps((loads(job)(item), None))
+    except Exception as error:
+        return dumps((None, error))
