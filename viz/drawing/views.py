@@ -18,6 +18,7 @@ from viz.drawing.scale import Range
 
 LEGEND_ROOM = 1.6  # of the height: curves keep below the legend
 BESIDE_LEGEND = 0.36  # of the span, right of the curves
+MAP_TITLES = "Innovation", "Measured − open-loop"  # of paths.MAPS
 SQUEEZED = (-6.0, 36.0), (-7.0, 75.0)  # bounds of a colour bar's view
 
 
@@ -85,10 +86,12 @@ def beside_legend(origin: str, name: str, span: Span, extent: Range) -> rrb.Time
     return plot(origin, name, span, extent, room=BESIDE_LEGEND)
 
 
-def flat(origin: str, name: str, bounds: tuple[Range, Range]) -> rrb.Spatial2DView:
+def flat(origin: str, name: str, bounds: tuple[Range, Range], titlebar: bool = True) -> rrb.Spatial2DView:
     """A figure drawn by hand."""
     visible = rrb.VisualBounds2D(x_range=list(bounds[0]), y_range=list(bounds[1]))
-    return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=visible, background=list(paths.BACKGROUND))
+    return rrb.Spatial2DView(
+        origin=origin, name=name, titlebar=titlebar, visual_bounds=visible, background=list(paths.BACKGROUND)
+    )
 
 
 def key(origin: str, unit: str) -> rrb.Spatial2DView:
@@ -129,18 +132,20 @@ def events_view(root: str) -> rrb.TextLogView:
     return rrb.TextLogView(origin=f"{root}/{paths.EVENTS}", name="Events", columns=columns)
 
 
-def state_view(root: str, span: Span, room: float = 0.0) -> rrb.StateTimelineView:
-    """What the machine does, whether to rely on the estimate, and which channels are broken, how and when."""
-    return _lanes(f"{root}/{paths.STATE}", "State", span, room)
+def state_view(root: str, span: Span, room: float = 0.0, without: Sequence[str] = ()) -> rrb.StateTimelineView:
+    """What the machine does, whether to rely on the estimate, and which channels are broken, how and when; `without`
+    lanes for which there is no room."""
+    return _lanes(f"{root}/{paths.STATE}", "State", span, room, without)
 
 
 def channel_states(root: str, span: Span) -> rrb.StateTimelineView:
     """What becomes of each channel that is not used all the time."""
-    return _lanes(f"{root}/{paths.CHANNELS}", "Channels that are not used all the time", span, 0.0)
+    return _lanes(f"{root}/{paths.CHANNELS}", "Channels that are not used all the time", span, 0.0, ())
 
 
-def _lanes(origin: str, name: str, span: Span, room: float) -> rrb.StateTimelineView:
-    return rrb.StateTimelineView(origin=origin, name=name, titlebar=False, time_view=span.axis(room))
+def _lanes(origin: str, name: str, span: Span, room: float, without: Sequence[str]) -> rrb.StateTimelineView:
+    shown = ["$origin/**", *(f"- /{origin.partition('/')[0]}/{lane}" for lane in without)]
+    return rrb.StateTimelineView(origin=origin, contents=shown, name=name, titlebar=False, time_view=span.axis(room))
 
 
 def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
@@ -148,18 +153,17 @@ def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
     return plot(f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1]", span, room=0.3)
 
 
+def map_view(root: str, rig: Rig, span: Span, title: str, shares: Sequence[float] = (9, 1)) -> rrb.Container:
+    """A map of residuals, by its title, one of MAP_TITLES, with its colour bar."""
+    at, bar = list(paths.MAPS.items())[MAP_TITLES.index(title)]
+    name = f"{title} [K], 1 min; {ends(rig.thermometers)} from below; grey: left out or not read"
+    stripes = plot(f"{root}/{at}", name, span, (0.0, len(rig.thermometers) + 1.0), legend=False)
+    return rrb.Horizontal(stripes, key(f"{root}/{bar}", "K"), column_shares=list(shares))
+
+
 def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:
     """Where measurement and model part."""
-    count = len(rig.thermometers)
-    rows = f"mean of 1 min [K]; row = thermometer {ends(rig.thermometers)} from below; grey: left out or not read"
-    maps = [
-        rrb.Horizontal(
-            plot(f"{root}/{at}", f"{title}, {rows}", span, (0.0, count + 1.0), legend=False),
-            key(f"{root}/{bar}", "K"),
-            column_shares=[9, 1],
-        )
-        for title, (at, bar) in zip(("Innovation", "Measured − open-loop"), paths.MAPS.items(), strict=True)
-    ]
+    maps = [map_view(root, rig, span, title) for title in MAP_TITLES]
     name = "Sum of a minute's innovations over its sd [1]; within ±1.96 if white"
     white = plot(f"{root}/{paths.WHITENESS}", name, span, legend=False)
     lanes = rrb.Horizontal(state_view(root, span), channel_states(root, span))

@@ -22,6 +22,7 @@ from viz.drawing.file import begin, stream
 from viz.drawing.series import Event
 from viz.drawing.views import EVERYTHING, Span, sliding
 from viz.lanes.judged import Judged
+from viz.lanes.standing import Standing
 from viz.live.body import frame_of
 from viz.live.layout import blueprint
 from viz.live.outlet import Outlet
@@ -53,6 +54,7 @@ class LiveViews:
     ) -> None:
         """Serve on `bind` at `port` (0: any free one, None: no server), keep everything in `save`.
 
+        title     what paths begin with, and so the names of lanes
         window_s  what the time axes show, s
         memory    what the server keeps for viewers that come late; the oldest goes first
         """
@@ -88,10 +90,10 @@ class LiveViews:
         for outlet in self._outlets:
             outlet.event(Event(time_s, text, level))
 
-    def status(self, markdown: str) -> None:
+    def stand(self, standing: Standing) -> None:
         """Show how things stand now."""
         for outlet in self._outlets:
-            outlet.status(markdown)
+            outlet.stand(standing)
 
     @property
     def trouble(self) -> str:
@@ -127,9 +129,9 @@ class LiveViews:
         self._outlets.append(Outlet(str(path), rec, rows, KEPT_S, lambda: _full(path.parent)))
 
     def _begun(self, rec: rr.RecordingStream, span: Span, newest: bool) -> Rows:
-        """What a stream shows, once it has its layout and its name."""
+        """What a stream shows, once it has its layout and the rig's name."""
         root, frame = paths.root(self._title), frame_of(self._rig) if self._rig.screw is not None else None
-        begin(rec, blueprint(root, self._rig, frame, span), self._title)
+        begin(rec, blueprint(root, self._rig, frame, span), self._rig.name)
         return Rows(Entity(rec) / root, self._rig, newest, self._window_s)
 
 

@@ -13,6 +13,7 @@ from estimator.record import Sample
 from estimator.step import Step
 from viz.drawing.series import Event
 from viz.lanes.judged import Judged
+from viz.lanes.standing import Standing
 from viz.live.rows import Rows
 
 WAITING = 20_000  # ticks and events that may wait; the oldest are given up
@@ -25,7 +26,7 @@ class Batch:
 
     ticks: deque[tuple[Sample, Step]] = field(default_factory=lambda: deque(maxlen=WAITING))
     events: deque[Event | Judged] = field(default_factory=lambda: deque(maxlen=WAITING))
-    status: str | None = None
+    standing: Standing | None = None
 
 
 class Outlet:
@@ -67,10 +68,10 @@ class Outlet:
         with self._turn:
             self._batch.events.append(event)
 
-    def status(self, markdown: str) -> None:
-        """Take the current status; only the last one before a batch is sent counts."""
+    def stand(self, standing: Standing) -> None:
+        """Take how things stand; only the last one before a batch is sent counts."""
         with self._turn:
-            self._batch.status = markdown
+            self._batch.standing = standing
 
     def flush(self) -> None:
         """Send what waits, and wait a moment for it."""
@@ -109,8 +110,8 @@ class Outlet:
             return
         with self._turn:
             batch, self._batch = self._batch, Batch()
-        if batch.ticks or batch.events or batch.status is not None:
-            self._guarded(lambda: self._rows.send(batch.ticks, batch.events, batch.status))
+        if batch.ticks or batch.events or batch.standing is not None:
+            self._guarded(lambda: self._rows.send(batch.ticks, batch.events, batch.standing))
             self._waits = self._held_up()
 
     def _held_up(self) -> str:

@@ -13,6 +13,7 @@ from rich.console import Console
 from ballscrew.monitor import session as loop
 from ballscrew.monitor.json_lines import JsonLines
 from ballscrew.monitor.monitor import MOST_ALONE, Monitor
+from ballscrew.monitor.panel import panel
 from ballscrew.monitor.session import Session
 from ballscrew.monitor.status import Status
 from drivers.received import Notice
@@ -78,8 +79,8 @@ class Views:
     def say(self, time_s, text, level) -> None:
         self.texts.append((text, level))
 
-    def status(self, markdown) -> None:
-        self.states.append(markdown)
+    def stand(self, standing) -> None:
+        self.states.append(standing)
 
 
 @pytest.fixture(scope="module")
@@ -111,8 +112,9 @@ def test_every_tick_is_told_shown_and_published(session, frames):
     assert len(live.publisher.sent_valid) >= 44  # the newest of each turn
     assert np.isfinite(live.publisher.positions).all()
     assert all(valid for _, valid in live.publisher.sent_valid)
-    assert not said
-    assert "elongation" in live.views.states[0]
+    assert said == ["drive starts"]
+    last = live.views.states[-1]
+    assert (last.glances[-1].value, {glance.tone for glance in last.glances}) == ("ENDED", {"stale"})
 
 
 def test_alarms_and_what_happens_to_the_bus_reach_the_views(session, frames):
@@ -232,7 +234,7 @@ def test_text_from_outside_is_no_markup(session, frames):
     live, _, _ = session(frames[:200])
     live.publisher.trouble = "not publishing: [/dev/ttyACM0] gone"
     console = Console(file=io.StringIO(), width=110)
-    console.print(live.status().panel())
+    console.print(panel(live.status()))
     assert "[/dev/ttyACM0]" in console.file.getvalue()
 
 
@@ -256,7 +258,7 @@ def test_what_is_said_once_is_not_said_again(session, frames):
 def test_the_panel_has_everything_with_its_unit(session, frames):
     live, _, ticks = session(frames)
     console = Console(file=io.StringIO(), width=110, highlight=False)
-    console.print(live.status().panel())
+    console.print(panel(live.status()))
     text = console.file.getvalue()
     for word in ("elongation", "um (2 sd)", "15 of 15 thermometers", "NIS", "frames", "dropped", "recording"):
         assert word in text

@@ -29,6 +29,7 @@ from tests.viz_fake import JUDGED, SILENT, fake_run
 from tests.viz_read import fixed, rows, state_at, view_names
 from viz.drawing import profile
 from viz.drawing.entity import Entity
+from viz.lanes.standing import Glance, Standing
 from viz.live import live, outlet
 from viz.live.live import LiveViews
 from viz.live.repeat import Repeated
@@ -77,9 +78,10 @@ def fed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fed]:
     views = LiveViews(run.rig, "FS-20", port=None, save=file)
     views.say(21.0, "drive starts")
     for judged in JUDGED:
-        views.judge(judged.time_s, judged.why, judged.alarms)
+        views.judge(judged.time_s, judged.why, judged.alarms, "" if judged.why else "sent")
     show(views, ticks)
-    views.status("**at rest**")
+    stroke = estimate.table_errors(np.linspace(*run.rig.stroke_mm, 5))
+    views.stand(Standing(float(SECONDS), (Glance("elongation", "+1.00 µm", "", "value"),), "**at rest**", stroke))
     views.close()
     assert views.trouble == ""
     yield Fed(replace(run, recording=recording, track=track), ticks, file)
@@ -145,7 +147,7 @@ def test_live_looks_are_those_of_a_saved_file(fed: Fed, saved: Path, entity: str
 def test_every_view_says_its_unit(fed: Fed) -> None:
     names = view_names(fed.file)
     assert {"Elongation [µm]", "Temperature along the screw [°C over mm]", "Status", "Events"} <= set(names)
-    assert all("[" in name for name in names if name not in ("Status", "Events", "State", UNUSED))
+    assert all("[" in name for name in names if name not in ("Now", "Status", "Events", "State", UNUSED))
 
 
 def test_the_closed_file_has_its_footer(fed: Fed) -> None:
