@@ -265,6 +265,16 @@ class Rig:
         ends = [(each.at_mm - each.width_mm / 2, each.at_mm + each.width_mm / 2) for each in self.supports.values()]
         return np.clip(sum((screw.overlap(*each) for each in ends), np.zeros(screw.cells)), 0.0, 1.0)
 
+    @property
+    def lengths(self) -> tuple[str, ...]:
+        """Names of the channels that read a length, in order."""
+        return tuple(name for name, channel in self.channels.items() if not channel.is_thermometer)
+
+    @property
+    def moves(self) -> bool:
+        """Whether anything is told of a motion."""
+        return bool({"speed", "position"} & {*self.inputs})
+
     @cached_property
     def stroke_mm(self) -> tuple[float, float] | None:
         """Table positions at which the nut is between the bearings; None where a table has no error by growth."""

@@ -48,7 +48,9 @@ def _warmest(status: Status, tone: Tone) -> list[Glance]:
 
 
 def _within(um: float, sd_um: float) -> str:
-    return f"{um:+.2f} ± {2 * sd_um:.2f} µm"
+    """A value with as many digits as mean something, and as there is room for."""
+    digits = 2 if 2 * sd_um < 10 else 1 if 2 * sd_um < 100 else 0
+    return f"{um:+.{digits}f} ± {2 * sd_um:.{digits}f} µm"
 
 
 def _validity(status: Status) -> Glance:

@@ -243,7 +243,7 @@ class Session:
         lost = self.recorder.lost if self.recorder else 0
         publisher = self.publisher
         sent = f"{publisher.sent} frames sent" if publisher else ""
-        turn, latest = self._drives.now, self.latest
+        turn, latest = self._drives.now if self.monitor.rig.moves else None, self.latest
         motion = f"{'driving' if turn.driving else 'at rest'} since {clock(turn.since_s)}" if turn else ""
         errors = f", {self.receiver.errors} error frames" if self.receiver.errors else ""
         return Status(

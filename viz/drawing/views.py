@@ -174,10 +174,11 @@ def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:
 def channel_page(root: str, rig: Rig, span: Span, temperature_C: Range | None = None) -> rrb.Container:
     """What every channel reads, and how far it is from what was expected."""
     plots = temperature_plots(root, rig, span, temperature_C)
-    innovation = plot(f"{root}/{paths.INNOVATIONS}", "Innovations of each tick [K]", span, legend=False)
-    name = "Innovations of the displacement [µm]"
-    displacement = plot(f"{root}/{paths.DISPLACEMENT}", name, span, legend=False)
-    return rrb.Vertical(*plots, rrb.Horizontal(innovation, displacement), name="Channels")
+    innovations = [plot(f"{root}/{paths.INNOVATIONS}", "Innovations of each tick [K]", span, legend=False)]
+    if rig.lengths:
+        name = f"Innovations of the {', '.join(rig.lengths)} [µm]"
+        innovations.append(plot(f"{root}/{paths.DISPLACEMENT}", name, span, legend=False))
+    return rrb.Vertical(*plots, rrb.Horizontal(*innovations), name="Channels")
 
 
 def temperature_plots(root: str, rig: Rig, span: Span, temperature_C: Range | None = None) -> list[rrb.TimeSeriesView]:

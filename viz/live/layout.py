@@ -33,6 +33,7 @@ from viz.live.table import axes_of
 from viz.recorded.sure import PARTS, TITLE, share_bars
 
 ROOM = 0.3  # of the span, for the legend of the elongation
+EVERY_FAULT = f"{paths.STATE}/{paths.FAULTS}/**"
 BANNER_SHARE = 0.155  # of a page's height
 
 
@@ -65,7 +66,7 @@ def _overview(root: str, rig: Rig, frame: Axes | None, span: Span) -> rrb.Contai
         return rrb.Horizontal(left, rrb.Vertical(state, nis, events, row_shares=[4, 3, 2.6]), name="Overview")
     elongation = plot(f"{root}/{paths.ELONGATION}", "Elongation [µm]", span, room=ROOM)
     left = rrb.Vertical(profile_view(root, rig, frame.bounds), missed, nis, row_shares=[5, 2.6, 2])
-    right = rrb.Vertical(elongation, state, events, row_shares=[3.0, 4.6, 2])
+    right = rrb.Vertical(elongation, state, events, row_shares=[3.4, 4.4, 1.8])
     return rrb.Horizontal(left, right, name="Overview")
 
 
@@ -75,7 +76,8 @@ def _table(root: str, rig: Rig, stroke_mm: Range, span: Span) -> rrb.Container:
     title = "Error at the table over its stroke [µm over mm]"
     stroke = flat(f"{root}/{paths.STROKE}", title, axes_of(stroke_mm).bounds)
     body = screw_view(root, rig, "growth exaggerated", distance=0.36)
-    left, right = rrb.Vertical(stroke, body, row_shares=[5, 2.6]), rrb.Vertical(error, state_view(root, span, ROOM))
+    state = state_view(root, span, ROOM, [paths.MODE, paths.THERMOMETERS, EVERY_FAULT])
+    left, right = rrb.Vertical(stroke, body, row_shares=[5, 2.6]), rrb.Vertical(error, state, row_shares=[5, 3])
     return rrb.Horizontal(left, right, name="At the table")
 
 
@@ -87,8 +89,9 @@ def _sure(root: str, span: Span) -> rrb.Container:
     share = flat(
         f"{root}/{paths.SURE_BARS}", TITLE, share_bars(dict.fromkeys(("all", *PARTS.values()), 1.0)).frame.bounds
     )
-    below = rrb.Horizontal(sd, share, column_shares=[3, 2])
-    return rrb.Vertical(error, state_view(root, span, 0.2), below, row_shares=[5, 3.4, 4], name="How sure")
+    others = [EVERY_FAULT, paths.THERMOMETERS, *(f"{paths.STATE}/{lane}" for lane in (paths.ALARMS, paths.PUBLISHED))]
+    state, below = state_view(root, span, 0.2, others), rrb.Horizontal(sd, share, column_shares=[3, 2])
+    return rrb.Vertical(error, state, below, row_shares=[4, 3.2, 4.8], name="How sure")
 
 
 def _words(root: str) -> rrb.Container:

@@ -69,8 +69,9 @@ class Table:
     def _sent(self, time_s: Array) -> Array:
         """Whether the estimate was sent as valid at times (n,)."""
         begins, sent = zip(*self._changes, strict=True)
-        del self._changes[:-1]
-        return np.array(sent)[np.searchsorted(begins, time_s, side="right") - 1]
+        at = np.searchsorted(begins, time_s, side="right") - 1
+        del self._changes[: at[-1]]
+        return np.array(sent)[at]
 
     def send_stroke(self, time_s: float, table: TableErrors) -> None:
         """Log what the error would be wherever the table were."""

@@ -29,7 +29,8 @@ def status() -> Status:
     step = run.track.step(299, ("",) * 16)
     moment = Moment(run.recording.sample(299), step, Trust((), False, False), (), ())
     return Status(
-        run.rig, moment, (), "a bus open", 100, 16.0, 0.0, None, 0, {}, "none", "", "", "at rest since 0:04:02", "sent", 2.0
+        run.rig, moment, (), "a bus open", 100, 16.0, 0.0, None, 0, {}, "none", "", "",
+        motion="at rest since 0:04:02", published="sent", judged_s=2.0,
     )  # fmt: skip
 
 
@@ -58,7 +59,9 @@ def test_an_estimate_that_is_not_valid_is_grey_and_says_why_since_when(status):
 
 
 def test_nothing_is_in_colour_once_the_rig_has_ended(status):
-    silent = replace(alone(status, provisional=True), alarms=(Alarm("bus", "", 290.0, "nothing of the rig on the bus"),))
+    silent = replace(
+        alone(status, provisional=True), alarms=(Alarm("bus", "", 290.0, "nothing of the rig on the bus"),)
+    )
     assert glances(silent)[-1] == Glance(
         "estimate", "NO FRAMES", "since 0:04:50: by the model alone, not valid", "stale"
     )
@@ -106,3 +109,11 @@ def test_a_long_reason_ends_within_its_column():
     long = Glance("estimate", "INVALID", "why " * 200, "invalid")
     pixels = colours(Glance("elongation", "+1.00 µm", "", "value"), long).reshape(banner.HEIGHT, banner.WIDTH, 3)
     assert (pixels[:, -banner.MARGIN // 2 :] == pixels[0, 0]).all()
+
+
+@pytest.mark.parametrize(
+    ("sd_um", "value"), [(0.155, "+47.38 ± 0.31 µm"), (6.25, "+47.4 ± 12.5 µm"), (115.0, "+47 ± 230 µm")]
+)
+def test_what_is_hardly_known_has_few_digits(status, sd_um, value):
+    step = replace(status.moment.step, elongation_um=47.38, sigma_um=sd_um)
+    assert glances(alone(status, step=step))[0].value == value

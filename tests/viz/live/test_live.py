@@ -29,12 +29,14 @@ from tests.viz_fake import JUDGED, SILENT, fake_run
 from tests.viz_read import fixed, rows, state_at, view_names
 from viz.drawing import profile
 from viz.drawing.entity import Entity
+from viz.lanes.judged import Judged
 from viz.lanes.standing import Glance, Standing
 from viz.live import live, outlet
 from viz.live.live import LiveViews
 from viz.live.repeat import Repeated
 from viz.live.rows import Rows
 from viz.live.scale import Decades, Growing
+from viz.live.table import LINE
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun
 from viz.viewer import viewer
@@ -80,7 +82,7 @@ def fed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fed]:
     for judged in JUDGED:
         views.judge(judged.time_s, judged.why, judged.alarms, "" if judged.why else "sent")
     show(views, ticks)
-    stroke = estimate.table_errors(np.linspace(*run.rig.stroke_mm, 5))
+    stroke = estimate.table_errors(np.linspace(*run.rig.stroke_mm, 41))
     views.stand(Standing(float(SECONDS), (Glance("elongation", "+1.00 µm", "", "value"),), "**at rest**", stroke))
     views.close()
     assert views.trouble == ""
@@ -187,6 +189,55 @@ def test_readings_are_drawn_where_they_speak_for(fed: Fed) -> None:
     assert (np.abs(beyond) < np.abs(innovation) + 0.03).all()
 
 
+def test_the_stroke_is_drawn_as_the_filter_says_it(fed: Fed) -> None:
+    """Micrometres by the labels of its axis, from one end of the stroke to the other."""
+    path, (low, high) = "/FS-20/stroke", fed.run.rig.stroke_mm
+    (labels,), (places,) = (rows(fed.file, f"{path}/axes/y", f"Points2D:{what}")[1] for what in ("labels", "positions"))
+    _, ((mean, *_),) = rows(fed.file, f"{path}/estimate", "LineStrips2D:strips")
+    um = [float(label.removesuffix(" µm")) for label in labels]
+    drawn = np.polyval(np.polyfit(np.array(places)[:, 1] + 0.56 * LINE, um, 1), np.array(mean)[:, 1])
+    again = Filter(at_defaults(), fed.run.rig)
+    for sample, _ in fed.ticks:
+        again.step(sample)
+    np.testing.assert_allclose(drawn, again.table_errors(np.linspace(low, high, 41)).error_um[0], atol=1e-3)
+    _, (now,) = rows(fed.file, f"{path}/now", "Points2D:positions")
+    last = fed.ticks[-1][1]
+    share = (now[0][0] - mean[0][0]) / (mean[-1][0] - mean[0][0])
+    assert low + share * (high - low) == pytest.approx(last.position_mm, abs=0.01)
+    assert np.interp(now[0][0], *np.array(mean).T) == pytest.approx(now[0][1], abs=1.5)
+
+
+def test_the_error_at_the_table_is_told_over_time_and_as_sent_where_it_was(fed: Fed) -> None:
+    time_s, um = rows(fed.file, "/FS-20/table/filter", "Measurements:values")
+    track = fed.run.track
+    np.testing.assert_allclose(np.ravel(um), track.error_at_table_um[np.searchsorted(track.time_s, time_s)])
+    sent_s, sent = rows(fed.file, "/FS-20/table/sent", "Scalars:scalars")
+    assert sent_s[0] == WAITING + 1.0
+    np.testing.assert_array_equal(sent_s, time_s)  # valid from 2 to 641 s
+    np.testing.assert_allclose(np.ravel(sent), np.ravel(um))
+
+
+def test_nothing_is_drawn_as_sent_that_was_not(fed: Fed, tmp_path: Path) -> None:
+    """Of one batch, whose judgements come with their own times."""
+    rec = rr.RecordingStream("ballscrew")
+    rec.save(tmp_path / "some.rrd")
+    judged = [Judged(0.0, (), (), "sent"), Judged(50.0, ("x",), (), "sent as invalid"), Judged(90.0, (), (), "sent")]
+    Rows(Entity(rec, "FS-20"), fed.run.rig, False, 3600.0).send(fed.ticks[:120], judged, None)
+    rec.disconnect()
+    time_s = rows(tmp_path / "some.rrd", "/FS-20/table/sent", "Scalars:scalars")[0]
+    np.testing.assert_array_equal(time_s, [*range(WAITING + 1, 50), *range(90, 121)])
+
+
+def test_how_things_stand_is_sent_when_it_changes(fed: Fed, tmp_path: Path) -> None:
+    views, ((_, step),) = LiveViews(fed.run.rig, "FS-20", port=None, save=tmp_path / "x.rrd"), fed.ticks[:1]
+    for k, value in enumerate(("+1.00 µm", "+1.00 µm", "+2.00 µm")):
+        views.stand(Standing(step.time_s + k, (Glance("elongation", value, "", "value"),), "at rest"))
+        views.flush()
+    views.close()
+    assert list(rows(tmp_path / "x.rrd", "/FS-20/banner", "EncodedImage:blob")[0]) == [step.time_s, step.time_s + 2]
+    assert list(rows(tmp_path / "x.rrd", "/FS-20/status", "TextDocument:text")[0]) == [step.time_s]
+
+
 def test_a_stripe_has_the_colour_of_its_minute(fed: Fed) -> None:
     time_s, colours = rows(fed.file, "/FS-20/residual/open_loop", "SeriesLines:colors")
     begins = np.arange(1.0, SECONDS, 60.0)
@@ -274,16 +325,31 @@ def test_rigs_that_lack_something_are_shown_all_the_same(fed: Fed, tmp_path: Pat
     show(views, ticks)
     views.close()
     assert views.trouble == ""
-    has_profile = any("Temperature along" in name for name in view_names(tmp_path / "bare.rrd"))
-    assert has_profile == ("screw" not in parts)
+    names = view_names(tmp_path / "bare.rrd")
+    assert any("Temperature along" in name for name in names) == ("screw" not in parts)
+    assert any("over its stroke" in name for name in names) == ("nut" not in parts)
+    assert any("displacement" in name.lower() for name in names) == ("displacement" not in parts)
+    modes = {state for (state,) in rows(tmp_path / "bare.rrd", "/bare/state/mode", "StateChange:state")[1]}
+    assert ("predict" in modes) == ("displacement" in parts)
     assert len(rows(tmp_path / "bare.rrd", "/bare/channels/temperature/1", "Scalars:scalars")[0]) == 130
+
+
+def test_a_rig_on_which_nothing_moves_has_no_lane_of_driving(fed: Fed, tmp_path: Path) -> None:
+    rig = replace(fed.run.rig, nut=None, inputs={})
+    views = LiveViews(rig, "still", port=None, save=tmp_path / "still.rrd")
+    show(views, fed.ticks[:60])
+    views.close()
+    lanes = {str(chunk.entity_path) for chunk in RrdReader(tmp_path / "still.rrd").stream().to_chunks()}
+    assert "/still/state/mode" in lanes
+    assert "/still/state/drive" not in lanes
 
 
 def shorter(step: Step) -> Step:
     """A step without its last channel."""
     per_channel = ("names", "measured", "predicted", "innovation", "innovation_sd", "fused", "why", "open_loop")
     per_channel += ("fault", "since_s", "may_drift_K", "jump")
-    return replace(step, **{name: getattr(step, name)[:-1] for name in per_channel})
+    mode = Mode.PREDICT if step.mode == Mode.UPDATE else step.mode
+    return replace(step, mode=mode, **{name: getattr(step, name)[:-1] for name in per_channel})
 
 
 def test_nothing_but_ticks_before_the_start_is_fine(fed: Fed, tmp_path: Path) -> None:
