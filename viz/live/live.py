@@ -30,7 +30,7 @@ from viz.live.repeat import Repeated
 from viz.live.rows import Rows
 from viz.viewer.address import LOOPBACK, port_at
 
-SERVED_S = 0.2  # of wall time between batches: five a second look smooth
+SERVED_S = 0.4  # of wall time between batches: each costs the same however many ticks are in it
 KEPT_S = 60.0  # the same for the file: what a crash loses; shorter batches make the file larger
 RESERVE = 64 << 20  # bytes to be left on the disk: the stream could not be ended any more once a write has failed
 
