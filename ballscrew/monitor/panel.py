@@ -31,4 +31,4 @@ def _box(glance: Glance) -> Panel:
     """One value, which nothing else comes near in weight."""
     value = f" {glance.value} ", STYLES[glance.tone]
     words = Text.assemble(value, "\n\n", (glance.below, "dim"), justify="center")
-    return Panel(words, title=Text(glance.caption, style="dim"), border_style="dim", padding=(1, 1))
+    return Panel(words, title=Text(glance.caption, style="dim"), border_style="dim")

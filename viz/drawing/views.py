@@ -18,6 +18,7 @@ from viz.drawing.scale import Range
 
 LEGEND_ROOM = 1.6  # of the height: curves keep below the legend
 BESIDE_LEGEND = 0.36  # of the span, right of the curves
+LABELLED = 10.5  # an axis from 0 on that ends here has two labels
 MAP_TITLES = "Innovation", "Measured − open-loop"  # of paths.MAPS
 SQUEEZED = (-6.0, 36.0), (-7.0, 75.0)  # bounds of a colour bar's view
 
@@ -157,7 +158,8 @@ def map_view(root: str, rig: Rig, span: Span, title: str, shares: Sequence[float
     """A map of residuals, by its title, one of MAP_TITLES, with its colour bar."""
     at, bar = list(paths.MAPS.items())[MAP_TITLES.index(title)]
     name = f"{title} [K], 1 min; {ends(rig.thermometers)} from below; grey: left out or not read"
-    stripes = plot(f"{root}/{at}", name, span, (0.0, len(rig.thermometers) + 1.0), legend=False)
+    rows = 0.0, max(len(rig.thermometers) + 1.0, LABELLED)
+    stripes = plot(f"{root}/{at}", name, span, rows, legend=False)
     return rrb.Horizontal(stripes, key(f"{root}/{bar}", "K"), column_shares=list(shares))
 
 
