@@ -1,7 +1,7 @@
 """Make the pictures of the live views: of `ballscrew live` beside a simulated rig on a bus, while both run.
 
 As somebody sees them who looks on after the second stop; between the stops a thermometer has jumped. The second set is
-of a while after the rig has ended. `make pictures` runs it: some three minutes.
+of a while after the rig has ended. `make pictures` runs it: some five minutes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from benchmarks.loopback import hub, lines_of, monitor
 from viz.viewer.pictures import render_stream
 
 PICTURES = Path(__file__).parent / "pictures" / "live"
-SPEED_UP, RUN = 30, ("FS-20", "--plant", "channel_offset", "--onset", "64min", "--seconds", "4500")
+SPEED_UP, RUN = 20, ("FS-20", "--plant", "channel_offset", "--onset", "64min", "--seconds", "5200")
 UNTIL_S, AFTER_S = 4150.0, 15.0  # of the rig when pictures are taken, and of the wall after its end
 WINDOW = "1366x768"
 

@@ -25,7 +25,8 @@ COLOURS_KEPT = 16  # in the picture: letters have soft edges
 
 def send(at: Entity, glances: Sequence[Glance], since_s: float) -> None:
     """Log the banner from a time on."""
-    at.log(rr.EncodedImage(contents=picture(glances), media_type="image/png"), since_s)
+    png = picture(glances)
+    at.log(rr.EncodedImage(contents=png, media_type="image/png", magnification_filter="Linear"), since_s)
 
 
 def picture(glances: Sequence[Glance]) -> bytes:

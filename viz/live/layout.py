@@ -41,7 +41,7 @@ def blueprint(root: str, rig: Rig, frame: Axes | None, span: Span) -> rrb.Bluepr
     """The layout of a live stream; `frame` is the profile's, None without a screw."""
     pages = [
         _overview(root, rig, frame, span),
-        *([_table(root, rig, rig.stroke_mm, span)] if rig.stroke_mm else []),
+        *([_body(root, rig, rig.stroke_mm, span)] if rig.screw else []),
         *([_sure(root, span)] if READING in rig.channels else []),
         residual_page(root, rig, span),
         channel_page(root, rig, span),
@@ -66,18 +66,23 @@ def _overview(root: str, rig: Rig, frame: Axes | None, span: Span) -> rrb.Contai
         return rrb.Horizontal(left, rrb.Vertical(state, nis, events, row_shares=[4, 3, 2.6]), name="Overview")
     elongation = plot(f"{root}/{paths.ELONGATION}", "Elongation [µm]", span, room=ROOM)
     left = rrb.Vertical(profile_view(root, rig, frame.bounds), missed, nis, row_shares=[5, 2.6, 2])
-    right = rrb.Vertical(elongation, state, events, row_shares=[3.3, 4.3, 2])
+    right = rrb.Vertical(elongation, state, events, row_shares=[3.2, 4.25, 2.3])
     return rrb.Horizontal(left, right, name="Overview")
 
 
-def _table(root: str, rig: Rig, stroke_mm: Range, span: Span) -> rrb.Container:
-    """What a control compensates."""
+def _body(root: str, rig: Rig, stroke_mm: Range | None, span: Span) -> rrb.Container:
+    """The body in colour; and what a control compensates, where there is a table."""
+    how = "growth exaggerated"
+    if stroke_mm is None:
+        return rrb.Horizontal(screw_view(root, rig, how), name="In colour")
     error = plot(f"{root}/{paths.TABLE}", "Error at the table [µm]", span, room=ROOM)
     title = "Error at the table over its stroke [µm over mm]"
     stroke = flat(f"{root}/{paths.STROKE}", title, axes_of(stroke_mm).bounds)
-    body = screw_view(root, rig, "growth exaggerated", distance=0.36)
     state = state_view(root, span, ROOM, [paths.MODE, paths.THERMOMETERS, EVERY_FAULT])
-    left, right = rrb.Vertical(stroke, body, row_shares=[5, 2.6]), rrb.Vertical(error, state, row_shares=[5, 3])
+    left, right = (
+        rrb.Vertical(stroke, screw_view(root, rig, how, 0.36), row_shares=[5, 2.6]),
+        rrb.Vertical(error, state, row_shares=[5, 3]),
+    )
     return rrb.Horizontal(left, right, name="At the table")
 
 

@@ -20,6 +20,7 @@ from drivers.received import Notice
 from estimator.errors import SetupError
 from estimator.step import Mode
 from tests.live_fake import DRIVE, STATUS, Frames, dropped, rig_frames
+from viz.drawing.scale import clock
 
 
 class Clock:
@@ -68,6 +69,7 @@ class Views:
 
     def __init__(self) -> None:
         self.ticks, self.texts, self.states, self.judged, self.published = 0, [], [], [], []
+        self.times: list[float] = []
 
     def show(self, sample, step) -> None:
         self.ticks += 1
@@ -78,6 +80,7 @@ class Views:
 
     def say(self, time_s, text, level) -> None:
         self.texts.append((text, level))
+        self.times.append(time_s)
 
     def stand(self, standing) -> None:
         self.states.append(standing)
@@ -151,6 +154,27 @@ def test_what_has_come_is_estimated_before_the_model_goes_on_alone(session, fram
     live._idle()
     assert live.latest.provisional
     assert live.latest.step.time_s <= last + MOST_ALONE
+
+
+def test_what_is_shown_of_a_silent_bus_does_not_look_like_news(session, frames):
+    live, _, _ = session(frames)
+    live._ended, live.clock.silent_s = False, 20.0
+    live._idle()
+    live._shown = -np.inf
+    live._show_status()
+    shown = live.views.states[-1]
+    assert shown.glances[-1].value == "NO FRAMES"
+    assert {glance.tone for glance in shown.glances} == {"stale"}
+    assert shown.table is None
+    assert shown.time_s > live.monitor.ticker.clock.now
+
+
+def test_a_drive_is_told_from_when_it_began(session, frames):
+    live, _, _ = session(frames)
+    at_s = live.views.times[live.views.texts.index(("drive starts", "INFO"))]
+    assert at_s == pytest.approx(21.0, abs=1.0)
+    assert live.status().motion == f"driving since {clock(at_s)}"
+    assert live.views.states[-1].table.error_um.shape == (1, loop.PLACES)
 
 
 def test_a_silent_drive_alone_is_heard_of_too(session, frames):
