@@ -6,26 +6,19 @@ of a while after the rig has ended. `make pictures` runs it: some five minutes.
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
 
-from benchmarks.loopback import hub, lines_of, monitor
+from benchmarks.loopback import hub, lines_of, monitor, views_of
 from viz.viewer.pictures import render_stream
 
 PICTURES = Path(__file__).parent / "pictures" / "live"
 SPEED_UP, RUN = 20, ("FS-20", "--plant", "channel_offset", "--onset", "64min", "--seconds", "5200")
 UNTIL_S, AFTER_S = 4150.0, 15.0  # of the rig when pictures are taken, and of the wall after its end
 WINDOW = "1366x768"
-
-
-def address(folder: Path) -> str:
-    """Where a viewer finds the stream, as the monitor says it."""
-    said = (folder / "said.txt").read_text()
-    return next(word for word in said.split() if word.startswith("rerun+http"))
 
 
 def reached(folder: Path, rig: subprocess.Popen[bytes]) -> bool:
@@ -38,8 +31,6 @@ def reached(folder: Path, rig: subprocess.Popen[bytes]) -> bool:
 
 def main() -> None:
     """Run, look, write."""
-    for screen in ("DISPLAY", "WAYLAND_DISPLAY"):
-        os.environ.pop(screen, None)  # without one the monitor says where its stream is
     fast = "--speed-up", str(SPEED_UP)
     with tempfile.TemporaryDirectory() as name, hub() as port:
         folder = Path(name)
@@ -48,11 +39,11 @@ def main() -> None:
             rig = subprocess.Popen([sys.executable, "-m", "ballscrew", "simulate", *RUN, *bus, *fast, "--quiet"])
             while not reached(folder, rig):
                 time.sleep(0.5)
-            for path in render_stream(address(folder), PICTURES, WINDOW):
+            for path in render_stream(views_of(folder), PICTURES, WINDOW):
                 print(path)
             rig.wait()
             time.sleep(AFTER_S)
-            for path in render_stream(address(folder), PICTURES / "ended", WINDOW, only={"Overview"}):
+            for path in render_stream(views_of(folder), PICTURES / "ended", WINDOW, only={"Overview"}):
                 print(path)
 
 

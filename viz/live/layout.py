@@ -66,7 +66,7 @@ def _overview(root: str, rig: Rig, frame: Axes | None, span: Span) -> rrb.Contai
         return rrb.Horizontal(left, rrb.Vertical(state, nis, events, row_shares=[4, 3, 2.6]), name="Overview")
     elongation = plot(f"{root}/{paths.ELONGATION}", "Elongation [µm]", span, room=ROOM)
     left = rrb.Vertical(profile_view(root, rig, frame.bounds), missed, nis, row_shares=[5, 2.6, 2])
-    right = rrb.Vertical(elongation, state, events, row_shares=[3.2, 4.25, 2.3])
+    right = rrb.Vertical(elongation, state, events, row_shares=[3.4, 4.4, 2.1])
     return rrb.Horizontal(left, right, name="Overview")
 
 
