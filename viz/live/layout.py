@@ -1,9 +1,12 @@
 """Which view stands where while a run goes on: the window slides along, the cursor follows.
 
-What is to be read at a glance stands above all pages. The first page holds without scrolling in a window of 1366 x 768.
+What is to be read at a glance stands above all pages of a stream that is served; in a file, where one looks back, it
+would be of another moment. The first page holds without scrolling in a window of 1366 x 768.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import rerun.blueprint as rrb
 
@@ -37,17 +40,18 @@ EVERY_FAULT = f"{paths.STATE}/{paths.FAULTS}/**"
 BANNER_SHARE = 0.155  # of a page's height
 
 
-def blueprint(root: str, rig: Rig, frame: Axes | None, span: Span) -> rrb.Blueprint:
-    """The layout of a live stream; `frame` is the profile's, None without a screw."""
+def blueprint(root: str, rig: Rig, frame: Axes | None, span: Span, now: bool) -> rrb.Blueprint:
+    """The layout of a live stream; `frame` is the profile's, None without a screw; `now`: whether one looks on."""
+    said = [paths.MODE, paths.THERMOMETERS] if now else []  # by the banner
     pages = [
-        _overview(root, rig, frame, span),
+        _overview(root, rig, frame, span, said),
         *([_body(root, rig, rig.stroke_mm, span)] if rig.screw else []),
         *([_sure(root, span)] if READING in rig.channels else []),
         residual_page(root, rig, span),
         channel_page(root, rig, span),
         _words(root),
     ]
-    return tabbed([_below_banner(root, page) for page in pages])
+    return tabbed([_below_banner(root, page) for page in pages] if now else pages)
 
 
 def _below_banner(root: str, page: rrb.Container) -> rrb.Container:
@@ -56,10 +60,9 @@ def _below_banner(root: str, page: rrb.Container) -> rrb.Container:
     return rrb.Vertical(banner, page, row_shares=[BANNER_SHARE, 1 - BANNER_SHARE], name=page.name)
 
 
-def _overview(root: str, rig: Rig, frame: Axes | None, span: Span) -> rrb.Container:
+def _overview(root: str, rig: Rig, frame: Axes | None, span: Span, said: Sequence[str]) -> rrb.Container:
     events, nis = events_view(root), nis_view(root, span)
-    state = state_view(root, span, ROOM, [paths.MODE, paths.THERMOMETERS])  # which the banner says
-    missed = map_view(root, rig, span, MAP_TITLES[1], (5, 1))
+    state, missed = state_view(root, span, ROOM, said), map_view(root, rig, span, MAP_TITLES[1], (5, 1))
     if frame is None:
         plots = temperature_plots(root, rig, span)
         left = rrb.Vertical(*plots, missed, row_shares=[*[5 / len(plots)] * len(plots), 3])

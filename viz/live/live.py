@@ -131,7 +131,7 @@ class LiveViews:
     def _begun(self, rec: rr.RecordingStream, span: Span, newest: bool) -> Rows:
         """What a stream shows, once it has its layout and the rig's name."""
         root, frame = paths.root(self._title), frame_of(self._rig) if self._rig.screw is not None else None
-        begin(rec, blueprint(root, self._rig, frame, span), self._rig.name)
+        begin(rec, blueprint(root, self._rig, frame, span, newest), self._rig.name)
         return Rows(Entity(rec) / root, self._rig, newest, self._window_s)
 
 

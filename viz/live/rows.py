@@ -32,7 +32,8 @@ LEAST_UM, LEAST_K = 5.0, 1.0  # height of a plot at least
 class Rows:
     """What one stream shows.
 
-    newest    whether the newest tick of each batch gets a picture of profile and screw
+    newest    whether somebody looks on: the newest tick of each batch gets a picture of profile and screw, and what is
+              so now a banner
     window_s  what the time axes show, s
     """
 
@@ -40,7 +41,7 @@ class Rows:
         self._at, self._rig = at, rig
         self._lengths = np.flatnonzero(~rig.is_thermometer)
         self._minutes, self._body = Minutes(at, rig), Body(at, rig, newest)
-        self._words, self._glances = Repeated[str](), Repeated[tuple[Glance, ...]]()
+        self._words, self._glances, self._looked_at = Repeated[str](), Repeated[tuple[Glance, ...]](), newest
         often_s = min(60.0, window_s / 2)
         (curve,) = series.OPEN_LOOP.items()
         self._elongation = Room(at / paths.ELONGATION, *curve, LEAST_UM, often_s)
@@ -83,7 +84,7 @@ class Rows:
         """How things stand, where that is another than was sent last."""
         if self._words.due(standing.words, standing.time_s):
             (self._at / paths.STATUS).text(standing.words, standing.time_s)
-        if self._glances.due(standing.glances, standing.time_s):
+        if self._looked_at and self._glances.due(standing.glances, standing.time_s):
             banner.send(self._at / paths.BANNER, standing.glances, standing.time_s)
         if self._table is not None and standing.table is not None:
             self._table.send_stroke(standing.time_s, standing.table)

@@ -6,6 +6,7 @@ import socket
 import sys
 import urllib.error
 import urllib.request
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -29,9 +30,13 @@ from tests.viz_fake import JUDGED, SILENT, fake_run
 from tests.viz_read import fixed, rows, state_at, view_names
 from viz.drawing import profile
 from viz.drawing.entity import Entity
+from viz.drawing.file import begin, stream
+from viz.drawing.views import sliding
 from viz.lanes.judged import Judged
 from viz.lanes.standing import Glance, Standing
 from viz.live import live, outlet
+from viz.live.body import frame_of
+from viz.live.layout import blueprint
 from viz.live.live import LiveViews
 from viz.live.repeat import Repeated
 from viz.live.rows import Rows
@@ -149,7 +154,18 @@ def test_live_looks_are_those_of_a_saved_file(fed: Fed, saved: Path, entity: str
 def test_every_view_says_its_unit(fed: Fed) -> None:
     names = view_names(fed.file)
     assert {"Elongation [µm]", "Temperature along the screw [°C over mm]", "Status", "Events"} <= set(names)
-    assert all("[" in name for name in names if name not in ("Now", "Status", "Events", "State", UNUSED))
+    assert all("[" in name for name in names if name not in ("Status", "Events", "State", UNUSED))
+
+
+def test_the_banner_stands_above_every_page_of_what_is_served(fed: Fed, tmp_path: Path) -> None:
+    rec = stream(uuid.uuid4(), tmp_path / "served.rrd")
+    begin(rec, blueprint("live", fed.run.rig, frame_of(fed.run.rig), sliding(3600.0), now=True), "served")
+    rec.log("live", rr.Scalars(0.0))
+    rec.disconnect()
+    names = view_names(tmp_path / "served.rrd")
+    assert names.count("Now") == 6
+    assert {"Error at the table [µm]", "Error at the table over its stroke [µm over mm]"} <= set(names)
+    assert "Now" not in view_names(fed.file)
 
 
 def test_the_closed_file_has_its_footer(fed: Fed) -> None:
@@ -228,14 +244,21 @@ def test_nothing_is_drawn_as_sent_that_was_not(fed: Fed, tmp_path: Path) -> None
     np.testing.assert_array_equal(time_s, [*range(WAITING + 1, 50), *range(90, 121)])
 
 
-def test_how_things_stand_is_sent_when_it_changes(fed: Fed, tmp_path: Path) -> None:
-    views, ((_, step),) = LiveViews(fed.run.rig, "FS-20", port=None, save=tmp_path / "x.rrd"), fed.ticks[:1]
+@pytest.mark.parametrize("newest", [False, True])
+def test_how_things_stand_is_sent_when_it_changes(fed: Fed, tmp_path: Path, newest: bool) -> None:
+    """The banner to who looks on, not into a file, which is looked through at other moments."""
+    rec, ((_, step),) = rr.RecordingStream("ballscrew"), fed.ticks[:1]
+    rec.save(tmp_path / "x.rrd")
+    some = Rows(Entity(rec, "FS-20"), fed.run.rig, newest, 3600.0)
     for k, value in enumerate(("+1.00 µm", "+1.00 µm", "+2.00 µm")):
-        views.stand(Standing(step.time_s + k, (Glance("elongation", value, "", "value"),), "at rest"))
-        views.flush()
-    views.close()
-    assert list(rows(tmp_path / "x.rrd", "/FS-20/banner", "EncodedImage:blob")[0]) == [step.time_s, step.time_s + 2]
+        some.send([], [], Standing(step.time_s + k, (Glance("elongation", value, "", "value"),), "at rest"))
+    rec.disconnect()
     assert list(rows(tmp_path / "x.rrd", "/FS-20/status", "TextDocument:text")[0]) == [step.time_s]
+    lanes = {str(chunk.entity_path) for chunk in RrdReader(tmp_path / "x.rrd").stream().to_chunks()}
+    assert ("/FS-20/banner" in lanes) == newest
+    if newest:
+        times = rows(tmp_path / "x.rrd", "/FS-20/banner", "EncodedImage:blob")[0]
+        assert list(times) == [step.time_s, step.time_s + 2]
 
 
 def test_a_stripe_has_the_colour_of_its_minute(fed: Fed) -> None:
