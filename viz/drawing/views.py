@@ -18,8 +18,6 @@ from viz.drawing.scale import Range
 
 LEGEND_ROOM = 1.6  # of the height: curves keep below the legend
 BESIDE_LEGEND = 0.36  # of the span, right of the curves
-LABELLED = 10.5  # an axis from 0 on that ends here has two labels
-MAP_TITLES = "Innovation", "Measured − open-loop"  # of paths.MAPS
 SQUEEZED = (-6.0, 36.0), (-7.0, 75.0)  # bounds of a colour bar's view
 
 
@@ -154,18 +152,18 @@ def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
     return plot(f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1]", span, room=0.3)
 
 
-def map_view(root: str, rig: Rig, span: Span, title: str, shares: Sequence[float] = (9, 1)) -> rrb.Container:
-    """A map of residuals, by its title, one of MAP_TITLES, with its colour bar."""
-    at, bar = list(paths.MAPS.items())[MAP_TITLES.index(title)]
-    name = f"{title} [K], 1 min; {ends(rig.thermometers)} from below; grey: left out or not read"
-    rows = 0.0, max(len(rig.thermometers) + 1.0, LABELLED)
-    stripes = plot(f"{root}/{at}", name, span, rows, legend=False)
-    return rrb.Horizontal(stripes, key(f"{root}/{bar}", "K"), column_shares=list(shares))
-
-
 def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:
     """Where measurement and model part."""
-    maps = [map_view(root, rig, span, title) for title in MAP_TITLES]
+    count = len(rig.thermometers)
+    rows = f"mean of 1 min [K]; row = thermometer {ends(rig.thermometers)} from below; grey: left out or not read"
+    maps = [
+        rrb.Horizontal(
+            plot(f"{root}/{at}", f"{title}, {rows}", span, (0.0, count + 1.0), legend=False),
+            key(f"{root}/{bar}", "K"),
+            column_shares=[9, 1],
+        )
+        for title, (at, bar) in zip(("Innovation", "Measured − open-loop"), paths.MAPS.items(), strict=True)
+    ]
     name = "Sum of a minute's innovations over its sd [1]; within ±1.96 if white"
     white = plot(f"{root}/{paths.WHITENESS}", name, span, legend=False)
     lanes = rrb.Horizontal(state_view(root, span), channel_states(root, span))

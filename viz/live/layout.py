@@ -15,12 +15,12 @@ from viz.drawing import paths
 from viz.drawing.frames import Axes
 from viz.drawing.scale import Range
 from viz.drawing.views import (
-    MAP_TITLES,
     Span,
     channel_page,
+    ends,
     events_view,
     flat,
-    map_view,
+    key,
     nis_view,
     plot,
     profile_view,
@@ -37,6 +37,7 @@ from viz.recorded.sure import PARTS, TITLE, share_bars
 
 ROOM = 0.3  # of the span, for the legend of the elongation
 EVERY_FAULT = f"{paths.STATE}/{paths.FAULTS}/**"
+LABELLED = 10.5  # an axis from 0 on that ends here has two labels
 BANNER_SHARE = 0.155  # of a page's height
 
 
@@ -62,7 +63,7 @@ def _below_banner(root: str, page: rrb.Container) -> rrb.Container:
 
 def _overview(root: str, rig: Rig, frame: Axes | None, span: Span, said: Sequence[str]) -> rrb.Container:
     events, nis = events_view(root), nis_view(root, span)
-    state, missed = state_view(root, span, ROOM, said), map_view(root, rig, span, MAP_TITLES[1], (5, 1))
+    state, missed = state_view(root, span, ROOM, said), _missed(root, rig, span)
     if frame is None:
         plots = temperature_plots(root, rig, span)
         left = rrb.Vertical(*plots, missed, row_shares=[*[5 / len(plots)] * len(plots), 3])
@@ -71,6 +72,14 @@ def _overview(root: str, rig: Rig, frame: Axes | None, span: Span, said: Sequenc
     left = rrb.Vertical(profile_view(root, rig, frame.bounds), missed, nis, row_shares=[5, 2.6, 2])
     right = rrb.Vertical(elongation, state, events, row_shares=[3.4, 4.4, 2.1])
     return rrb.Horizontal(left, right, name="Overview")
+
+
+def _missed(root: str, rig: Rig, span: Span) -> rrb.Container:
+    """Where and when the model alone fails, in half the width of a page."""
+    (_, (at, bar)), rows = paths.MAPS.items(), max(len(rig.thermometers) + 1.0, LABELLED)
+    name = f"Measured − open-loop [K], 1 min; {ends(rig.thermometers)} from below; grey: left out or not read"
+    stripes = plot(f"{root}/{at}", name, span, (0.0, rows), legend=False)
+    return rrb.Horizontal(stripes, key(f"{root}/{bar}", "K"), column_shares=[5, 1])
 
 
 def _body(root: str, rig: Rig, stroke_mm: Range | None, span: Span) -> rrb.Container:
