@@ -24,6 +24,7 @@ from drivers.bus.receiver import Receiver
 from drivers.bus.rig_time import RigTime
 from drivers.received import Notice, Received
 from drivers.recorder.recorder import Recorder
+from drivers.ticker import Ticker
 from estimator.alarms.trust import Trust
 from estimator.step import Mode
 from viz.drawing.scale import clock
@@ -71,6 +72,7 @@ class Session:
     _judged_s: float = 0.0
     _ended: bool = False
     _drives: Drives = field(default_factory=Drives)
+    _ticker: Ticker | None = None
     _troubles: dict[str, str] = field(default_factory=dict)
     _goes_on: Callable[[], bool] = lambda: True
     _end: float = math.inf
@@ -84,6 +86,7 @@ class Session:
         if self.earlier:
             self._say(f"reads {len(self.earlier)} recorded parts from {self.earlier[0]} on, to go on with them", "INFO")
             self._say(resume(self.monitor, self.earlier, goes_on), "INFO")
+        self._ticker = self.monitor.ticker
         while goes_on():
             self._show_status()
             self._take(self.receiver.take(WAIT_S))
@@ -149,6 +152,9 @@ class Session:
             self._judge(self.monitor.trust(silent_s))
 
     def _moment(self, moment: Moment) -> None:
+        if self.views is not None and self.monitor.ticker is not self._ticker:
+            self.views.begin()
+        self._ticker = self.monitor.ticker
         self.latest, self._fresh = moment, True
         self._judge(moment.trust)
         for alarm in moment.begun:

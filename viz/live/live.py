@@ -63,6 +63,7 @@ class LiveViews:
         self.url = ""
         self._rig, self._title, self._id, self._window_s = rig, title, uuid.uuid4(), window_s
         self._outlets: list[Outlet] = []
+        self._server: rr.RecordingStream | None = None  # ends with the stream that began it
         self._judged = Repeated[tuple[tuple[str, ...], tuple[Alarm, ...], str]]()
         try:
             if port is not None:
@@ -72,6 +73,18 @@ class LiveViews:
         except BallscrewError:
             self.close()
             raise
+
+    def begin(self) -> None:
+        """Another run begins, whose clock counts from 0 again: whoever looks on goes over to a recording of its own.
+
+        In the old one the newest ticks would be the oldest, and what it ended with would stand there as if it were now.
+        """
+        if self.url:
+            self._outlets[0].leave()
+            rec = stream(uuid.uuid4())
+            rec.connect_grpc(self.url)
+            self._outlets[0] = self._served(rec)
+        self._judged = Repeated()
 
     def show(self, sample: Sample, step: Step) -> None:
         """Show one tick, before the filter's start too; returns at once."""
@@ -109,6 +122,8 @@ class LiveViews:
         """Send what waits, end the file with its footer, and stop the server."""
         for outlet in self._outlets:
             outlet.close()
+        if self._server is not None and not self.trouble:
+            self._server.disconnect()
 
     def _serve(self, bind: str, port: int, memory: str) -> None:
         rec = stream(self._id)
@@ -119,9 +134,11 @@ class LiveViews:
             rec.flush(timeout_sec=5.0)
         except (RuntimeError, ValueError) as error:
             raise SetupError(f"{bind}:{port}: no live views ({error}; memory limit {memory})") from error
-        self.url = sink.uri
-        rows = self._begun(rec, sliding(self._window_s), newest=True)
-        self._outlets.append(Outlet(self.url, rec, rows, SERVED_S))
+        self.url, self._server = sink.uri, rec
+        self._outlets.append(self._served(rec))
+
+    def _served(self, rec: rr.RecordingStream) -> Outlet:
+        return Outlet(self.url, rec, self._begun(rec, sliding(self._window_s), newest=True), SERVED_S)
 
     def _keep(self, path: Path) -> None:
         rec = stream(self._id, path)

@@ -44,6 +44,7 @@ class Outlet:
         self._batch, self._waits = Batch(), ""
         self._lost, self._failed, self._error = 0, 0, ""
         self._turn = threading.Condition()
+        self._left = False
         self._asked, self._answered, self._ended = 0, 0, False  # how often to send now, and how often that was done
         self._thread = threading.Thread(target=self._run, name=f"live views: {name}", daemon=True)
         self._thread.start()
@@ -81,6 +82,12 @@ class Outlet:
             self._turn.notify_all()
             self._turn.wait_for(lambda: self._answered >= mine or self._ended, FLUSH_S)
 
+    def leave(self) -> None:
+        """Send what waits and no more, without waiting for it; the stream stays open."""
+        with self._turn:
+            self._ended = self._left = True
+            self._turn.notify_all()
+
     def close(self) -> None:
         """Send what waits and end the stream, footer written; give it up if that takes too long."""
         with self._turn:
@@ -102,7 +109,8 @@ class Outlet:
                 self._answered = asked
                 self._turn.notify_all()
         self._guarded(self._rows.end)
-        self._rec.disconnect()
+        if not self._left:
+            self._rec.disconnect()
 
     def _send(self) -> None:
         self._waits = self._obstacle() or (self._waits and self._held_up())

@@ -69,7 +69,10 @@ class Views:
 
     def __init__(self) -> None:
         self.ticks, self.texts, self.states, self.judged, self.published = 0, [], [], [], []
-        self.times: list[float] = []
+        self.times, self.begun = [], []
+
+    def begin(self) -> None:
+        self.begun.append(self.ticks)
 
     def show(self, sample, step) -> None:
         self.ticks += 1
@@ -175,6 +178,16 @@ def test_a_drive_is_told_from_when_it_began(session, frames):
     assert at_s == pytest.approx(21.0, abs=1.0)
     assert live.status().motion == f"driving since {clock(at_s)}"
     assert live.views.states[-1].table.error_um.shape == (1, loop.PLACES)
+
+
+def test_after_a_night_the_views_begin_anew(session, frames):
+    """Once, and before anything of the new run is shown."""
+    night = [frame._replace(time_s=frame.time_s + 10 * 3600.0) for frame in frames]
+    live, said, _ = session([*frames, *night])
+    assert "the estimate begins anew" in said
+    ((before,),) = (live.views.begun,)
+    assert live.views.ticks - before == pytest.approx(before, abs=2)
+    assert session(frames)[0].views.begun == []
 
 
 def test_a_silent_drive_alone_is_heard_of_too(session, frames):

@@ -459,6 +459,33 @@ def test_a_late_viewer_gets_it_all(fed: Fed, tmp_path: Path) -> None:
     np.testing.assert_array_equal(sorted(seen()), fed.run.track.time_s[:100])
 
 
+@pytest.mark.filterwarnings("ignore:RRD file has no footer")
+def test_a_run_that_begins_anew_is_a_recording_of_its_own(fed: Fed, tmp_path: Path) -> None:
+    got = tmp_path / "got.rrd"
+
+    def seen() -> list[int]:
+        """Ticks of each recording."""
+        try:
+            reader = RrdReader(got)
+            streams = [reader.stream(store=each) for each in reader.recordings()]
+            found = [each.filter(content="/live/channels/innovation").to_chunks() for each in streams]
+            return [sum(chunk.num_rows for chunk in chunks if not chunk.is_static) for chunks in found]
+        except (ValueError, RuntimeError):
+            return []
+
+    with served(fed.run.rig) as views:
+        looks_on = viewer.start([views.url, "--save", str(got)], free_port())
+        try:
+            show(views, fed.ticks[:100])
+            views.begin()
+            show(views, fed.ticks[:50])
+            until(lambda: sorted(seen()) == [50, 100])
+        finally:
+            looks_on.terminate()
+            looks_on.wait(PATIENCE_S)
+        assert views.trouble == ""
+
+
 @pytest.mark.parametrize(("site", "allowed"), [("http://127.0.0.1:1234", True), ("http://evil.example", False)])
 def test_scripts_of_other_sites_may_not_read_the_stream(rig: Rig, site: str, allowed: bool) -> None:
     with served(rig) as views:
