@@ -36,10 +36,11 @@ from drivers.recordings import read_joined, read_recording
 from drivers.virtual_rig import frame_table, simulate, write
 from estimator.accuracy.review import review
 from estimator.batch.replay import replay
+from estimator.record import Array
 
 STATUS, ESTIMATE = 0x214, 0x610
 RATE_S, FULL_S, FULL_RATE = 150.0, 300.0, 8000
-DAY_S, DAY_SPEED_UP, CYCLES = 86_400.0, 100.0, 24
+DAY_S, DAY_SPEED_UP, CYCLES, FULL_H = 86_400.0, 100.0, 24, 6
 KILLS, RIG_SPEED_UP = 20, 60
 
 
@@ -117,16 +118,21 @@ def a_day(seconds: float = DAY_S, speed_up: float = DAY_SPEED_UP) -> list[Row]:
     at = int(np.searchsorted(track.time_s, last[-1]["t"] - 1e-6))
     apart = abs(last[-1]["elongation_um"] - float(track.elongation_um[at]))
     memory, seen, late = np.array(hours).T
-    slopes = [float(np.polyfit(np.arange(len(hours) - 1), column[1:], 1)[0]) for column in (memory, seen)]
+    first, last_hours, viewers = (_slope(column) for column in (memory[1:], memory[-FULL_H:], seen[1:]))
     return [
         Row(f"{seconds / 3600:.0f} h of signals", f"in {took_s:.0f} s, {len(last)} ticks"),
         Row("memory of the monitor after 1 h and at the end", f"{memory[0]:.0f} MB, {memory[-1]:.0f} MB"),
-        _below("  slope after the first hour", slopes[0], 0.5, "MB/h"),
+        Row("  slope after the first hour, while the store of the views fills", f"{first:.3g} MB/h"),
+        _below(f"  slope of the last {FULL_H} hours, when it is full", last_hours, 0.5, "MB/h"),
         Row("memory of a viewer after 1 h and at the end", f"{seen[0]:.0f} MB, {seen[-1]:.0f} MB"),
-        Row("  slope after the first hour", f"{slopes[1]:.3g} MB/h"),
+        Row("  slope after the first hour", f"{viewers:.3g} MB/h"),
         _below("what the viewer shows, behind the newest tick, at most", float(late.max()), 2.0, "s"),
         Row("last estimate less that of review --join", f"{apart:.1e} um", apart, 1e-9),
     ]
+
+
+def _slope(hourly: Array) -> float:
+    return float(np.polyfit(np.arange(len(hourly)), hourly, 1)[0])
 
 
 def cooldown() -> list[Row]:
