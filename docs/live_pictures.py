@@ -39,7 +39,7 @@ def main() -> None:
             rig = subprocess.Popen([sys.executable, "-m", "ballscrew", "simulate", *RUN, *bus, *fast, "--quiet"])
             while not reached(folder, rig):
                 time.sleep(0.5)
-            for path in render_stream(views_of(folder), PICTURES, WINDOW):
+            for path in render_stream(views_of(folder), PICTURES, WINDOW, only={"Overview", "At the table"}):
                 print(path)
             rig.wait()
             time.sleep(AFTER_S)

@@ -55,7 +55,9 @@ class Table:
 
     def judge(self, judged: Sequence[Judged]) -> None:
         """Take whether the estimate is sent, from times on."""
-        self._changes += [(each.time_s, each.published == "sent") for each in judged]
+        for each in judged:
+            before = [change for change in self._changes if change[0] <= each.time_s]  # all but those of another run
+            self._changes = [*before, (each.time_s, each.published == "sent")]
 
     def send(self, track: Track) -> None:
         """Log ticks over time, after what was judged of them."""
@@ -64,7 +66,8 @@ class Table:
         (self._curve / "filter").banded(track.time_s, error, sd)
         (self._curve / "sent").known(track.time_s, np.where(self._sent(track.time_s), error, np.nan))
         self._now = float(position[-1]), float(error[-1])
-        self._travelled = extent_of(position, np.array(self._travelled))
+        if (known := np.isfinite(position)).any():
+            self._travelled = extent_of(position[known], np.array(self._travelled))
 
     def _sent(self, time_s: Array) -> Array:
         """Whether the estimate was sent as valid at times (n,)."""

@@ -23,7 +23,7 @@ from estimator.errors import InputError, SetupError
 from estimator.filter import Filter
 from estimator.record import Sample
 from estimator.rig import Rig
-from estimator.step import Mode, Step, Track
+from estimator.step import Mode, Step, TableErrors, Track
 from tests.conftest import at_defaults
 from tests.processes import PATIENCE_S, until
 from tests.viz_fake import JUDGED, SILENT, fake_run
@@ -231,6 +231,26 @@ def test_the_error_at_the_table_is_told_over_time_and_as_sent_where_it_was(fed: 
     assert sent_s[0] == WAITING + 1.0
     np.testing.assert_array_equal(sent_s, time_s)  # valid from 2 to 641 s
     np.testing.assert_allclose(np.ravel(sent), np.ravel(um))
+
+
+def test_travelled_is_where_the_table_has_been(fed: Fed, tmp_path: Path) -> None:
+    """And nothing of the time at which that was not known."""
+    rec, rig = rr.RecordingStream("ballscrew"), fed.run.rig
+    rec.save(tmp_path / "some.rrd")
+    some, place_mm = Rows(Entity(rec, "FS-20"), rig, True, 3600.0), [np.nan, np.nan, 300.0, 180.0, 240.0]
+    for k, at_mm in enumerate(place_mm):
+        sample, step = fed.ticks[100 + k]
+        stroke = TableErrors(np.linspace(*rig.stroke_mm, 3), np.full((1, 3), 2.0), np.full((1, 3), 0.1))
+        some.send(
+            [(sample, replace(step, position_mm=at_mm))],
+            [],
+            Standing(step.time_s, (Glance("", "", "", "stale"),), "", stroke),
+        )
+    rec.disconnect()
+    found = rows(tmp_path / "some.rrd", "/FS-20/stroke/travelled", "LineStrips2D:strips")[1]
+    width = 1000.0 / (rig.stroke_mm[1] - rig.stroke_mm[0])
+    (left, right) = (x for x, _ in found[-1][0])
+    assert (right - left) / width == pytest.approx(120.0, abs=0.01)
 
 
 def test_nothing_is_drawn_as_sent_that_was_not(fed: Fed, tmp_path: Path) -> None:
