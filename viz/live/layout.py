@@ -38,7 +38,7 @@ from viz.recorded.sure import PARTS, TITLE, share_bars
 ROOM = 0.3  # of the span, for the legend of the elongation
 EVERY_FAULT = f"{paths.STATE}/{paths.FAULTS}/**"
 LABELLED = 10.5  # an axis from 0 on that ends here has two labels
-BANNER_SHARE = 0.155  # of a page's height
+BANNER_SHARE = 0.14  # of a page's height
 
 
 def blueprint(root: str, rig: Rig, frame: Axes | None, span: Span, now: bool) -> rrb.Blueprint:
@@ -70,7 +70,7 @@ def _overview(root: str, rig: Rig, frame: Axes | None, span: Span, said: Sequenc
         return rrb.Horizontal(left, rrb.Vertical(state, nis, events, row_shares=[4, 3, 2.6]), name="Overview")
     elongation = plot(f"{root}/{paths.ELONGATION}", "Elongation [µm]", span, room=ROOM)
     left = rrb.Vertical(profile_view(root, rig, frame.bounds), missed, nis, row_shares=[5, 2.6, 2])
-    right = rrb.Vertical(elongation, state, events, row_shares=[3.4, 4.4, 2.1])
+    right = rrb.Vertical(elongation, state, events, row_shares=[3.9, 4.2, 1.95])
     return rrb.Horizontal(left, right, name="Overview")
 
 
