@@ -77,7 +77,7 @@ pictures: $(READY) $(LOGS) pictures-improve
 	$(BIN)/python -m viz.viewer.pictures demo.rrd docs/pictures --window 1280x800 --only Overview --only "How sure" --only Residuals
 	$(BIN)/ballscrew review $(LOGS) --quiet --save twelve.rrd
 	$(BIN)/python -m viz.viewer.pictures twelve.rrd docs/pictures --window 1280x800 --only Accuracy
-	$(BIN)/python docs/live_pictures.py
+	$(BIN)/python -m docs.live_pictures
 
 # HIDDEN=FOLDER names other recordings of a machine with an effect that MODEL has not
 pictures-improve: $(READY)

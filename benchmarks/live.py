@@ -15,6 +15,7 @@ from benchmarks import paper_rig
 from benchmarks.loopback import (
     FILLER,
     Timed,
+    Viewer,
     connected,
     cpu_s,
     hub,
@@ -35,10 +36,11 @@ from drivers.recordings import read_joined, read_recording
 from drivers.virtual_rig import frame_table, simulate, write
 from estimator.accuracy.review import review
 from estimator.batch.replay import replay
+from estimator.record import Array
 
 STATUS, ESTIMATE = 0x214, 0x610
 RATE_S, FULL_S, FULL_RATE = 150.0, 300.0, 8000
-DAY_S, DAY_SPEED_UP, CYCLES = 86_400.0, 100.0, 24
+DAY_S, DAY_SPEED_UP, CYCLES, FULL_H = 86_400.0, 100.0, 24, 6
 KILLS, RIG_SPEED_UP = 20, 60
 
 
@@ -88,24 +90,26 @@ def full_bus() -> list[Row]:
     ]
 
 
-def a_day() -> list[Row]:
-    """A day of signals, faster than the rig: memory by the hour, and the last estimate beside review's."""
+def a_day(seconds: float = DAY_S, speed_up: float = DAY_SPEED_UP) -> list[Row]:
+    """A day of signals, faster than the rig, with a viewer: memory by the hour, how late the viewer is, and the last
+    estimate beside review's."""
     with tempfile.TemporaryDirectory() as name, hub() as port:
-        folder, memory, hours = Path(name), [], 0
-        with monitor(port, folder, "--speed-up", str(DAY_SPEED_UP)) as process, connected(port) as bus:
+        folder, hours = Path(name), list[tuple[float, float, float]]()
+        frames = iter(list(rig_frames(seconds, cycles=CYCLES)))
+        how = "--speed-up", str(speed_up), "--view", "native"
+        with monitor(port, folder, *how) as process, Viewer(folder) as viewer, connected(port) as bus:
 
             def watched() -> Iterator[Timed]:
-                nonlocal hours
-                for due, message in rig_frames(DAY_S, cycles=CYCLES):
-                    if due >= 3600.0 * (hours + 1):
-                        hours += 1
-                        memory.append(memory_MB(process.pid))
-                        say(f"  {hours} h: {memory[-1]:.0f} MB")
+                for due, message in frames:
+                    if due >= 3600.0 * (len(hours) + 1):
+                        late_s = (float(str(lines_of(folder)[-1]["t"])) - viewer.time_s()) / speed_up
+                        hours.append((memory_MB(process.pid), memory_MB(viewer.process.pid), late_s))
+                        say("  {} h: {:.0f} MB, viewer {:.0f} MB, {:.1f} s late".format(len(hours), *hours[-1]))
                     yield due, message
 
             began = time.monotonic()
-            play(bus, watched(), DAY_SPEED_UP)
-            seconds = time.monotonic() - began
+            play(bus, watched(), speed_up)
+            took_s = time.monotonic() - began
             time.sleep(5.0)
         last = [line for line in lines_of(folder) if not line["provisional"]]
         rig = paper_rig.rig()
@@ -113,13 +117,22 @@ def a_day() -> list[Row]:
         track = replay(paper_rig.model(), rig, recording)
     at = int(np.searchsorted(track.time_s, last[-1]["t"] - 1e-6))
     apart = abs(last[-1]["elongation_um"] - float(track.elongation_um[at]))
-    slope = float(np.polyfit(np.arange(len(memory) - 1), memory[1:], 1)[0])
+    memory, seen, late = np.array(hours).T
+    first, last_hours, viewers = (_slope(column) for column in (memory[1:], memory[-FULL_H:], seen[1:]))
     return [
-        Row(f"{DAY_S / 3600:.0f} h of signals", f"in {seconds:.0f} s, {len(last)} ticks"),
-        Row("memory after 1 h and at the end", f"{memory[0]:.0f} MB, {memory[-1]:.0f} MB"),
-        _below("  slope after the first hour", slope, 0.5, "MB/h"),
+        Row(f"{seconds / 3600:.0f} h of signals", f"in {took_s:.0f} s, {len(last)} ticks"),
+        Row("memory of the monitor after 1 h and at the end", f"{memory[0]:.0f} MB, {memory[-1]:.0f} MB"),
+        Row("  slope after the first hour, while the store of the views fills", f"{first:.3g} MB/h"),
+        _below(f"  slope of the last {FULL_H} hours, when it is full", last_hours, 0.5, "MB/h"),
+        Row("memory of a viewer after 1 h and at the end", f"{seen[0]:.0f} MB, {seen[-1]:.0f} MB"),
+        Row("  slope after the first hour", f"{viewers:.3g} MB/h"),
+        _below("what the viewer shows, behind the newest tick, at most", float(late.max()), 2.0, "s"),
         Row("last estimate less that of review --join", f"{apart:.1e} um", apart, 1e-9),
     ]
+
+
+def _slope(hourly: Array) -> float:
+    return float(np.polyfit(np.arange(len(hourly)), hourly, 1)[0])
 
 
 def cooldown() -> list[Row]:

@@ -15,10 +15,13 @@ from pathlib import Path
 
 import can
 import numpy as np
+from rerun.experimental import ViewerClient
 
 from benchmarks import paper_rig
 from drivers.virtual_rig import frame_table, simulate
 from estimator.record import Array
+from viz.viewer.address import free_port
+from viz.viewer.viewer import MEMORY, connect, start
 
 FILLER = 0x7A0
 
@@ -48,8 +51,9 @@ def monitor(port: int, folder: Path, *options: str) -> Iterator[subprocess.Popen
         "host=127.0.0.1", f"port={port}", "--rig", str(paper_rig.FOLDER), "--record", str(folder / "rec"),
         "--json", str(folder / "live.jsonl"), *options,
     ]  # fmt: skip
+    no_screen = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
     with said.open("w") as file:
-        process = subprocess.Popen(command, stdout=file, stderr=file)
+        process = subprocess.Popen(command, stdout=file, stderr=file, env=no_screen)
         try:
             while "listening" not in said.read_text():
                 time.sleep(0.05)
@@ -57,6 +61,35 @@ def monitor(port: int, folder: Path, *options: str) -> Iterator[subprocess.Popen
         finally:
             process.send_signal(signal.SIGTERM)
             process.wait()
+
+
+def views_of(folder: Path) -> str:
+    """Where a viewer finds what the monitor in `folder` shows: without a screen it says so."""
+    said = (folder / "said.txt").read_text()
+    return next(word for word in said.split() if word.startswith("rerun+http"))
+
+
+class Viewer:
+    """A viewer without a window that follows the monitor in `folder`, for a `with`."""
+
+    def __init__(self, folder: Path) -> None:
+        self._port = free_port()
+        arguments = ["--headless", "--window-size", "1366x768", "--memory-limit", MEMORY, "--connect", views_of(folder)]
+        self.process = start(arguments, self._port)
+        self._client: ViewerClient | None = None
+
+    def time_s(self) -> float:
+        """Up to which time of the rig it shows, s; NaN before it shows anything."""
+        self._client = self._client or connect(self.process, self._port)
+        times = [each.current_time for each in self._client.get_state().recordings if each.current_time is not None]
+        return max(times, default=float("nan")) / 1e9
+
+    def __enter__(self) -> Viewer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.terminate()
+        self.process.wait()
 
 
 def connected(port: int) -> can.BusABC:

@@ -1,72 +1,50 @@
-"""Make the pictures of the live views: FS-20, as somebody sees them who looks on after the second stop.
+"""Make the pictures of the live views: of `ballscrew live` beside a simulated rig on a bus, while both run.
 
-Views know nothing of logs and filters, so this script brings them together. `make pictures` runs it.
+As somebody sees them who looks on after the second stop; between the stops a thermometer has jumped. The second set is
+of a while after the rig has ended. `make pictures` runs it: some five minutes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import subprocess
+import sys
+import tempfile
+import time
 from pathlib import Path
 
-from drivers.recordings import read_recording
-from estimator.alarms.alarms import Alarms
-from estimator.alarms.trust import Watch
-from estimator.filter import Filter
-from estimator.inputs.phase import turns
-from estimator.record import Sample
-from estimator.rig_folder.model_toml import load_model
-from estimator.rig_folder.rig_folder import load_rig
-from estimator.step import Step
-from viz.live.live import LiveViews
+from benchmarks.loopback import hub, lines_of, monitor, views_of
 from viz.viewer.pictures import render_stream
 
 PICTURES = Path(__file__).parent / "pictures" / "live"
-RECORDINGS = Path(__file__).parents[1] / "recordings"
-RUN, UNTIL_S = "FS-20", 4280.0
-BATCH = 60  # ticks
-WINDOW = "1440x1000"
+SPEED_UP, RUN = 20, ("FS-20", "--plant", "channel_offset", "--onset", "64min", "--seconds", "5200")
+UNTIL_S, AFTER_S = 4150.0, 15.0  # of the rig when pictures are taken, and of the wall after its end
+WINDOW = "1366x768"
 
 
-def ticks(rig_folder: Path, name: str) -> Iterator[tuple[Sample, Step]]:
-    """Samples of a recording and what the filter says of each."""
-    rig = load_rig(rig_folder)
-    estimate = Filter(load_model(rig_folder / "model.toml"), rig)
-    for sample in read_recording(rig_folder / f"{name}.blf", rig):
-        yield sample, estimate.step(sample)
-
-
-def feed(views: LiveViews) -> None:
-    """Show the run up to the moment of the pictures, with words on its drives and on how it stands."""
-    driving, rig = False, load_rig(RECORDINGS)
-    alarms, watch = Alarms(rig), Watch(rig)
-    for k, (sample, step) in enumerate(ticks(RECORDINGS, RUN)):
-        if step.time_s > UNTIL_S:
-            break
-        views.show(sample, step)
-        alarms.step(step)
-        watch.drive(step.time_s)
-        watch.tick(sample, step, alarms.diverged)
-        views.judge(step.time_s, watch.trust(step.time_s).why, tuple(alarms.active.values()))
-        now = f"{step.elongation_um:.1f} ± {2 * step.sigma_um:.1f} µm (2 sd)"
-        if turns(sample.omega) != driving:
-            driving = not driving
-            views.say(step.time_s, "drive starts" if driving else f"drive stops at {now}")
-        if k % BATCH == BATCH - 1:
-            rows = {"elongation": now, "mode": step.mode.name.lower(), "channels": f"{step.fused.sum()} fused"}
-            views.status("\n".join(["| | |", "|---|---|", *(f"| {name} | {text} |" for name, text in rows.items())]))
-            views.flush()
-    views.flush()
+def reached(folder: Path, rig: subprocess.Popen[bytes]) -> bool:
+    """Whether the rig is where pictures are taken."""
+    if rig.poll() is not None:
+        sys.exit("live_pictures: the rig has ended before its time")
+    lines = lines_of(folder) if (folder / "live.jsonl").exists() else []
+    return bool(lines) and float(str(lines[-1]["t"])) >= UNTIL_S
 
 
 def main() -> None:
-    """Feed, look, write."""
-    views = LiveViews(load_rig(RECORDINGS), RUN, port=0)
-    try:
-        feed(views)
-        for path in render_stream(views.url, PICTURES, WINDOW):
-            print(path)
-    finally:
-        views.close()
+    """Run, look, write."""
+    fast = "--speed-up", str(SPEED_UP)
+    with tempfile.TemporaryDirectory() as name, hub() as port:
+        folder = Path(name)
+        bus = "--interface", "socketcand", "--channel", "can0", "--bus-kwargs", "host=127.0.0.1", f"port={port}"
+        with monitor(port, folder, "--view", "native", "--publish", *fast):
+            rig = subprocess.Popen([sys.executable, "-m", "ballscrew", "simulate", *RUN, *bus, *fast, "--quiet"])
+            while not reached(folder, rig):
+                time.sleep(0.5)
+            for path in render_stream(views_of(folder), PICTURES, WINDOW, only={"Overview", "At the table"}):
+                print(path)
+            rig.wait()
+            time.sleep(AFTER_S)
+            for path in render_stream(views_of(folder), PICTURES / "ended", WINDOW, only={"Overview"}):
+                print(path)
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ from estimator.state.gate import Innovation, Mute, unmuted
 from estimator.state.moves import Course, Moves
 from estimator.state.report import Estimates, Reporter
 from estimator.state.run import Run, begin, variances
-from estimator.step import Step, Track
+from estimator.step import Step, TableErrors, Track
 
 KEPT = 256  # regimes whose matrices are kept, 20 MB or so
 
@@ -66,6 +66,10 @@ class Filter:
             self._transitions.clear()
         self.model = model
 
+    def table_errors(self, at_mm: Array) -> TableErrors:
+        """The error at the table after the latest tick, were it at places (p,) mm."""
+        return self._reporter.table_errors(at_mm, self._latest) if self.run else TableErrors.waiting(at_mm, 1)
+
     def _begin(self, rows: Recording) -> Step:
         run = self.run = begin(self.model, self.rig, rows, self.mute, KEPT)
         if run is None:
@@ -75,6 +79,7 @@ class Filter:
         self._open_loop, self._doubt, self._reporter = run.open_loop(), doubt, Reporter(run)
         self._transitions.clear()
         self.__dict__.pop("_filterpy", None)
+        self._latest = self._reporter.begun
         return self._reporter.first(rows).step(0, run.first.why(run.fault, run.muted))
 
     def _advance(self, run: Run, sample: Sample, rows: Recording, drive: Drive) -> Step:
@@ -114,7 +119,8 @@ class Filter:
             doubt=doubt.states[0],
             doubt_um=doubt.elongation[0],
         )
-        return self._reporter.track(rows, estimates.suspecting(run.state)).step(0, compared.why(fault, muted))
+        self._latest = estimates.suspecting(run.state)
+        return self._reporter.track(rows, self._latest).step(0, compared.why(fault, muted))
 
     def _course(self, sample: Sample, before: tuple[Array, Array, Array], grown_um: float) -> Course:
         """The open-loop run over the tick that has just been predicted."""

@@ -265,6 +265,28 @@ class Rig:
         ends = [(each.at_mm - each.width_mm / 2, each.at_mm + each.width_mm / 2) for each in self.supports.values()]
         return np.clip(sum((screw.overlap(*each) for each in ends), np.zeros(screw.cells)), 0.0, 1.0)
 
+    @property
+    def lengths(self) -> tuple[str, ...]:
+        """Names of the channels that read a length, in order."""
+        return tuple(name for name, channel in self.channels.items() if not channel.is_thermometer)
+
+    @property
+    def moves(self) -> bool:
+        """Whether anything is told of a motion."""
+        return bool({"speed", "position"} & {*self.inputs})
+
+    @cached_property
+    def stroke_mm(self) -> tuple[float, float] | None:
+        """Table positions at which the nut is between the bearings; None where a table has no error by growth."""
+        screw, nut, anchor = self.screw, self.nut, self.supports.get("anchor")
+        if screw is None or nut is None or anchor is None or "position" not in self.inputs:
+            return None
+        others = [each.at_mm for each in self.supports.values() if each is not anchor] or [screw.from_mm, screw.to_mm]
+        low, high = sorted((anchor.at_mm, max(others, key=lambda at_mm: abs(at_mm - anchor.at_mm))))
+        centres = low + nut.length_mm / 2, high - nut.length_mm / 2
+        lowest, highest = sorted((centre - nut.centre_mm) / nut.direction for centre in centres)
+        return lowest, highest
+
     def index(self, name: str) -> int:
         """Column of a channel; an unknown name is a SetupError."""
         if name not in self.channels:

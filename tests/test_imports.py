@@ -38,7 +38,7 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "decode",
         "lab",
         "bus logs silences ticker",
-        "recorder recordings",
+        "recorder recordings encoded",
     ),
     "viz": ("drawing", "lanes", "recorded comparison tuning", "viewer", "live"),
 }

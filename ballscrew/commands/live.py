@@ -83,7 +83,7 @@ def command(
         publisher = Publisher(rig, bus.open) if publish else None
         hear = [*([recorder.write] if recorder else []), *([publisher.heard] if publisher else [])]
         receiver = Receiver(bus.listen, clock, hear, bus.name)
-        views, views_at = _views(terminal, rig, model.name, view, bind, rrd, open_parts)
+        views, views_at = _views(terminal, rig, view, bind, rrd, open_parts)
         late_s = LATE_S * max(speed_up - 1.0, 0.0)
         lines = open_parts.enter_context(json_lines(terminal.json_path))
         monitor = Monitor(model, rig, lambda time_s: never, late_s)
@@ -129,9 +129,7 @@ def _clock(rig: Rig, decoder: Decoder, speed_up: float) -> RigTime:
     return FastTime(speed_up, rig.tick_s, closing, decoder.scan.modulus, decoder.own)
 
 
-def _views(
-    terminal: Terminal, rig: Rig, title: str, view: str, bind: str, save: Path | None, parts: ExitStack
-) -> tuple[Any, str]:
+def _views(terminal: Terminal, rig: Rig, view: str, bind: str, save: Path | None, parts: ExitStack) -> tuple[Any, str]:
     """The views, and where they are to be seen; None where nobody asked."""
     if view == "none" and save is None:
         return None, ""
@@ -139,7 +137,7 @@ def _views(
     from viz.viewer.viewer import follow
     from viz.viewer.web import WebPage
 
-    views = LiveViews(rig, title, port=None if view == "none" else 0, bind=bind, save=save)
+    views = LiveViews(rig, "live", port=None if view == "none" else 0, bind=bind, save=save)
     parts.callback(views.close)
     if view != "none" and not ip_address(bind).is_loopback:
         terminal.warn(f"--bind {bind}: whoever reaches this address sees the views, without a password")

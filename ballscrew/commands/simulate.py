@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 import click
 from can import CanError
 
-from ballscrew.options import bus_options, terminal_options, writable
+from ballscrew.options import bus_options, rig_option, terminal_options, writable
 from ballscrew.terminal import Terminal, duration
 from drivers.bus.bus import FAILURES, BusAddress, told
 from drivers.logs.log_writer import check_format
 from estimator.errors import SetupError
 
 if TYPE_CHECKING:
+    from drivers.encoded import Encoded
     from drivers.virtual_rig import Run  # here and below: what it is compiled with takes a while to import
 
+OWN_DBC = "rig.dbc"  # of the package: what the simulated rig sends by itself
 HOURS = {"h": 3600.0, "min": 60.0, "s": 1.0}
 
 
@@ -54,6 +56,7 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
     help="Recording to write; its suffix says the format: .log, .blf, .asc, .trc or .mf4.",
 )  # fmt: skip
 @bus_options
+@rig_option("Rig folder whose rig.toml and DBC say what is on the bus; else the rig that ships.")
 @click.option(
     "--machine", type=click.IntRange(min=0), default=0, show_default=True, metavar="N",
     help="0: the paper's machine; N: another of the same build, its constants drawn by N.",
@@ -88,8 +91,8 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
 )  # fmt: skip
 @terminal_options
 def command(
-    terminal: Terminal, name: str, out: Path | None, bus: BusAddress | None, machine: int, seed: int,
-    plant: tuple[str, ...], without: tuple[str, ...], onset: float, max_drive: float, cycles: int,
+    terminal: Terminal, name: str, out: Path | None, bus: BusAddress | None, rig_path: Path | None, machine: int,
+    seed: int, plant: tuple[str, ...], without: tuple[str, ...], onset: float, max_drive: float, cycles: int,
     seconds: float | None, date: datetime | None, speed_up: float,
 ) -> None:  # fmt: skip
     """Simulate experiment NAME: a pattern FS, CS or ES and a speed in m/min, like FS-20 or CS-2.5.
@@ -108,10 +111,11 @@ def command(
         terminal, name, machine=machine, seed=seed, plant=dict(_strength(word) for word in plant), without=without,
         onset_s=onset, max_drive_s=max_drive, cycles=cycles, seconds=seconds,
     )  # fmt: skip
+    encoded = _encoded(run, rig_path) if rig_path else None
     if out is not None:
-        terminal.json(_write(terminal, run, out, {"began_s": date.timestamp()} if date else {}))
+        terminal.json(_write(terminal, run, encoded, out, {"began_s": date.timestamp()} if date else {}))
     if bus is not None:
-        _play(terminal, run, bus, speed_up)
+        _play(terminal, run, encoded, bus, speed_up)
 
 
 def _simulate(terminal: Terminal, name: str, **options: Any) -> Run:
@@ -124,6 +128,15 @@ def _simulate(terminal: Terminal, name: str, **options: Any) -> Run:
             raise SetupError(str(error)) from error
 
 
+def _encoded(run: Run, rig_path: Path) -> Encoded | None:
+    """How the run looks on another bus; None where that is the one of the rig that ships."""
+    from drivers.encoded import Encoded
+    from estimator.rig_folder.rig_folder import load_rig
+
+    rig = load_rig(rig_path)
+    return None if rig.log.dbc == OWN_DBC and not (rig.folder / OWN_DBC).is_file() else Encoded(run, rig)
+
+
 def _strength(word: str) -> tuple[str, float]:
     effect, _, strength = word.partition("=")
     try:
@@ -132,11 +145,13 @@ def _strength(word: str) -> tuple[str, float]:
         raise SetupError(f"--plant {word}: '{strength}' is no number; write {effect}=0.5") from None
 
 
-def _write(terminal: Terminal, run: Run, path: Path, began: dict[str, float]) -> dict[str, Any]:
+def _write(
+    terminal: Terminal, run: Run, encoded: Encoded | None, path: Path, began: dict[str, float]
+) -> dict[str, Any]:
     from drivers.virtual_rig import write
 
     try:
-        write(run, path, **began)
+        encoded.write(path, **began) if encoded else write(run, path, **began)
     except ValueError as error:
         raise SetupError(f"{path}: {error}") from error
     length, growth = float(run.truth.time_s[-1]), float(run.truth.elongation_um.max())
@@ -151,8 +166,8 @@ def _write(terminal: Terminal, run: Run, path: Path, began: dict[str, float]) ->
     }
 
 
-def _play(terminal: Terminal, run: Run, address: BusAddress, speed_up: float) -> None:
-    from drivers.virtual_rig import play
+def _play(terminal: Terminal, run: Run, encoded: Encoded | None, address: BusAddress, speed_up: float) -> None:
+    from drivers.virtual_rig import frame_table, play
 
     try:
         bus = address.open()
@@ -161,6 +176,6 @@ def _play(terminal: Terminal, run: Run, address: BusAddress, speed_up: float) ->
     terminal.say(f"playing {run.name} on {address}, {speed_up:g} x the rig's time; Ctrl-C stops")
     with bus:
         try:
-            play(run, bus, speed_up)
+            play(encoded.messages(0.0) if encoded else frame_table(run).messages(0.0), bus, speed_up)
         except (CanError, OSError) as error:
             raise SetupError(f"{address}: the bus is gone: {told(error)}") from error

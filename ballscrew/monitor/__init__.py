@@ -1,1 +1,2 @@
-"""The monitor beside the machine: session, monitor, resume, left_out, explainer, status, json_lines, display."""
+"""The monitor beside the machine: session, monitor, resume, left_out, explainer, drives, status, glance,
+panel, json_lines, display."""

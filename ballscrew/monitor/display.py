@@ -10,6 +10,7 @@ from types import FrameType
 
 from rich.live import Live
 
+from ballscrew.monitor.panel import panel
 from ballscrew.monitor.status import Status
 from ballscrew.terminal import Terminal
 
@@ -21,21 +22,21 @@ STOPS = [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SI
 class Display:
     """A panel where the terminal can redraw, else a line a minute and what happens. Nobody may be there to read it."""
 
-    def __init__(self, terminal: Terminal, panel: Live | None) -> None:
-        self.terminal, self.panel = terminal, panel
+    def __init__(self, terminal: Terminal, live: Live | None) -> None:
+        self.terminal, self.live = terminal, live
         self._next = 0.0
 
     def say(self, text: str, level: str) -> None:
         """One sentence with the time of day."""
         if level == "WARN" or not self.terminal.quiet:
-            console = self.panel.console if self.panel else self.terminal.err
+            console = self.live.console if self.live else self.terminal.err
             with suppress(OSError):
                 console.print(f"{time.strftime('%H:%M:%S')} {text}", markup=False)
 
     def show(self, status: Status) -> None:
         """The state, as often as it can be read."""
-        if time.monotonic() >= self._next and (status.moment is not None or self.panel is not None):
-            self._next = time.monotonic() + (REDRAW_S if self.panel else LINE_S)
+        if time.monotonic() >= self._next and (status.moment is not None or self.live is not None):
+            self._next = time.monotonic() + (REDRAW_S if self.live else LINE_S)
             self._print(status, "")
 
     def end(self, status: Status) -> None:
@@ -44,8 +45,8 @@ class Display:
 
     def _print(self, status: Status, before: str) -> None:
         with suppress(OSError):
-            if self.panel is not None:
-                self.panel.update(status.panel(), refresh=True)
+            if self.live is not None:
+                self.live.update(panel(status), refresh=True)
             else:
                 self.terminal.say(f"{before}{status.line()}")
 
@@ -56,8 +57,8 @@ def display(terminal: Terminal) -> Iterator[Display]:
     if terminal.quiet or not terminal.out.is_terminal:
         yield Display(terminal, None)
         return
-    with Live(console=terminal.out, auto_refresh=False, transient=False) as panel:
-        yield Display(terminal, panel)
+    with Live(console=terminal.out, auto_refresh=False, transient=False) as live:
+        yield Display(terminal, live)
 
 
 @contextmanager

@@ -11,7 +11,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ballscrew.monitor.drives import Drives
 from ballscrew.monitor.explainer import Explainer
+from ballscrew.monitor.glance import glances
 from ballscrew.monitor.monitor import Moment, Monitor
 from ballscrew.monitor.resume import resume
 from ballscrew.monitor.status import Status, defects, not_used
@@ -20,8 +24,11 @@ from drivers.bus.receiver import Receiver
 from drivers.bus.rig_time import RigTime
 from drivers.received import Notice, Received
 from drivers.recorder.recorder import Recorder
+from drivers.ticker import Ticker
 from estimator.alarms.trust import Trust
 from estimator.step import Mode
+from viz.drawing.scale import clock
+from viz.lanes.standing import Standing
 
 if TYPE_CHECKING:
     from viz.live.live import LiveViews  # rerun takes half a second to import
@@ -32,6 +39,7 @@ BEHIND_S = 0.5  # that a frame may be old
 LOOK_S = 0.1  # between two looks at how things are: with each frame they would cost more than the estimate
 DRAIN_S = 0.5  # for what has come but is not estimated yet when the end is asked for
 SHOWN_S = 1.0  # between two states of the monitor in the views
+PLACES = 61  # of the table, at which its error is told
 
 
 @dataclass
@@ -61,6 +69,10 @@ class Session:
     _shown: float = 0.0
     _fresh: bool = False
     _was_valid: bool | None = None
+    _judged_s: float = 0.0
+    _ended: bool = False
+    _drives: Drives = field(default_factory=Drives)
+    _ticker: Ticker | None = None
     _troubles: dict[str, str] = field(default_factory=dict)
     _goes_on: Callable[[], bool] = lambda: True
     _end: float = math.inf
@@ -74,7 +86,9 @@ class Session:
         if self.earlier:
             self._say(f"reads {len(self.earlier)} recorded parts from {self.earlier[0]} on, to go on with them", "INFO")
             self._say(resume(self.monitor, self.earlier, goes_on), "INFO")
+        self._ticker = self.monitor.ticker
         while goes_on():
+            self._show_status()
             self._take(self.receiver.take(WAIT_S))
             if self.receiver.failure is not None:
                 raise self.receiver.failure
@@ -98,6 +112,9 @@ class Session:
             self._say("ended behind the bus: what came last is not in the estimate", "WARN")
         self._publish()
         self._tell()
+        self._ended = True
+        self._shown = -math.inf
+        self._show_status()
 
     def _late(self) -> bool:
         """Whether the end was asked for, and not just now: a single frame after a silence closes thousands of ticks."""
@@ -135,17 +152,27 @@ class Session:
             self._judge(self.monitor.trust(silent_s))
 
     def _moment(self, moment: Moment) -> None:
+        if self.views is not None and self.monitor.ticker is not self._ticker:
+            self.views.begin()
+        self._ticker = self.monitor.ticker
         self.latest, self._fresh = moment, True
         self._judge(moment.trust)
         for alarm in moment.begun:
-            self._say(f"alarm: {alarm.text}, since {alarm.since_s:.0f} s", "WARN")
+            self._say(f"alarm: {alarm.text}, since {clock(alarm.since_s)}", "WARN")
         for alarm in moment.over:
             self._say(f"over: {alarm.text}", "INFO")
-        if self.views is not None and not moment.provisional:
-            self.views.show(moment.sample, moment.step)
-            self._show_status()
+        if not moment.provisional:
+            self._drive(moment)
+        self._show_status()
         if self.tick is not None:
             self.tick(self.status())
+
+    def _drive(self, moment: Moment) -> None:
+        """Show a tick, and tell of a drive or stop that it makes certain."""
+        if self.views is not None:
+            self.views.show(moment.sample, moment.step)
+        if (turn := self._drives.tick(moment.sample, moment.step)) is not None:
+            self._say(turn.text, "INFO", turn.since_s)
 
     def _judge(self, trust: Trust) -> None:
         """Whether the latest estimate is to be relied on; tell of a change."""
@@ -157,6 +184,8 @@ class Session:
         if self._was_valid is not None and trust.valid != self._was_valid and self.latest.step.mode != Mode.INIT:
             why = "" if trust.valid else f" no longer: {', '.join(trust.why)}"
             self._say(f"estimate valid{why or ' again'}", "INFO" if trust.valid else "WARN")
+        if trust.valid != self._was_valid or self.latest.step.time_s < self._judged_s:
+            self._judged_s = self.latest.step.time_s
         if self.views is not None:
             alarms = tuple(self.monitor.active.values())
             self.views.judge(self.latest.step.time_s, trust.why, alarms, self._published(trust))
@@ -175,10 +204,15 @@ class Session:
         self._fresh = False
 
     def _show_status(self) -> None:
-        assert self.views is not None
-        if time.monotonic() - self._shown > SHOWN_S:
-            self._shown = time.monotonic()
-            self.views.status(self.status().markdown())
+        """How things stand, also while no tick comes: what is old must not look like news."""
+        if self.views is None or time.monotonic() - self._shown <= SHOWN_S:
+            return
+        self._shown, status, latest = time.monotonic(), self.status(), self.latest
+        stroke = self.monitor.rig.stroke_mm
+        fresh = latest is not None and not latest.provisional and latest.step.mode != Mode.INIT
+        table = self.monitor.filter.table_errors(np.linspace(*stroke, PLACES)) if stroke and fresh else None
+        time_s = latest.step.time_s if latest else 0.0
+        self.views.stand(Standing(time_s, glances(status), status.markdown(), table))
 
     def _tell(self) -> None:
         """New sentences of the clock, the recorder, the publisher and the views."""
@@ -202,10 +236,12 @@ class Session:
             self._say(trouble, "WARN")
         self._troubles[part] = trouble
 
-    def _say(self, text: str, level: str) -> None:
+    def _say(self, text: str, level: str, at_s: float | None = None) -> None:
+        """A sentence for the person, of now or of a time, s since the first frame."""
         self.say(text, level)
         if self.views is not None:
-            self.views.say(self.latest.step.time_s if self.latest else 0.0, text, level)
+            now_s = self.latest.step.time_s if self.latest else 0.0
+            self.views.say(now_s if at_s is None else at_s, text, level)
 
     def status(self) -> Status:
         """How things are."""
@@ -213,6 +249,8 @@ class Session:
         lost = self.recorder.lost if self.recorder else 0
         publisher = self.publisher
         sent = f"{publisher.sent} frames sent" if publisher else ""
+        turn, latest = self._drives.now if self.monitor.rig.moves else None, self.latest
+        motion = f"{'driving' if turn.driving else 'at rest'} since {clock(turn.since_s)}" if turn else ""
         errors = f", {self.receiver.errors} error frames" if self.receiver.errors else ""
         return Status(
             rig=self.monitor.rig, moment=self.latest, alarms=tuple(self.monitor.active.values()),
@@ -220,7 +258,9 @@ class Session:
             frames_per_s=self._frames_per_s(), age_s=self.receiver.age_s, resumed_s=self.monitor.resumed_s,
             dropped=self.receiver.missed + self.receiver.dropped + lost + not_used(skipped), skipped=skipped,
             recording=(self.recorder.trouble or str(self.recorder.path)) if self.recorder else "none (--record DIR)",
-            publishing=(publisher.trouble or sent) if publisher else "", views=self.views_at,
+            publishing=(publisher.trouble or sent) if publisher else "", views=self.views_at, motion=motion,
+            published=self._published(latest.trust) if latest and publisher else "", judged_s=self._judged_s,
+            ended=self._ended,
         )  # fmt: skip
 
     def _frames_per_s(self) -> float:

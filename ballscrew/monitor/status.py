@@ -1,4 +1,4 @@
-"""What the monitor says of itself: a panel for a person, one line for a log, one JSON line a tick for programs."""
+"""What the monitor says of itself: rows for a person, one line for a log, one JSON line a tick for programs."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from rich.panel import Panel
-from rich.table import Table
-from rich.text import Text
 
 from ballscrew.monitor.monitor import Moment
 from ballscrew.terminal import duration
 from estimator.alarms.alarms import Alarm
 from estimator.faults.fault import MAY_DRIFT, Fault
 from estimator.rig import Rig
+from viz.drawing.scale import clock
 
 NO_DEFECT = ("unknown id", "not in the rig file", "held since before the log", "sent by us", "other state")
 
@@ -26,6 +24,9 @@ class Status:
 
     age_s      how old the latest frame was when it was taken
     resumed_s  since when the estimate is this monitor's, s since the first frame; before that it was an earlier one's
+    motion     whether the table drives, and since when;   published  whether the estimate goes to a control
+    judged_s   since when the estimate has been valid or not, s since the first frame
+    ended      nothing comes any more
     """
 
     rig: Rig
@@ -41,26 +42,32 @@ class Status:
     recording: str
     publishing: str
     views: str
-
-    def panel(self) -> Panel:
-        """For a terminal that can redraw."""
-        grid = Table.grid(padding=(0, 2))
-        for name, text in self._rows():
-            grid.add_row(Text(name, style="dim"), Text(text))
-        return Panel(
-            grid, title=Text(self.rig.name), title_align="left", border_style="red" if self.alarms else "green"
-        )
+    motion: str = ""
+    published: str = ""
+    judged_s: float = 0.0
+    ended: bool = False
 
     def line(self) -> str:
         """For a terminal that cannot."""
-        return "; ".join(f"{name} {text}" for name, text in self._rows() if name not in ("views", "alarm"))
+        return "; ".join(f"{name} {text}" for name, text in self.rows() if name not in ("views", "alarm"))
 
     def markdown(self) -> str:
-        """For the views."""
-        return "\n".join(["| | |", "|---|---|", *(f"| {name} | {text} |" for name, text in self._rows())])
+        """For the views, beside what they show in large letters."""
+        return "\n".join(["| | |", "|---|---|", *(f"| {name} | {text} |" for name, text in self.rows())])
 
-    def _rows(self) -> list[tuple[str, str]]:
-        rows = [*_estimate(self.moment, self.rig)] if self.moment else [("elongation", "waiting for the first tick")]
+    @property
+    def thermometers(self) -> str:
+        """How many thermometers the estimate rests on."""
+        count = fused_thermometers(self.moment, self.rig) if self.moment else 0
+        return f"{count} of {len(self.rig.thermometers)} thermometers"
+
+    def rows(self) -> list[tuple[str, str]]:
+        """What it is about, and how that is."""
+        rows = (
+            [*_estimate(self.moment, self.thermometers)]
+            if self.moment
+            else [("elongation", "waiting for the first tick")]
+        )
         if self.resumed_s is not None:
             rows.append(("resumed", f"after {duration(self.resumed_s)} of an earlier recording"))
         rows.append(("bus", f"{self.bus}, {self.frames} frames, {self.frames_per_s:.0f}/s, {self.dropped} dropped"))
@@ -69,7 +76,7 @@ class Status:
         rows.append(("recording", self.recording))
         rows += [("publishing", self.publishing)] if self.publishing else []
         rows += [("views", self.views)] if self.views else []
-        return rows + [("alarm", f"{alarm.text}, since {duration(alarm.since_s)}") for alarm in self.alarms]
+        return rows + [("alarm", f"{alarm.text}, since {clock(alarm.since_s)}") for alarm in self.alarms]
 
     def json(self) -> dict[str, Any]:
         """For programs; `t` is in s since the first frame."""
@@ -110,7 +117,7 @@ def fused_thermometers(moment: Moment, rig: Rig) -> int:
     return int(moment.step.fused[rig.is_thermometer].sum())
 
 
-def _estimate(moment: Moment, rig: Rig) -> list[tuple[str, str]]:
+def _estimate(moment: Moment, thermometers: str) -> list[tuple[str, str]]:
     step, mode = moment.step, moment.mode.name.lower()
     rows = [("time", f"{duration(step.time_s)} since the first frame")]
     if np.isfinite(step.elongation_um):
@@ -120,5 +127,4 @@ def _estimate(moment: Moment, rig: Rig) -> list[tuple[str, str]]:
     why = f": {', '.join(moment.trust.why)}" if moment.trust.why else ""
     rows.append(("mode", f"{mode}{why}{' (no frames: the model alone)' if moment.provisional else ''}"))
     per_channel = f"{step.nis / step.nis_channels:.2f}" if np.isfinite(step.nis) else "-"
-    alive = f"{fused_thermometers(moment, rig)} of {len(rig.thermometers)} thermometers"
-    return [*rows, ("channels", f"{alive}, NIS {per_channel} a channel")]
+    return [*rows, ("channels", f"{thermometers}, NIS {per_channel} a channel")]

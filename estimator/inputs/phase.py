@@ -83,6 +83,16 @@ def cooling(recording: Recording) -> Array:
     return mask
 
 
+def stopped(seconds: float, elongation_um: float, sigma_um: float, alone_um: float) -> str:
+    """A sentence on a drive that has stopped: how long it was, if known; where the screw grows, how far it has, and how
+    far by the model alone."""
+    after = f" after {seconds:.0f} s" if np.isfinite(seconds) else ""
+    grown = (
+        f" at an elongation of {elongation_um:.1f} ± {2 * sigma_um:.1f} µm (2 sd), {alone_um:.1f} by the model alone"
+    )
+    return f"drive stops{after}{grown if np.isfinite(elongation_um) else ''}"
+
+
 def stops(recording: Recording) -> list[float]:
     """Times at which a drive ended, s."""
     found = list(phases(recording))

@@ -225,6 +225,18 @@ def test_table_error_is_growth_between_anchor_and_nut_longer_is_positive(rig, fu
     assert track.error_at_table_um[k] == pytest.approx(expected, abs=0.05)
 
 
+def test_table_error_anywhere_is_that_at_the_table_when_it_is_there(rig, full, run):
+    estimate = Filter(full, rig)
+    assert np.isnan(estimate.table_errors(np.array([0.0, 100.0])).error_um).all()
+    for k in range(91):
+        step = estimate.step(run.sample(k))
+        if k in (0, 90):
+            table = estimate.table_errors(np.array([-50.0, step.position_mm]))
+            assert table.error_um[0, 1] == pytest.approx(step.error_at_table_um, rel=1e-12)
+            assert table.sd_um[0, 1] == pytest.approx(step.error_at_table_sd_um, rel=1e-12)
+    assert table.error_um[0, 0] < table.error_um[0, 1] - 1  # nearer to the anchor less of the screw grows
+
+
 def test_table_error_is_unknown_without_a_position_and_grows_with_distance(rig, full, run):
     log = copy(run)
     log.inputs["position"][98:101] = np.nan  # two ticks late it is still where it was, three it is not known

@@ -11,8 +11,7 @@ from estimator.step import Track
 from viz.drawing import profile, screw
 from viz.drawing.entity import Entity
 from viz.drawing.frames import Axes
-from viz.drawing.scale import BodyScale, Indices
-from viz.drawing.series import clock
+from viz.drawing.scale import BodyScale, Indices, clock
 
 
 def send(at: Entity, rig: Rig, axes: Axes, scale: BodyScale, track: Track, shown: Indices) -> None:

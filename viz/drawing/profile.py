@@ -53,13 +53,19 @@ def style(at: Entity, rig: Rig, axes: Axes, truth: bool) -> None:
     absent = {"nut": rig.nut is None, "bearings": not rig.supports, "truth": not truth}
     axes.key(at / "axes/key", [entry for entry in KEY if not absent.get(entry[0])])
     lines, dots = rr.LineStrips2D.from_fields, rr.Points2D.from_fields
-    edges = [paths.FILTER, paths.BAND_EDGE, paths.BAND_EDGE]
-    (at / "estimate").log(lines(radii=points([1.8, 0.6, 0.6]), colors=edges, draw_order=2.0))
-    (at / "band").log(lines(radii=points(0.7), colors=paths.BAND, draw_order=1.0))
+    style_band(at)
     (at / "measured").log(dots(radii=points(4.5), draw_order=30.0))
     (at / "faults").log(dots(radii=0.0, colors=paths.LEFT_OUT, show_labels=True, draw_order=32.0))
     (at / "truth").log(dots(radii=points(2.2), colors=paths.REFERENCE, draw_order=31.0))
     (at / "nut").log(lines(radii=points(3.5), colors=paths.NUT, draw_order=3.0))
+
+
+def style_band(at: Entity) -> None:
+    """Log the looks of a line with its band over a place, once."""
+    lines, points = rr.LineStrips2D.from_fields, rr.Radius.ui_points
+    edges = [paths.FILTER, paths.BAND_EDGE, paths.BAND_EDGE]
+    (at / "estimate").log(lines(radii=points([1.8, 0.6, 0.6]), colors=edges, draw_order=2.0))
+    (at / "band").log(lines(radii=points(0.7), colors=paths.BAND, draw_order=1.0))
 
 
 def frame(at: Entity, rig: Rig, axes: Axes, since_s: float | None = None) -> None:
@@ -75,12 +81,17 @@ def frame(at: Entity, rig: Rig, axes: Axes, since_s: float | None = None) -> Non
 
 def send(at: Entity, axes: Axes, time_s: Array, mean: Array, sd: Array) -> None:
     """Log n profiles from end to end: times (n,) s, means and standard deviations (n, x)."""
+    send_band(at / paths.PROFILE, axes, time_s, mean, sd)
+
+
+def send_band(at: Entity, axes: Axes, time_s: Array, mean: Array, sd: Array) -> None:
+    """Log n lines from end to end of the axes with two standard deviations: times (n,) s, values (n, x) each."""
     n, x_mm = len(time_s), np.linspace(*axes.x, mean.shape[1])
     strips = axes.place(x_mm, np.stack([mean, mean + 2 * sd, mean - 2 * sd], axis=1)).astype(np.float32)
     lines = rr.LineStrips2D.columns(strips=strips.reshape(3 * n, -1, 2)).partition(np.full(n, 3))
-    (at / paths.PROFILE / "estimate").rows(time_s, lines)
+    (at / "estimate").rows(time_s, lines)
     comb = axes.place(np.repeat(x_mm, 2), _comb(mean - 2 * sd, mean + 2 * sd)).astype(np.float32)
-    (at / paths.PROFILE / "band").rows(time_s, rr.LineStrips2D.columns(strips=comb))
+    (at / "band").rows(time_s, rr.LineStrips2D.columns(strips=comb))
 
 
 def _comb(low: Array, high: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Ranges and colour maps, all taken from the data."""
+"""Ranges and colour maps, all taken from the data; and how a time since the start reads."""
 
 from __future__ import annotations
 
@@ -26,6 +26,12 @@ class BodyScale:
 
     temperature_C: Range
     elongation_um: Range
+
+
+def clock(time_s: float) -> str:
+    """Time since the start as h:mm:ss."""
+    minutes, seconds = divmod(round(time_s), 60)
+    return f"{minutes // 60}:{minutes % 60:02d}:{seconds:02d}"
 
 
 def extent_of(*arrays: Array) -> Range:

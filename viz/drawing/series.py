@@ -13,7 +13,7 @@ from estimator.rig import Rig
 from estimator.step import Track
 from viz.drawing import paths
 from viz.drawing.entity import Entity
-from viz.drawing.scale import Indices, Range, coloured
+from viz.drawing.scale import Indices, Range, clock, coloured
 
 POLYLINE = {"polyline [µm]": paths.POLYLINE}
 OPEN_LOOP = {"open-loop [µm]": paths.OPEN_LOOP}
@@ -91,12 +91,6 @@ class Event:
     time_s: float
     text: str
     level: str = "INFO"
-
-
-def clock(time_s: float) -> str:
-    """Time since the start as h:mm:ss."""
-    minutes, seconds = divmod(round(time_s), 60)
-    return f"{minutes // 60}:{minutes % 60:02d}:{seconds:02d}"
 
 
 def send_events(at: Entity, events: Sequence[Event]) -> None:

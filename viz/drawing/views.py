@@ -85,10 +85,12 @@ def beside_legend(origin: str, name: str, span: Span, extent: Range) -> rrb.Time
     return plot(origin, name, span, extent, room=BESIDE_LEGEND)
 
 
-def flat(origin: str, name: str, bounds: tuple[Range, Range]) -> rrb.Spatial2DView:
+def flat(origin: str, name: str, bounds: tuple[Range, Range], titlebar: bool = True) -> rrb.Spatial2DView:
     """A figure drawn by hand."""
     visible = rrb.VisualBounds2D(x_range=list(bounds[0]), y_range=list(bounds[1]))
-    return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=visible, background=list(paths.BACKGROUND))
+    return rrb.Spatial2DView(
+        origin=origin, name=name, titlebar=titlebar, visual_bounds=visible, background=list(paths.BACKGROUND)
+    )
 
 
 def key(origin: str, unit: str) -> rrb.Spatial2DView:
@@ -129,18 +131,20 @@ def events_view(root: str) -> rrb.TextLogView:
     return rrb.TextLogView(origin=f"{root}/{paths.EVENTS}", name="Events", columns=columns)
 
 
-def state_view(root: str, span: Span, room: float = 0.0) -> rrb.StateTimelineView:
-    """What the machine does, whether to rely on the estimate, and which channels are broken, how and when."""
-    return _lanes(f"{root}/{paths.STATE}", "State", span, room)
+def state_view(root: str, span: Span, room: float = 0.0, without: Sequence[str] = ()) -> rrb.StateTimelineView:
+    """What the machine does, whether to rely on the estimate, and which channels are broken, how and when; `without`
+    lanes for which there is no room."""
+    return _lanes(f"{root}/{paths.STATE}", "State", span, room, without)
 
 
 def channel_states(root: str, span: Span) -> rrb.StateTimelineView:
     """What becomes of each channel that is not used all the time."""
-    return _lanes(f"{root}/{paths.CHANNELS}", "Channels that are not used all the time", span, 0.0)
+    return _lanes(f"{root}/{paths.CHANNELS}", "Channels that are not used all the time", span, 0.0, ())
 
 
-def _lanes(origin: str, name: str, span: Span, room: float) -> rrb.StateTimelineView:
-    return rrb.StateTimelineView(origin=origin, name=name, titlebar=False, time_view=span.axis(room))
+def _lanes(origin: str, name: str, span: Span, room: float, without: Sequence[str]) -> rrb.StateTimelineView:
+    shown = ["$origin/**", *(f"- /{origin.partition('/')[0]}/{lane}" for lane in without)]
+    return rrb.StateTimelineView(origin=origin, contents=shown, name=name, titlebar=False, time_view=span.axis(room))
 
 
 def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
@@ -170,10 +174,11 @@ def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:
 def channel_page(root: str, rig: Rig, span: Span, temperature_C: Range | None = None) -> rrb.Container:
     """What every channel reads, and how far it is from what was expected."""
     plots = temperature_plots(root, rig, span, temperature_C)
-    innovation = plot(f"{root}/{paths.INNOVATIONS}", "Innovations of each tick [K]", span, legend=False)
-    name = "Innovations of the displacement [µm]"
-    displacement = plot(f"{root}/{paths.DISPLACEMENT}", name, span, legend=False)
-    return rrb.Vertical(*plots, rrb.Horizontal(innovation, displacement), name="Channels")
+    innovations = [plot(f"{root}/{paths.INNOVATIONS}", "Innovations of each tick [K]", span, legend=False)]
+    if rig.lengths:
+        name = f"Innovations of the {', '.join(rig.lengths)} [µm]"
+        innovations.append(plot(f"{root}/{paths.DISPLACEMENT}", name, span, legend=False))
+    return rrb.Vertical(*plots, rrb.Horizontal(*innovations), name="Channels")
 
 
 def temperature_plots(root: str, rig: Rig, span: Span, temperature_C: Range | None = None) -> list[rrb.TimeSeriesView]:

@@ -1,1 +1,2 @@
-"""Lanes below the curves, what is so from when to when: states, judged, lanes."""
+"""Lanes below the curves, what is so from when to when, and what is so now in large letters: states, judged, lanes,
+standing, banner."""

@@ -22,9 +22,10 @@ LASTS_S = 10.0
 HOLD_S = 30.0  # without a reading, from which on a channel counts as silent: slow strokes take ten
 USED, SUSPECT, MUTED, SILENT, REFUSED = 0, 1, 2, 3, 10  # of a channel; with its Fault added where it was refused
 MOTION = ("at rest", "driving", "speed unknown")
+UNREAD = ": no displacement read"
 MODES = {
     Mode.INIT: "init: no estimate yet",
-    Mode.PREDICT: "predict: no displacement read",
+    Mode.PREDICT: f"predict{UNREAD}",
     Mode.UPDATE: "update: displacement read",
     Mode.COASTING: "coasting: too few thermometers",
     Mode.INVALID: "invalid",
@@ -81,6 +82,8 @@ class States:
         """States of some lanes, and how many thermometers are used if that is another number now."""
         for i in np.flatnonzero(which).tolist():
             self._settled[i] = self._next[i] if since_s is None else self._settled[i]
+            if self._lanes[i] == paths.DRIVE and not self._rig.moves:
+                continue
             yield State(self._lanes[i], self._text(i), float(self._since_s[i]) if since_s is None else since_s)
         heat = self._settled[FIRST:][self._rig.is_thermometer]
         used = int(((heat == USED) | (heat == SUSPECT)).sum())
@@ -92,7 +95,8 @@ class States:
     def _text(self, i: int) -> str:
         code = int(self._settled[i])
         if i < FIRST:
-            return MOTION[code] if i == 0 else MODES[Mode(code)]
+            mode = MODES[Mode(code)] if self._rig.lengths else MODES[Mode(code)].removesuffix(UNREAD)
+            return MOTION[code] if i == 0 else mode
         if code == SILENT:
             return "silent" if self._rig.is_thermometer[i - FIRST] else "not read"
         words = {USED: "used", SUSPECT: "suspect: may drift", MUTED: "muted"}

@@ -22,6 +22,7 @@ from viz.drawing.file import begin, stream
 from viz.drawing.series import Event
 from viz.drawing.views import EVERYTHING, Span, sliding
 from viz.lanes.judged import Judged
+from viz.lanes.standing import Standing
 from viz.live.body import frame_of
 from viz.live.layout import blueprint
 from viz.live.outlet import Outlet
@@ -29,7 +30,7 @@ from viz.live.repeat import Repeated
 from viz.live.rows import Rows
 from viz.viewer.address import LOOPBACK, port_at
 
-SERVED_S = 0.2  # of wall time between batches: five a second look smooth
+SERVED_S = 0.4  # of wall time between batches: each costs the same however many ticks are in it
 KEPT_S = 60.0  # the same for the file: what a crash loses; shorter batches make the file larger
 RESERVE = 64 << 20  # bytes to be left on the disk: the stream could not be ended any more once a write has failed
 
@@ -53,6 +54,7 @@ class LiveViews:
     ) -> None:
         """Serve on `bind` at `port` (0: any free one, None: no server), keep everything in `save`.
 
+        title     what paths begin with, and so the names of lanes
         window_s  what the time axes show, s
         memory    what the server keeps for viewers that come late; the oldest goes first
         """
@@ -61,6 +63,7 @@ class LiveViews:
         self.url = ""
         self._rig, self._title, self._id, self._window_s = rig, title, uuid.uuid4(), window_s
         self._outlets: list[Outlet] = []
+        self._server: rr.RecordingStream | None = None  # ends with the stream that began it
         self._judged = Repeated[tuple[tuple[str, ...], tuple[Alarm, ...], str]]()
         try:
             if port is not None:
@@ -70,6 +73,18 @@ class LiveViews:
         except BallscrewError:
             self.close()
             raise
+
+    def begin(self) -> None:
+        """Another run begins, whose clock counts from 0 again: whoever looks on goes over to a recording of its own.
+
+        In the old one the newest ticks would be the oldest, and what it ended with would stand there as if it were now.
+        """
+        if self.url:
+            self._outlets[0].leave()
+            rec = stream(uuid.uuid4())
+            rec.connect_grpc(self.url)
+            self._outlets[0] = self._served(rec)
+        self._judged = Repeated()
 
     def show(self, sample: Sample, step: Step) -> None:
         """Show one tick, before the filter's start too; returns at once."""
@@ -88,10 +103,10 @@ class LiveViews:
         for outlet in self._outlets:
             outlet.event(Event(time_s, text, level))
 
-    def status(self, markdown: str) -> None:
+    def stand(self, standing: Standing) -> None:
         """Show how things stand now."""
         for outlet in self._outlets:
-            outlet.status(markdown)
+            outlet.stand(standing)
 
     @property
     def trouble(self) -> str:
@@ -107,6 +122,8 @@ class LiveViews:
         """Send what waits, end the file with its footer, and stop the server."""
         for outlet in self._outlets:
             outlet.close()
+        if self._server is not None and not self.trouble:
+            self._server.disconnect()
 
     def _serve(self, bind: str, port: int, memory: str) -> None:
         rec = stream(self._id)
@@ -117,9 +134,11 @@ class LiveViews:
             rec.flush(timeout_sec=5.0)
         except (RuntimeError, ValueError) as error:
             raise SetupError(f"{bind}:{port}: no live views ({error}; memory limit {memory})") from error
-        self.url = sink.uri
-        rows = self._begun(rec, sliding(self._window_s), newest=True)
-        self._outlets.append(Outlet(self.url, rec, rows, SERVED_S))
+        self.url, self._server = sink.uri, rec
+        self._outlets.append(self._served(rec))
+
+    def _served(self, rec: rr.RecordingStream) -> Outlet:
+        return Outlet(self.url, rec, self._begun(rec, sliding(self._window_s), newest=True), SERVED_S)
 
     def _keep(self, path: Path) -> None:
         rec = stream(self._id, path)
@@ -127,9 +146,9 @@ class LiveViews:
         self._outlets.append(Outlet(str(path), rec, rows, KEPT_S, lambda: _full(path.parent)))
 
     def _begun(self, rec: rr.RecordingStream, span: Span, newest: bool) -> Rows:
-        """What a stream shows, once it has its layout and its name."""
+        """What a stream shows, once it has its layout and the rig's name."""
         root, frame = paths.root(self._title), frame_of(self._rig) if self._rig.screw is not None else None
-        begin(rec, blueprint(root, self._rig, frame, span), self._title)
+        begin(rec, blueprint(root, self._rig, frame, span, newest), self._rig.name)
         return Rows(Entity(rec) / root, self._rig, newest, self._window_s)
 
 

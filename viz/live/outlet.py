@@ -13,6 +13,7 @@ from estimator.record import Sample
 from estimator.step import Step
 from viz.drawing.series import Event
 from viz.lanes.judged import Judged
+from viz.lanes.standing import Standing
 from viz.live.rows import Rows
 
 WAITING = 20_000  # ticks and events that may wait; the oldest are given up
@@ -25,7 +26,7 @@ class Batch:
 
     ticks: deque[tuple[Sample, Step]] = field(default_factory=lambda: deque(maxlen=WAITING))
     events: deque[Event | Judged] = field(default_factory=lambda: deque(maxlen=WAITING))
-    status: str | None = None
+    standing: Standing | None = None
 
 
 class Outlet:
@@ -43,6 +44,7 @@ class Outlet:
         self._batch, self._waits = Batch(), ""
         self._lost, self._failed, self._error = 0, 0, ""
         self._turn = threading.Condition()
+        self._left = False
         self._asked, self._answered, self._ended = 0, 0, False  # how often to send now, and how often that was done
         self._thread = threading.Thread(target=self._run, name=f"live views: {name}", daemon=True)
         self._thread.start()
@@ -67,10 +69,10 @@ class Outlet:
         with self._turn:
             self._batch.events.append(event)
 
-    def status(self, markdown: str) -> None:
-        """Take the current status; only the last one before a batch is sent counts."""
+    def stand(self, standing: Standing) -> None:
+        """Take how things stand; only the last one before a batch is sent counts."""
         with self._turn:
-            self._batch.status = markdown
+            self._batch.standing = standing
 
     def flush(self) -> None:
         """Send what waits, and wait a moment for it."""
@@ -79,6 +81,12 @@ class Outlet:
             mine = self._asked
             self._turn.notify_all()
             self._turn.wait_for(lambda: self._answered >= mine or self._ended, FLUSH_S)
+
+    def leave(self) -> None:
+        """Send what waits and no more, without waiting for it; the stream stays open."""
+        with self._turn:
+            self._ended = self._left = True
+            self._turn.notify_all()
 
     def close(self) -> None:
         """Send what waits and end the stream, footer written; give it up if that takes too long."""
@@ -101,7 +109,8 @@ class Outlet:
                 self._answered = asked
                 self._turn.notify_all()
         self._guarded(self._rows.end)
-        self._rec.disconnect()
+        if not self._left:
+            self._rec.disconnect()
 
     def _send(self) -> None:
         self._waits = self._obstacle() or (self._waits and self._held_up())
@@ -109,8 +118,8 @@ class Outlet:
             return
         with self._turn:
             batch, self._batch = self._batch, Batch()
-        if batch.ticks or batch.events or batch.status is not None:
-            self._guarded(lambda: self._rows.send(batch.ticks, batch.events, batch.status))
+        if batch.ticks or batch.events or batch.standing is not None:
+            self._guarded(lambda: self._rows.send(batch.ticks, batch.events, batch.standing))
             self._waits = self._held_up()
 
     def _held_up(self) -> str:

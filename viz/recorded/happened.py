@@ -6,7 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from viz.drawing.series import Event, clock
+from estimator.inputs.phase import stopped
+from viz.drawing.scale import clock
+from viz.drawing.series import Event
 from viz.lanes.judged import Judged
 from viz.recorded.run import ReviewedRun
 
@@ -32,10 +34,9 @@ def _motion(run: ReviewedRun) -> Iterator[Event]:
             begun = float(time_s[k])
             yield Event(begun, "drive starts")
         else:
-            at = f"{run.track.elongation_um[k]:.1f} ± {2 * run.track.sigma_um[k]:.1f} µm"
-            yield Event(
-                float(time_s[k]), f"drive stops after {time_s[k] - begun:.0f} s at an elongation of {at} (2 sd)"
-            )
+            grown = run.track.elongation_um[k], run.track.sigma_um[k], run.track.open_loop_um[k]
+            said = stopped(float(time_s[k]) - begun, *grown)
+            yield Event(float(time_s[k]), said)
 
 
 def _judged(run: ReviewedRun) -> Iterator[Event]:

@@ -73,7 +73,7 @@ def page(root: str, run: ReviewedRun) -> rrb.Container:
     """The views that show it."""
     span = views.whole(run.track.time_s)
     most = np.nanquantile(np.concatenate([run.error_sd_um, run.track.sigma_um, run.level_sd_um]), 1 - NEAR)
-    height = 0.0, _labelled(float(most))
+    height = 0.0, labelled(float(most))
     sd = views.beside_legend(f"{root}/{paths.SURE_SD}", "Standard deviation [µm]", span, height)
     if not run.is_judged:
         return rrb.Vertical(sd, name="How sure")
@@ -92,11 +92,11 @@ def _extent(run: ReviewedRun) -> Range:
     for values in (run.errors_um["filter"][known], 2 * run.error_sd_um[known], -2 * run.error_sd_um[known]):
         if len(values):
             ends.append(np.nanquantile(values, [NEAR, 1 - NEAR]))
-    half = _labelled(max(map(abs, extent_of(*ends))))
+    half = labelled(max(map(abs, extent_of(*ends))))
     return -half, half
 
 
-def _labelled(end: float) -> float:
+def labelled(end: float) -> float:
     """The end of an axis from 0 on that has two labels: they stand at powers of ten, more often where there is room."""
     power = 10.0 ** np.floor(np.log10(max(end, LEAST_UM)))
     return float(end if end <= LABELS * power else 10.5 * power)

@@ -30,16 +30,16 @@ from viz.viewer.viewer import connect, start
 WINDOW = "1600x1000"
 TOP_BAR = 36  # pixels of the window's own bar, blank without a window
 GREETING_S = 7.0  # messages of the viewer's start cover the top right corner for so long
-PATIENCE_S = 20.0
+PATIENCE_S, RUNNING_S = 20.0, 3.0  # until all has arrived; of a stream that runs, whose pictures all differ
 NO_ADAPTER = "pictures: no Vulkan adapter that the viewer can use; install one: apt-get install mesa-vulkan-drivers"
 
 
-def render_stream(url: str, folder: Path, window: str = WINDOW) -> list[Path]:
-    """Write FOLDER/TAB.png for each tab of what the live stream at `url` shows now."""
+def render_stream(url: str, folder: Path, window: str = WINDOW, only: Sequence[str] = ()) -> list[Path]:
+    """Write FOLDER/TAB.png for each tab, or some, of what the live stream at `url` shows now."""
     folder.mkdir(parents=True, exist_ok=True)
     with headless(["--connect", url], window) as client:
         time.sleep(GREETING_S)
-        return list(walk(client, folder, set(), views=False))
+        return list(walk(client, folder, {*only}, views=False, patience_s=RUNNING_S))
 
 
 def render(
@@ -68,7 +68,9 @@ def render(
         return list(walk(client, folder, {*only}, views))
 
 
-def walk(client: ViewerClient, folder: Path, only: set[str], views: bool) -> Iterator[Path]:
+def walk(
+    client: ViewerClient, folder: Path, only: set[str], views: bool, patience_s: float = PATIENCE_S
+) -> Iterator[Path]:
     """Show one page after the other and write its pictures."""
     layout = {**client.get_blueprint().blueprint, "/top_panel": {"PanelBlueprint": {"state": "Hidden"}}}
     for page in pages_of(layout):
@@ -78,9 +80,9 @@ def walk(client: ViewerClient, folder: Path, only: set[str], views: bool) -> Ite
         client.set_blueprint(layout, store_id=client.get_state().active_recording)
         time.sleep(1.0)
         name = "-".join(_word(part) for part in page.names)
-        yield _write(client, folder / f"{name}.png", None)
+        yield _write(client, folder / f"{name}.png", None, patience_s)
         for view, title in page.views(layout).items() if views else ():
-            yield _write(client, folder / f"{name}-{_word(title)}.png", view)
+            yield _write(client, folder / f"{name}-{_word(title)}.png", view, patience_s)
         _complain(client, name)
 
 
@@ -108,9 +110,9 @@ def _why(said: str, error: TimeoutError) -> str:
     return " ".join(f"pictures: {error}; {panic or said[-200:]}".split())
 
 
-def _write(client: ViewerClient, path: Path, view: str | None) -> Path:
+def _write(client: ViewerClient, path: Path, view: str | None, patience_s: float) -> Path:
     """Take pictures until two are the same: then all data has arrived."""
-    before, end = b"", time.monotonic() + PATIENCE_S
+    before, end = b"", time.monotonic() + patience_s
     while (now := client.take_screenshot(view)) != before and time.monotonic() < end:
         before = now
         time.sleep(0.5)

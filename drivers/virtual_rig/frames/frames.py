@@ -95,7 +95,7 @@ def _displacement(frame_id: int, time_s: np.ndarray, reading: Reading) -> FrameT
 
 
 def _drive(run: Run) -> FrameTable:
-    signals = run.drive(_drive_times(run))
+    signals = run.drive(drive_times(run))
     state = np.where(signals.moving, MOVING, STANDSTILL)
     current = np.clip(np.round(signals.current_a / 0.01), -2048, 2047).astype(np.int64) & 0xFFF
     data = np.zeros((len(state), 8), dtype=np.uint8)
@@ -106,7 +106,7 @@ def _drive(run: Run) -> FrameTable:
     return _stacked([signals.time_s], (DRIVE_ID,), [data])
 
 
-def _drive_times(run: Run) -> np.ndarray:
+def drive_times(run: Run) -> np.ndarray:
     """Each second, and each 10 ms from a drive's start until it has just ended."""
     ticks = run.measured.time_s
     fast = [

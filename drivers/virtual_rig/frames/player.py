@@ -1,19 +1,17 @@
-"""A run on a live bus, in the rig's time or faster."""
+"""Frames on a live bus, in the rig's time or faster."""
 
 import time
+from collections.abc import Iterable
 
 import can
 
-from drivers.virtual_rig.frames.frames import EPOCH_S, frame_table
-from drivers.virtual_rig.run import Run
 
-
-def play(run: Run, bus: can.BusABC, speed_up: float = 1.0) -> None:
-    """Send every frame when it is due: t_start + t_rig / speed_up on the steady clock, so that delays never add up."""
-    messages = frame_table(run).messages()
+def play(messages: Iterable[can.Message], bus: can.BusABC, speed_up: float = 1.0) -> None:
+    """Send frames when they are due, stamped from 0 s of the rig's time on: at t_start + t_rig / speed_up on the steady
+    clock, so that delays never add up."""
     start = time.monotonic()
     for message in messages:
-        wait = start + (message.timestamp - EPOCH_S) / speed_up - time.monotonic()
+        wait = start + message.timestamp / speed_up - time.monotonic()
         if wait > 0:
             time.sleep(wait)
         bus.send(message)

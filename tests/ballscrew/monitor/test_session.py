@@ -14,6 +14,7 @@ from rich.console import Console
 from ballscrew.monitor import session as loop
 from ballscrew.monitor.json_lines import WAITING, JsonLines
 from ballscrew.monitor.monitor import MOST_ALONE, Monitor
+from ballscrew.monitor.panel import panel
 from ballscrew.monitor.session import Session
 from ballscrew.monitor.status import Status
 from drivers.received import Notice
@@ -21,6 +22,7 @@ from estimator.errors import SetupError
 from estimator.step import Mode
 from tests.live_fake import DRIVE, STATUS, Frames, dropped, rig_frames
 from tests.processes import until
+from viz.drawing.scale import clock
 
 
 class Clock:
@@ -69,6 +71,10 @@ class Views:
 
     def __init__(self) -> None:
         self.ticks, self.texts, self.states, self.judged, self.published = 0, [], [], [], []
+        self.times, self.begun = [], []
+
+    def begin(self) -> None:
+        self.begun.append(self.ticks)
 
     def show(self, sample, step) -> None:
         self.ticks += 1
@@ -79,9 +85,10 @@ class Views:
 
     def say(self, time_s, text, level) -> None:
         self.texts.append((text, level))
+        self.times.append(time_s)
 
-    def status(self, markdown) -> None:
-        self.states.append(markdown)
+    def stand(self, standing) -> None:
+        self.states.append(standing)
 
 
 @pytest.fixture(scope="module")
@@ -113,8 +120,9 @@ def test_every_tick_is_told_shown_and_published(session, frames):
     assert len(live.publisher.sent_valid) >= 44  # the newest of each turn
     assert np.isfinite(live.publisher.positions).all()
     assert all(valid for _, valid in live.publisher.sent_valid)
-    assert not said
-    assert "elongation" in live.views.states[0]
+    assert said == ["drive starts"]
+    last = live.views.states[-1]
+    assert (last.glances[-1].value, {glance.tone for glance in last.glances}) == ("ENDED", {"stale"})
 
 
 def test_alarms_and_what_happens_to_the_bus_reach_the_views(session, frames):
@@ -151,6 +159,37 @@ def test_what_has_come_is_estimated_before_the_model_goes_on_alone(session, fram
     live._idle()
     assert live.latest.provisional
     assert live.latest.step.time_s <= last + MOST_ALONE
+
+
+def test_what_is_shown_of_a_silent_bus_does_not_look_like_news(session, frames):
+    live, _, _ = session(frames)
+    live._ended, live.clock.silent_s = False, 20.0
+    live._idle()
+    live._shown = -np.inf
+    live._show_status()
+    shown = live.views.states[-1]
+    assert shown.glances[-1].value == "NO FRAMES"
+    assert {glance.tone for glance in shown.glances} == {"stale"}
+    assert shown.table is None
+    assert shown.time_s > live.monitor.ticker.clock.now
+
+
+def test_a_drive_is_told_from_when_it_began(session, frames):
+    live, _, _ = session(frames)
+    at_s = live.views.times[live.views.texts.index(("drive starts", "INFO"))]
+    assert at_s == pytest.approx(21.0, abs=1.0)
+    assert live.status().motion == f"driving since {clock(at_s)}"
+    assert live.views.states[-1].table.error_um.shape == (1, loop.PLACES)
+
+
+def test_after_a_night_the_views_begin_anew(session, frames):
+    """Once, and before anything of the new run is shown."""
+    night = [frame._replace(time_s=frame.time_s + 10 * 3600.0) for frame in frames]
+    live, said, _ = session([*frames, *night])
+    assert "the estimate begins anew" in said
+    ((before,),) = (live.views.begun,)
+    assert live.views.ticks - before == pytest.approx(before, abs=2)
+    assert session(frames)[0].views.begun == []
 
 
 def test_a_silent_drive_alone_is_heard_of_too(session, frames):
@@ -234,7 +273,7 @@ def test_text_from_outside_is_no_markup(session, frames):
     live, _, _ = session(frames[:200])
     live.publisher.trouble = "not publishing: [/dev/ttyACM0] gone"
     console = Console(file=io.StringIO(), width=110)
-    console.print(live.status().panel())
+    console.print(panel(live.status()))
     assert "[/dev/ttyACM0]" in console.file.getvalue()
 
 
@@ -258,7 +297,7 @@ def test_what_is_said_once_is_not_said_again(session, frames):
 def test_the_panel_has_everything_with_its_unit(session, frames):
     live, _, ticks = session(frames)
     console = Console(file=io.StringIO(), width=110, highlight=False)
-    console.print(live.status().panel())
+    console.print(panel(live.status()))
     text = console.file.getvalue()
     for word in ("elongation", "um (2 sd)", "15 of 15 thermometers", "NIS", "frames", "dropped", "recording"):
         assert word in text

@@ -98,6 +98,20 @@ def test_a_screw_without_a_span_is_measured_whole(tmp_path):
     assert rig.thermometers == ("A", "B")
 
 
+def test_the_stroke_is_where_the_nut_is_between_the_bearings(rig):
+    low, high = rig.stroke_mm
+    half = rig.nut.length_mm / 2
+    assert rig.nut.centre(np.array(low)) + half == pytest.approx(rig.supports["anchor"].at_mm)
+    assert rig.nut.centre(np.array(high)) - half == pytest.approx(rig.supports["free"].at_mm)
+    held = replace(rig, supports={"anchor": rig.supports["anchor"]})
+    assert rig.nut.centre(np.array(held.stroke_mm[1])) - half == pytest.approx(rig.screw.from_mm)
+
+
+@pytest.mark.parametrize("lacking", [{"screw": None}, {"nut": None}, {"supports": {}}, {"inputs": {}}], ids=str)
+def test_without_any_of_its_parts_there_is_no_stroke(rig, lacking):
+    assert replace(rig, **lacking).stroke_mm is None
+
+
 def test_two_signals_or_one(rig):
     assert rig.channels["T03"].signals == ("Telemeter1.T03",)
     assert rig.channels["displacement"].signals == ("DisplacementHold.DspHoldA1B1", "DisplacementHold.DspHoldA2B2")

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
-import cantools
 import numpy as np
 import pytest
 
+from drivers.encoded import Encoded
 from drivers.recordings import read_recording
-from drivers.virtual_rig import Run, simulate
+from drivers.virtual_rig import simulate
 from estimator.batch import nominal
 from estimator.batch.replay import replay
 from estimator.errors import SetupError
@@ -55,49 +54,13 @@ def review(*words: str | Path) -> dict:
 # --- seven channels on another bus
 
 
-Frame = tuple[float, str, dict[str, float]]
-
-BORE = {"Front": 1, "Left": 3, "MiddleLeft": 4, "MiddleRight": 5}  # columns of the rig in software
-BORE_MOTOR = {"Right": 7, "Rear": 11, "Motor": 14}
-
-
-def seven_frames(run: Run) -> Iterator[Frame]:
-    """What the other bus would carry: time, message, values."""
-    seen, air = run.measured, run.measured.environment
-    for k, t in enumerate(seen.time_s):
-        hall = {"Air": air.ambient[k], "Bed": air.base[k], "Probe": air.probe[k], "Invar": air.bar[k]}
-        yield t + 0.001, "Hall", hall
-        yield t + 0.002, "Growth", {"Mode": 1, "Rest": seen.direct.elongation_um[k] / 1000}
-        yield t + 0.003, "Bore", {name: seen.channels[k, i] for name, i in BORE.items()}
-        motor = {name: seen.channels[k, i] for name, i in BORE_MOTOR.items()}
-        yield t + 0.004, "BoreMotor", {**motor, "Count": k % 256}
-    for t, growth in zip(run.holds.frozen_s, run.holds.reading.elongation_um, strict=True):
-        yield t, "Growth", {"Mode": 0, "Centre": growth / 1000}
-    drive = run.drive(np.arange(0.0, seen.time_s[-1], 0.02))
-    for t, place, rpm in zip(drive.time_s, drive.position_mm, drive.speed_rpm, strict=True):
-        yield t, "AxisX", {"Place": place, "Speed": rpm * 2 * np.pi / 60}
-
-
-def candump(frames: list[Frame], dbc: Path) -> str:
-    bus = cantools.database.load_file(dbc)
-    lines = []
-    for t, name, values in frames:
-        message = bus.get_message_by_name(name)
-        digits = f"{message.frame_id:0{8 if message.is_extended_frame else 3}X}"
-        lines.append(f"({1.7e9 + t:.6f}) can1 {digits}#{message.encode(values).hex().upper()}\n")
-    return "".join(lines)
-
-
 @pytest.fixture(scope="module")
 def seven(tmp_path_factory) -> Path:
     """A copy of the folder with a log: a drive of 222 s at 20 m/min and 16 min of its stop."""
     folder = tmp_path_factory.mktemp("rigs") / "seven"
     shutil.copytree(SEVEN, folder)
-    lived = simulate("FS-20", seconds=1200.0)
-    frames = sorted(seven_frames(lived), key=lambda frame: frame[0])
-    (folder / "drive.log").write_text(candump(frames, folder / "plant.dbc"))
-    rows = np.column_stack([lived.truth.time_s + 0.004 - frames[0][0], lived.truth.elongation_um])
-    np.savetxt(folder / "drive.truth.csv", rows, "%.6f", ",", header="time_s,elongation_um", comments="")
+    (folder / "FS-20.blf").unlink()
+    Encoded(simulate("FS-20", seconds=1200.0), load_rig(folder)).write(folder / "drive.log")
     return folder
 
 

@@ -14,8 +14,8 @@ from tests.viz_fake import fake_run
 from viz.drawing.frames import Axes
 from viz.drawing.profile import picture_ticks
 from viz.drawing.residuals import consistency, whiteness
-from viz.drawing.scale import DIVERGING, coloured, minutes, rounded, symmetric, ticks_of, widened
-from viz.drawing.series import clock, spaced
+from viz.drawing.scale import DIVERGING, clock, coloured, minutes, rounded, symmetric, ticks_of, widened
+from viz.drawing.series import spaced
 from viz.recorded.recorded import save
 from viz.viewer import pages, pictures, viewer
 

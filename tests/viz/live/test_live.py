@@ -6,6 +6,7 @@ import socket
 import sys
 import urllib.error
 import urllib.request
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -22,18 +23,25 @@ from estimator.errors import InputError, SetupError
 from estimator.filter import Filter
 from estimator.record import Sample
 from estimator.rig import Rig
-from estimator.step import Mode, Step, Track
+from estimator.step import Mode, Step, TableErrors, Track
 from tests.conftest import at_defaults
 from tests.processes import PATIENCE_S, until
 from tests.viz_fake import JUDGED, SILENT, fake_run
 from tests.viz_read import fixed, rows, state_at, view_names
 from viz.drawing import profile
 from viz.drawing.entity import Entity
+from viz.drawing.file import begin, stream
+from viz.drawing.views import sliding
+from viz.lanes.judged import Judged
+from viz.lanes.standing import Glance, Standing
 from viz.live import live, outlet
+from viz.live.body import frame_of
+from viz.live.layout import blueprint
 from viz.live.live import LiveViews
 from viz.live.repeat import Repeated
 from viz.live.rows import Rows
 from viz.live.scale import Decades, Growing
+from viz.live.table import LINE
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun
 from viz.viewer import viewer
@@ -77,9 +85,10 @@ def fed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fed]:
     views = LiveViews(run.rig, "FS-20", port=None, save=file)
     views.say(21.0, "drive starts")
     for judged in JUDGED:
-        views.judge(judged.time_s, judged.why, judged.alarms)
+        views.judge(judged.time_s, judged.why, judged.alarms, "" if judged.why else "sent")
     show(views, ticks)
-    views.status("**at rest**")
+    stroke = estimate.table_errors(np.linspace(*run.rig.stroke_mm, 41))
+    views.stand(Standing(float(SECONDS), (Glance("elongation", "+1.00 µm", "", "value"),), "**at rest**", stroke))
     views.close()
     assert views.trouble == ""
     yield Fed(replace(run, recording=recording, track=track), ticks, file)
@@ -148,6 +157,17 @@ def test_every_view_says_its_unit(fed: Fed) -> None:
     assert all("[" in name for name in names if name not in ("Status", "Events", "State", UNUSED))
 
 
+def test_the_banner_stands_above_every_page_of_what_is_served(fed: Fed, tmp_path: Path) -> None:
+    rec = stream(uuid.uuid4(), tmp_path / "served.rrd")
+    begin(rec, blueprint("live", fed.run.rig, frame_of(fed.run.rig), sliding(3600.0), now=True), "served")
+    rec.log("live", rr.Scalars(0.0))
+    rec.disconnect()
+    names = view_names(tmp_path / "served.rrd")
+    assert names.count("Now") == 6
+    assert {"Error at the table [µm]", "Error at the table over its stroke [µm over mm]"} <= set(names)
+    assert "Now" not in view_names(fed.file)
+
+
 def test_the_closed_file_has_its_footer(fed: Fed) -> None:
     assert RrdReader(fed.file).store()
 
@@ -183,6 +203,82 @@ def test_readings_are_drawn_where_they_speak_for(fed: Fed) -> None:
     assert np.abs(innovation).max() > 0.2
     assert (beyond * np.sign(innovation) > -0.03).all()
     assert (np.abs(beyond) < np.abs(innovation) + 0.03).all()
+
+
+def test_the_stroke_is_drawn_as_the_filter_says_it(fed: Fed) -> None:
+    """Micrometres by the labels of its axis, from one end of the stroke to the other."""
+    path, (low, high) = "/FS-20/stroke", fed.run.rig.stroke_mm
+    (labels,), (places,) = (rows(fed.file, f"{path}/axes/y", f"Points2D:{what}")[1] for what in ("labels", "positions"))
+    _, ((mean, *_),) = rows(fed.file, f"{path}/estimate", "LineStrips2D:strips")
+    um = [float(label.removesuffix(" µm")) for label in labels]
+    drawn = np.polyval(np.polyfit(np.array(places)[:, 1] + 0.56 * LINE, um, 1), np.array(mean)[:, 1])
+    again = Filter(at_defaults(), fed.run.rig)
+    for sample, _ in fed.ticks:
+        again.step(sample)
+    np.testing.assert_allclose(drawn, again.table_errors(np.linspace(low, high, 41)).error_um[0], atol=1e-3)
+    _, (now,) = rows(fed.file, f"{path}/now", "Points2D:positions")
+    last = fed.ticks[-1][1]
+    share = (now[0][0] - mean[0][0]) / (mean[-1][0] - mean[0][0])
+    assert low + share * (high - low) == pytest.approx(last.position_mm, abs=0.01)
+    assert np.interp(now[0][0], *np.array(mean).T) == pytest.approx(now[0][1], abs=1.5)
+
+
+def test_the_error_at_the_table_is_told_over_time_and_as_sent_where_it_was(fed: Fed) -> None:
+    time_s, um = rows(fed.file, "/FS-20/table/filter", "Measurements:values")
+    track = fed.run.track
+    np.testing.assert_allclose(np.ravel(um), track.error_at_table_um[np.searchsorted(track.time_s, time_s)])
+    sent_s, sent = rows(fed.file, "/FS-20/table/sent", "Scalars:scalars")
+    assert sent_s[0] == WAITING + 1.0
+    np.testing.assert_array_equal(sent_s, time_s)  # valid from 2 to 641 s
+    np.testing.assert_allclose(np.ravel(sent), np.ravel(um))
+
+
+def test_travelled_is_where_the_table_has_been(fed: Fed, tmp_path: Path) -> None:
+    """And nothing of the time at which that was not known."""
+    rec, rig = rr.RecordingStream("ballscrew"), fed.run.rig
+    rec.save(tmp_path / "some.rrd")
+    some, place_mm = Rows(Entity(rec, "FS-20"), rig, True, 3600.0), [np.nan, np.nan, 300.0, 180.0, 240.0]
+    for k, at_mm in enumerate(place_mm):
+        sample, step = fed.ticks[100 + k]
+        stroke = TableErrors(np.linspace(*rig.stroke_mm, 3), np.full((1, 3), 2.0), np.full((1, 3), 0.1))
+        some.send(
+            [(sample, replace(step, position_mm=at_mm))],
+            [],
+            Standing(step.time_s, (Glance("", "", "", "stale"),), "", stroke),
+        )
+    rec.disconnect()
+    found = rows(tmp_path / "some.rrd", "/FS-20/stroke/travelled", "LineStrips2D:strips")[1]
+    width = 1000.0 / (rig.stroke_mm[1] - rig.stroke_mm[0])
+    (left, right) = (x for x, _ in found[-1][0])
+    assert (right - left) / width == pytest.approx(120.0, abs=0.01)
+
+
+def test_nothing_is_drawn_as_sent_that_was_not(fed: Fed, tmp_path: Path) -> None:
+    """Of one batch, whose judgements come with their own times."""
+    rec = rr.RecordingStream("ballscrew")
+    rec.save(tmp_path / "some.rrd")
+    judged = [Judged(0.0, (), (), "sent"), Judged(50.0, ("x",), (), "sent as invalid"), Judged(90.0, (), (), "sent")]
+    Rows(Entity(rec, "FS-20"), fed.run.rig, False, 3600.0).send(fed.ticks[:120], judged, None)
+    rec.disconnect()
+    time_s = rows(tmp_path / "some.rrd", "/FS-20/table/sent", "Scalars:scalars")[0]
+    np.testing.assert_array_equal(time_s, [*range(WAITING + 1, 50), *range(90, 121)])
+
+
+@pytest.mark.parametrize("newest", [False, True])
+def test_how_things_stand_is_sent_when_it_changes(fed: Fed, tmp_path: Path, newest: bool) -> None:
+    """The banner to who looks on, not into a file, which is looked through at other moments."""
+    rec, ((_, step),) = rr.RecordingStream("ballscrew"), fed.ticks[:1]
+    rec.save(tmp_path / "x.rrd")
+    some = Rows(Entity(rec, "FS-20"), fed.run.rig, newest, 3600.0)
+    for k, value in enumerate(("+1.00 µm", "+1.00 µm", "+2.00 µm")):
+        some.send([], [], Standing(step.time_s + k, (Glance("elongation", value, "", "value"),), "at rest"))
+    rec.disconnect()
+    assert list(rows(tmp_path / "x.rrd", "/FS-20/status", "TextDocument:text")[0]) == [step.time_s]
+    lanes = {str(chunk.entity_path) for chunk in RrdReader(tmp_path / "x.rrd").stream().to_chunks()}
+    assert ("/FS-20/banner" in lanes) == newest
+    if newest:
+        times = rows(tmp_path / "x.rrd", "/FS-20/banner", "EncodedImage:blob")[0]
+        assert list(times) == [step.time_s, step.time_s + 2]
 
 
 def test_a_stripe_has_the_colour_of_its_minute(fed: Fed) -> None:
@@ -272,16 +368,31 @@ def test_rigs_that_lack_something_are_shown_all_the_same(fed: Fed, tmp_path: Pat
     show(views, ticks)
     views.close()
     assert views.trouble == ""
-    has_profile = any("Temperature along" in name for name in view_names(tmp_path / "bare.rrd"))
-    assert has_profile == ("screw" not in parts)
+    names = view_names(tmp_path / "bare.rrd")
+    assert any("Temperature along" in name for name in names) == ("screw" not in parts)
+    assert any("over its stroke" in name for name in names) == ("nut" not in parts)
+    assert any("displacement" in name.lower() for name in names) == ("displacement" not in parts)
+    modes = {state for (state,) in rows(tmp_path / "bare.rrd", "/bare/state/mode", "StateChange:state")[1]}
+    assert ("predict" in modes) == ("displacement" in parts)
     assert len(rows(tmp_path / "bare.rrd", "/bare/channels/temperature/1", "Scalars:scalars")[0]) == 130
+
+
+def test_a_rig_on_which_nothing_moves_has_no_lane_of_driving(fed: Fed, tmp_path: Path) -> None:
+    rig = replace(fed.run.rig, nut=None, inputs={})
+    views = LiveViews(rig, "still", port=None, save=tmp_path / "still.rrd")
+    show(views, fed.ticks[:60])
+    views.close()
+    lanes = {str(chunk.entity_path) for chunk in RrdReader(tmp_path / "still.rrd").stream().to_chunks()}
+    assert "/still/state/mode" in lanes
+    assert "/still/state/drive" not in lanes
 
 
 def shorter(step: Step) -> Step:
     """A step without its last channel."""
     per_channel = ("names", "measured", "predicted", "innovation", "innovation_sd", "fused", "why", "open_loop")
     per_channel += ("fault", "since_s", "may_drift_K", "jump")
-    return replace(step, **{name: getattr(step, name)[:-1] for name in per_channel})
+    mode = Mode.PREDICT if step.mode == Mode.UPDATE else step.mode
+    return replace(step, mode=mode, **{name: getattr(step, name)[:-1] for name in per_channel})
 
 
 def test_nothing_but_ticks_before_the_start_is_fine(fed: Fed, tmp_path: Path) -> None:
@@ -366,6 +477,33 @@ def test_a_late_viewer_gets_it_all(fed: Fed, tmp_path: Path) -> None:
         show(views, fed.ticks[100:200])
         assert views.trouble == ""
     np.testing.assert_array_equal(sorted(seen()), fed.run.track.time_s[:100])
+
+
+@pytest.mark.filterwarnings("ignore:RRD file has no footer")
+def test_a_run_that_begins_anew_is_a_recording_of_its_own(fed: Fed, tmp_path: Path) -> None:
+    got = tmp_path / "got.rrd"
+
+    def seen() -> list[int]:
+        """Ticks of each recording."""
+        try:
+            reader = RrdReader(got)
+            streams = [reader.stream(store=each) for each in reader.recordings()]
+            found = [each.filter(content="/live/channels/innovation").to_chunks() for each in streams]
+            return [sum(chunk.num_rows for chunk in chunks if not chunk.is_static) for chunks in found]
+        except (ValueError, RuntimeError):
+            return []
+
+    with served(fed.run.rig) as views:
+        looks_on = viewer.start([views.url, "--save", str(got)], free_port())
+        try:
+            show(views, fed.ticks[:100])
+            views.begin()
+            show(views, fed.ticks[:50])
+            until(lambda: sorted(seen()) == [50, 100])
+        finally:
+            looks_on.terminate()
+            looks_on.wait(PATIENCE_S)
+        assert views.trouble == ""
 
 
 @pytest.mark.parametrize(("site", "allowed"), [("http://127.0.0.1:1234", True), ("http://evil.example", False)])

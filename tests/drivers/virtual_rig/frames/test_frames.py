@@ -182,7 +182,7 @@ def test_play_keeps_the_rig_s_time_without_drift():
 
     steady = mock.Mock(monotonic=lambda: clock[0], sleep=sleep)
     with mock.patch("drivers.virtual_rig.frames.player.time", steady):
-        play(run, mock.Mock(send=send), speed_up)
+        play(frame_table(run).messages(0.0), mock.Mock(send=send), speed_up)
     assert [arbitration_id for arbitration_id, _ in sent] == [message.arbitration_id for message in due]
     late = np.array([at for _, at in sent]) - [500.0 + (m.timestamp - EPOCH_S) / speed_up for m in due]
     assert late.min() >= -1e-6
