@@ -6,59 +6,81 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from types import FrameType
 
 from rich.live import Live
 
+from ballscrew.monitor.beside import Beside
 from ballscrew.monitor.panel import panel
 from ballscrew.monitor.status import Status
 from ballscrew.terminal import Terminal
 
 LINE_S = 60.0  # between status lines where the terminal cannot redraw
 REDRAW_S = 0.25
+SENTENCES = 200  # that wait for a terminal; then new ones are lost to it, and stand in the views only
 STOPS = [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
 
 
 class Display:
-    """A panel where the terminal can redraw, else a line a minute and what happens. Nobody may be there to read it."""
+    """A panel where the terminal can redraw, else a line a minute and what happens. Nobody may be there to read it.
+
+    A terminal that takes nothing, held by Ctrl-S or behind a network that is gone, holds up nobody (`beside`).
+    """
 
     def __init__(self, terminal: Terminal, live: Live | None) -> None:
         self.terminal, self.live = terminal, live
-        self._next = 0.0
+        self._beside, self._next = Beside(SENTENCES), 0.0
 
     def say(self, text: str, level: str) -> None:
         """One sentence with the time of day."""
         if level == "WARN" or not self.terminal.quiet:
             console = self.live.console if self.live else self.terminal.err
-            with suppress(OSError):
-                console.print(f"{time.strftime('%H:%M:%S')} {text}", markup=False)
+            self._print(partial(console.print, f"{time.strftime('%H:%M:%S')} {text}", markup=False))
 
     def show(self, status: Status) -> None:
         """The state, as often as it can be read."""
         if time.monotonic() >= self._next and (status.moment is not None or self.live is not None):
             self._next = time.monotonic() + (REDRAW_S if self.live else LINE_S)
-            self._print(status, "")
+            if self._beside.idle:
+                self._state(status, "")
 
     def end(self, status: Status) -> None:
         """How it was at the end."""
-        self._print(status, "ended: ")
+        self._state(status, "ended: ")
 
-    def _print(self, status: Status, before: str) -> None:
-        with suppress(OSError):
-            if self.live is not None:
-                self.live.update(panel(status), refresh=True)
-            else:
-                self.terminal.say(f"{before}{status.line()}")
+    def close(self) -> bool:
+        """Whether all was printed that there was to print."""
+        if self.live is not None:
+            self._print(self.live.stop)
+        return self._beside.close()
+
+    def _state(self, status: Status, before: str) -> None:
+        if self.live is not None:
+            self._print(partial(self.live.update, panel(status), refresh=True))
+        else:
+            self._print(partial(self.terminal.say, f"{before}{status.line()}"))
+
+    def _print(self, job: Callable[[], object]) -> None:
+        def printed() -> None:
+            with suppress(OSError):
+                job()
+
+        self._beside(printed)
 
 
 @contextmanager
 def display(terminal: Terminal) -> Iterator[Display]:
     """The display of this terminal."""
-    if terminal.quiet or not terminal.out.is_terminal:
-        yield Display(terminal, None)
-        return
-    with Live(console=terminal.out, auto_refresh=False, transient=False) as live:
-        yield Display(terminal, live)
+    live = None
+    if not terminal.quiet and terminal.out.is_terminal:
+        live = Live(console=terminal.out, auto_refresh=False, transient=False)
+        live.start()
+    screen = Display(terminal, live)
+    try:
+        yield screen
+    finally:
+        screen.close()
 
 
 @contextmanager

@@ -6,11 +6,11 @@ import json
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from queue import Full, Queue
-from threading import Thread
+from contextlib import contextmanager
+from functools import partial
 from typing import IO
 
+from ballscrew.monitor.beside import Beside
 from ballscrew.monitor.status import Status
 from ballscrew.options import STDOUT
 from ballscrew.terminal import plain
@@ -18,7 +18,6 @@ from estimator.errors import SetupError
 
 DIGITS = 16  # the same estimate as review's, to the last
 WAITING = 1000  # lines that wait for their reader; then new ones are lost
-END_S = 1.0  # that the last ones have at the end
 
 
 class JsonLines:
@@ -28,16 +27,13 @@ class JsonLines:
     """
 
     def __init__(self, file: IO[bytes]) -> None:
-        self._file, self._waiting = file, Queue[bytes | None](WAITING)
+        self._file, self._beside = file, Beside(WAITING)
         self._wrong, self._failed, self._late = "", 0, 0
-        self._writer = Thread(target=self._write, daemon=True)
-        self._writer.start()
+        self.close = self._beside.close
 
     def __call__(self, status: Status) -> None:
-        try:
-            self._waiting.put_nowait(json.dumps(plain(status.json(), DIGITS)).encode() + b"\n")
-        except Full:
-            self._late += 1
+        line = json.dumps(plain(status.json(), DIGITS)).encode() + b"\n"
+        self._late += not self._beside(partial(self._write, line))
 
     @property
     def lost(self) -> int:
@@ -47,23 +43,16 @@ class JsonLines:
     @property
     def trouble(self) -> str:
         """Why lines are lost now; "" where none are."""
-        why = "their reader is behind" if self._waiting.full() else self._wrong
+        why = "their reader is behind" if self._beside.full else self._wrong
         return why and f"--json: {why}: lines are lost"
 
-    def close(self) -> None:
-        """Write what waits, as far as the reader takes it."""
-        with suppress(Full):
-            self._waiting.put(None, timeout=END_S)
-        self._writer.join(END_S)
-
-    def _write(self) -> None:
-        while (line := self._waiting.get()) is not None:
-            try:
-                self._file.write(b"\n" + line if self._wrong else line)  # after a line that was torn
-                self._wrong = ""
-            except (OSError, ValueError) as error:  # ValueError: closed
-                self._failed += 1
-                self._wrong = getattr(error, "strerror", None) or str(error)
+    def _write(self, line: bytes) -> None:
+        try:
+            self._file.write(b"\n" + line if self._wrong else line)  # after a line that was torn
+            self._wrong = ""
+        except (OSError, ValueError) as error:  # ValueError: closed
+            self._failed += 1
+            self._wrong = getattr(error, "strerror", None) or str(error)
 
 
 @contextmanager
