@@ -157,6 +157,19 @@ class Support:
 
 
 @dataclass(frozen=True)
+class Bed:
+    """What the table's place is told by, and grows too: the machine's bed, or a scale of the table's own.
+
+    input      the thermometer that shows its temperature
+    tolerance  standard deviation of the coefficient, as a share of it
+    """
+
+    input: str
+    expansion: float = 11e-6  # 1/K
+    tolerance: float = 0.05
+
+
+@dataclass(frozen=True)
 class Csv:
     """What a lab CSV's reader cannot find by itself; what is not said is found.
 
@@ -224,6 +237,7 @@ class Rig:
     inputs: Mapping[str, Signal]
     screw: Screw | None = None
     nut: Nut | None = None
+    bed: Bed | None = None
     supports: Mapping[str, Support] = field(default_factory=dict)
     log: Log = Log()
     subset_7: tuple[str, ...] = ()

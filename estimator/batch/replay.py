@@ -91,8 +91,9 @@ class Replay:
             trial.take(part, posed.system)
             for rows, estimates in _estimates(trial, posed, part, doubt):
                 self._doubt_um2.append((estimates.doubt_um**2).sum(axis=1))
+                track = reporter.track(trial.rest.rows(rows), estimates)
                 self._table.append(reporter.table_errors(self._at_mm, estimates))
-                yield reporter.track(trial.rest.rows(rows), estimates)
+                yield track
         trial.settle()
 
     def smoothed(self) -> SmoothedElongation:

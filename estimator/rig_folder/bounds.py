@@ -8,7 +8,7 @@ from typing import Any
 
 from estimator.errors import SetupError
 from estimator.model import Prior, Value
-from estimator.rig import RAD_S, Channel, Csv, Nut, Rig, Screw, Signal, Support
+from estimator.rig import RAD_S, Bed, Channel, Csv, Nut, Rig, Screw, Signal, Support
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,10 @@ BOUNDS: Mapping[type, Mapping[str, Bound]] = {
         "knots_mm": PLACE,
     },
     Nut: {"length_mm": WIDTH, "centre_mm": PLACE, "direction": Bound("", -1.0, 1.0, "1 or -1")},
+    Bed: {
+        "expansion": Bound("1/K", -2e-6, 5e-4, "cast iron has 11e-6, glass 8e-6"),
+        "tolerance": Bound("", 0.0, 1.0, "it is a share of the expansion"),
+    },
     Support: {"at_mm": PLACE, "width_mm": WIDTH},
     Csv: {"skip": Bound("lines", 0, 100_000)},
     Signal: SIGNAL,

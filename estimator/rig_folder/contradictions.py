@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.errors import nearest
 from estimator.network import mesh
-from estimator.rig import Rig, Screw
+from estimator.rig import Bed, Rig, Screw
 from estimator.rig_folder.bounds import COLDEST_C, TIME_UNITS, UNITS
 
 THINNEST_MM, SHORTEST_MM = 0.1, 1.0
@@ -26,6 +26,8 @@ def contradictions(rig: Rig) -> Iterator[str]:
     yield from _off_the_screw(rig)
     if rig.nut:
         yield from _nut(rig)
+    if rig.bed:
+        yield from _bed(rig, rig.bed)
     if rig.screw:
         yield from _states(rig)
     elif rig.zero_C is not None:
@@ -116,6 +118,15 @@ def _off_the_screw(rig: Rig) -> Iterator[str]:
             yield f"{key} = {place:g} is outside the screw, {screw.from_mm:g} ... {screw.to_mm:g} mm"
     if not screw.span_mm[0] + SHORTEST_MM <= screw.span_mm[1]:
         yield "screw: span_from_mm must be below span_to_mm: {:g} ... {:g} mm".format(*screw.span_mm)
+
+
+def _bed(rig: Rig, bed: Bed) -> Iterator[str]:
+    if rig.nut is None or "anchor" not in rig.supports:
+        yield "[bed] is what the error at the table is told against: it needs [nut] and supports.anchor"
+    elif bed.input not in rig.inputs:
+        yield f"bed.input: no input '{bed.input}'; {nearest(bed.input, rig.inputs)}"
+    elif rig.inputs[bed.input].unit != "degC":
+        yield f"bed.input: '{bed.input}' is in {rig.inputs[bed.input].unit}; name a thermometer"
 
 
 def _nut(rig: Rig) -> Iterator[str]:

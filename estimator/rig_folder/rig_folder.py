@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from estimator.errors import SetupError, nearest
-from estimator.rig import Channel, Log, Nut, Rig, Screw, Signal, Support
+from estimator.rig import Bed, Channel, Log, Nut, Rig, Screw, Signal, Support
 from estimator.rig_folder import fields
 from estimator.rig_folder.bounds import BOUNDS, brief
 from estimator.rig_folder.contradictions import contradictions
@@ -37,6 +37,7 @@ def load_rig(folder: Path | str) -> Rig:
         inputs=_records(Signal, table, "inputs", path),
         screw=_optional(Screw, table, "screw", path),
         nut=_optional(Nut, table, "nut", path),
+        bed=_optional(Bed, table, "bed", path),
         supports=_records(Support, table, "supports", path),
         log=_optional(Log, table, "log", path) or Log(),
         subset_7=fields.checked(table.get("subset_7", []), tuple[str, ...], f"{path}: subset_7"),

@@ -11,7 +11,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.state.run import Run, variances
 from estimator.state.state import State
-from estimator.state.view import Mounting
+from estimator.state.view import BedGrowth, Mounting
 from estimator.step import Mode, TableErrors, Track
 
 
@@ -68,7 +68,7 @@ class Reporter:
     def __init__(self, run: Run) -> None:
         self._rig, self._view, self._state, self._run = run.forcing.rig, run.view, run.state, run
         self._zeros = run.state.channel_zeros(run.x)
-        self._position, self._mounting = Held(), Mounting(run.view, run.forcing)
+        self._position, self._mounting, self._bed = Held(), Mounting(run.view, run.forcing), BedGrowth(run.forcing.rig)
 
     @property
     def begun(self) -> Estimates:
@@ -106,6 +106,7 @@ class Reporter:
         z, P_z = self._temperatures(estimates)
         grown_um = self._run.began_um + estimates.grown_um
         elongation = state.elongation(grown_um)
+        self._bed.read(rows, estimates.input_fault)
         position = self._position.held(rows.inputs.get("position", np.full(len(rows), np.nan)))
         table, table_sd = self._table_error(position[:, None], estimates)
         variance = variances(elongation[:, None], P)[:, 0] + (estimates.doubt_um**2).sum(axis=1)
@@ -142,7 +143,7 @@ class Reporter:
         )
 
     def table_errors(self, at_mm: Array, estimates: Estimates) -> TableErrors:
-        """The error at the table, were it at places (p,) mm."""
+        """The error at the table, were it at places (p,) mm, of the ticks that were tracked last."""
         return TableErrors(at_mm, *self._table_error(at_mm, estimates))
 
     def _temperatures(self, estimates: Estimates) -> tuple[Array, Array]:
@@ -155,7 +156,7 @@ class Reporter:
         """Growth since the start by weights w of View.table_error at (p,), or (K, p), mm, and its sd: (K, p) um each.
 
         growth (1 + e), e the error of the expansion coefficient;   var = w' P_z w + growth^2 P_e + (sum(w) zero_sd)^2,
-        and what the mounting of the screw adds
+        and what the mounting of the screw adds; less the growth of the bed, where the rig has one
         """
         weights = self._view.table_error(at_mm)
         at = self._state.expansion
@@ -164,8 +165,9 @@ class Reporter:
         growth = (weights * rise[:, None]).sum(axis=-1)
         variance = variances(weights, P_z) + growth**2 * estimates.P[:, at, at, None]
         variance += (weights.sum(axis=-1) * self._rig.zero_sd_K) ** 2
-        variance += self._mounting.variance(at_mm, rise)
-        return growth * (1.0 + estimates.x[:, at, None]), np.sqrt(variance)
+        bed_um, bed_sd_um = self._bed.um(at_mm)
+        variance += self._mounting.variance(at_mm, rise) + bed_sd_um**2
+        return growth * (1.0 + estimates.x[:, at, None]) - bed_um, np.sqrt(variance)
 
 
 def modes(fused: Array, rig: Rig) -> Array:

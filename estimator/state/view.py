@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from estimator.faults.fault import Fault
 from estimator.network import mesh
 from estimator.network.assemble import Layout, span_growth
 from estimator.network.forcing import Forcing
 from estimator.network.growth import Growth
-from estimator.record import Array
+from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.terms import SCREW, Hold, Term
 
@@ -87,3 +88,36 @@ class Mounting:
 
 def _holds(terms: Sequence[Term]) -> bool:
     return any(isinstance(term, Hold) for term in terms)
+
+
+class BedGrowth:
+    """What the table's place is told by grows between anchor bearing and nut; nothing where the rig has no bed.
+
+        um = expansion (T - T_0) |x_nut - x_anchor|,      T_0 at the first tick, or the rig's zero_C
+
+    Its thermometer is read in order of time; what it showed last holds while it is silent or broken.
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig, self._rise, self._last, self._zero = rig, np.zeros(1), np.nan, rig.zero_C
+
+    def read(self, rows: Recording, fault: Array) -> None:
+        """The next ticks, with why each input was held, (K, p), a Fault each."""
+        if self._rig.bed is None:
+            return
+        name = self._rig.bed.input
+        well = np.where(fault[:, list(self._rig.inputs).index(name)] == Fault.NONE, rows.inputs[name], np.nan)
+        known = np.isfinite(series := np.append(self._last, well))
+        shown = series[np.maximum.accumulate(np.where(known, np.arange(len(series)), 0))][1:]
+        if self._zero is None and known.any():
+            self._zero = float(series[np.argmax(known)])
+        self._last, self._rise = shown[-1], shown - (np.nan if self._zero is None else self._zero)
+
+    def um(self, at_mm: Array) -> tuple[Array, Array]:
+        """Growth with the table at places (p,), or (K, p), mm, and its sd: (K, p) each, of the ticks read last."""
+        rig = self._rig
+        if rig.bed is None or rig.nut is None:
+            return np.zeros((1, 1)), np.zeros((1, 1))
+        reach_mm = abs(rig.nut.centre(at_mm) - rig.supports["anchor"].at_mm)
+        um = rig.bed.expansion * 1e3 * self._rise[:, None] * reach_mm
+        return um, abs(um) * rig.bed.tolerance

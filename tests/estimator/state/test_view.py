@@ -1,6 +1,8 @@
-"""A screw that both bearings hold: its elongation and error at the table against what the virtual rig's springs do."""
+"""The error at the table: of a screw that both bearings hold, against what the virtual rig's springs do; with a bed."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +13,9 @@ from drivers.virtual_rig import simulate, write
 from drivers.virtual_rig.machine.screw import ANCHOR_N_UM, FREE_N_UM
 from estimator.batch.replay import Replay
 from estimator.effects.held import HeldEnds
+from estimator.filter import Filter
+from estimator.rig import Bed
+from tests.conftest import stepped
 
 STIFFNESSES = ("held_ends.k_anchor", "held_ends.k_free")
 TABLE_MM = (0.0, 150.0, 300.0, 400.0)
@@ -61,3 +66,33 @@ def test_stiffnesses_whose_sum_of_compliances_is_known_leave_less_doubt_of_the_m
         for r in (0.0, rho)
     )
     assert together.track.sigma_um[-1] < 0.6 * apart.track.sigma_um[-1]
+
+
+def test_the_bed_s_own_growth_comes_off_the_error_at_the_table_live_as_in_review(paper, fs20_log):
+    rig, model = paper
+    told = replace(rig, bed=Bed("base", expansion=11e-6, tolerance=0.1))
+    recording = read_recording(fs20_log, rig)
+    warms = 22.0 + 0.01 * np.arange(len(recording))
+    warms[200:205] = np.nan
+    recording = replace(recording, inputs={**recording.inputs, "base": warms}).rows(slice(0, 300))
+    usual, less = (replayed(each, model, recording) for each in (rig, told))
+    live = stepped(Filter(model, told), recording)
+    rise_K = 0.01 * np.arange(300)
+    rise_K[200:205] = rise_K[199]  # what it showed last
+    first = int(np.flatnonzero(np.isfinite(usual.table.error_um[:, 0]))[0])
+    reach_m = (889.0 - (673.5 - np.array(TABLE_MM))) * 1e-3
+    bed_um = 11.0 * (rise_K - rise_K[first])[:, None] * reach_m
+    np.testing.assert_allclose((usual.table.error_um - less.table.error_um)[first:], bed_um[first:], atol=1e-9)
+    own = np.sqrt(less.table.sd_um**2 - usual.table.sd_um**2)
+    np.testing.assert_allclose(own[first:], 0.1 * abs(bed_um)[first:], atol=1e-6)
+    np.testing.assert_allclose(live.error_at_table_um, less.track.error_at_table_um, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(live.error_at_table_sd_um, less.track.error_at_table_sd_um, rtol=1e-9, atol=1e-9)
+
+
+def test_a_bed_whose_thermometer_was_never_read_leaves_the_table_unknown(paper, fs20_log):
+    rig, model = paper
+    recording = read_recording(fs20_log, rig).rows(slice(0, 60))
+    silent = replace(recording, inputs={**recording.inputs, "base": np.full(60, np.nan)})
+    track = replayed(replace(rig, bed=Bed("base")), model, silent).track
+    assert np.isnan(track.error_at_table_um).all()
+    assert np.isfinite(track.elongation_um[-1])
