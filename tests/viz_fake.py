@@ -48,9 +48,10 @@ def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig |
     }
     readings = track.measured[:, 15] - track.measured[0, 15]
     read = readings, readings, np.full(seconds, 0.1)
+    nis_of = {name: 1.0 + i / 100 for i, name in enumerate(rig.names)}
     reference = "truth", errors, track.sigma_um
     return ReviewedRun(
-        name, rig, recording, track, *smoothed, polyline, *read, elongation, *reference, JUDGED, rise
+        name, rig, recording, track, *smoothed, polyline, *read, elongation, *reference, nis_of, JUDGED, rise
     )  # fmt: skip
 
 

@@ -79,6 +79,7 @@ def _run(one: Loaded, r: Review, work: Workspace) -> ReviewedRun:
         reference_name=r.reference_name,
         errors_um=r.errors,
         error_sd_um=r.sigma["filter"],
+        nis_of=r.nis_of,
         judged=list(judged(r.recording, r.track, work.rig)),
         truth_C_rise=one.truth.rises(work.rig.thermometers, r.recording.time_s) if one.truth else None,
     )

@@ -79,11 +79,11 @@ def send(at: Entity, axes: Axes, time_s: Array, mean: Array, sd: Array) -> None:
     strips = axes.place(x_mm, np.stack([mean, mean + 2 * sd, mean - 2 * sd], axis=1)).astype(np.float32)
     lines = rr.LineStrips2D.columns(strips=strips.reshape(3 * n, -1, 2)).partition(np.full(n, 3))
     (at / paths.PROFILE / "estimate").rows(time_s, lines)
-    comb = axes.place(np.repeat(x_mm, 2), _comb(mean - 2 * sd, mean + 2 * sd)).astype(np.float32)
-    (at / paths.PROFILE / "band").rows(time_s, rr.LineStrips2D.columns(strips=comb))
+    band = axes.place(np.repeat(x_mm, 2), comb(mean - 2 * sd, mean + 2 * sd)).astype(np.float32)
+    (at / paths.PROFILE / "band").rows(time_s, rr.LineStrips2D.columns(strips=band))
 
 
-def _comb(low: Array, high: Array) -> Array:
+def comb(low: Array, high: Array) -> Array:
     """One stroke that goes up at one place and down at the next: (n, x) twice -> (n, 2 x)."""
     pairs = np.stack([low, high], axis=-1)
     pairs[:, 1::2] = pairs[:, 1::2, ::-1]

@@ -14,10 +14,11 @@ import rerun.blueprint as rrb
 from estimator.record import Array
 from estimator.rig import Rig
 from viz.drawing import paths
-from viz.drawing.scale import Range
+from viz.drawing.scale import Range, labelled
 
 LEGEND_ROOM = 1.6  # of the height: curves keep below the legend
 BESIDE_LEGEND = 0.36  # of the span, right of the curves
+LOW = 70.0  # points, height of an axis that has little room
 SQUEEZED = (-6.0, 36.0), (-7.0, 75.0)  # bounds of a colour bar's view
 
 
@@ -62,27 +63,36 @@ def whole(time_s: Array) -> Span:
 
 
 def plot(
-    origin: str, name: str, span: Span, extent: Range | None = None, legend: bool = True, room: float = 0.0
+    origin: str,
+    name: str,
+    span: Span,
+    extent: Range | None = None,
+    legend: bool = True,
+    room: float = 0.0,
+    height: float = LOW,
 ) -> rrb.TimeSeriesView:
-    """Curves over time; without an `extent` of their values the viewer chooses one."""
+    """Curves over time; without an `extent` of their values the viewer chooses one.
+
+    height  in points, of the axis in the smallest window
+    """
     return rrb.TimeSeriesView(
         origin=origin,
         name=name,
         axis_x=span.axis(room),
-        axis_y=rrb.ScalarAxis(range=extent, zoom_lock=False) if extent else None,
+        axis_y=rrb.ScalarAxis(range=labelled(extent, height), zoom_lock=False) if extent else None,
         plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend),
         time_ranges=span.queried,
     )
 
 
-def below_legend(origin: str, name: str, span: Span, extent: Range) -> rrb.TimeSeriesView:
+def below_legend(origin: str, name: str, span: Span, extent: Range, height: float = LOW) -> rrb.TimeSeriesView:
     """A plot whose curves keep below its legend."""
-    return plot(origin, name, span, (extent[0], extent[0] + LEGEND_ROOM * (extent[1] - extent[0])))
+    return plot(origin, name, span, (extent[0], extent[0] + LEGEND_ROOM * (extent[1] - extent[0])), height=height)
 
 
-def beside_legend(origin: str, name: str, span: Span, extent: Range) -> rrb.TimeSeriesView:
+def beside_legend(origin: str, name: str, span: Span, extent: Range, height: float = LOW) -> rrb.TimeSeriesView:
     """A plot whose curves end before its legend, whose names are as long as ever: a quarter of the time axis."""
-    return plot(origin, name, span, extent, room=BESIDE_LEGEND)
+    return plot(origin, name, span, extent, room=BESIDE_LEGEND, height=height)
 
 
 def flat(origin: str, name: str, bounds: tuple[Range, Range]) -> rrb.Spatial2DView:
@@ -143,9 +153,9 @@ def _lanes(origin: str, name: str, span: Span, room: float) -> rrb.StateTimeline
     return rrb.StateTimelineView(origin=origin, name=name, titlebar=False, time_view=span.axis(room))
 
 
-def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
+def nis_view(root: str, span: Span, extent: Range | None = None, room: float = 0.3) -> rrb.TimeSeriesView:
     """Whether the innovations are as large as the filter expects."""
-    return plot(f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1]", span, room=0.3)
+    return plot(f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1]", span, extent, room=room)
 
 
 def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:

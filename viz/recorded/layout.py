@@ -8,7 +8,7 @@ import rerun.blueprint as rrb
 
 from viz.drawing import paths, profile, screw, views
 from viz.drawing.scale import Range
-from viz.recorded import accuracy, sure
+from viz.recorded import accuracy, misfits, sure
 from viz.recorded.run import JUDGED, ReviewedRun
 
 MOST_LANES = 5  # that have room below the elongation; one looks for more by scrolling
@@ -26,11 +26,10 @@ def blueprint(runs: Sequence[ReviewedRun]) -> rrb.Blueprint:
 def pages_of(run: ReviewedRun) -> list[rrb.Container]:
     """The tabs of one run."""
     root, rig, span = paths.root(run.name), run.rig, views.whole(run.track.time_s)
-    residuals = views.residual_page(root, rig, span)
     return [
         _overview(run),
         *([sure.page(root, run)] if sure.is_known(run) else []),
-        residuals,
+        misfits.page(root, run),
         views.channel_page(root, rig, span, run.scale.temperature_C),
     ]
 

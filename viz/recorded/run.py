@@ -43,6 +43,7 @@ class ReviewedRun:
     errors_um       (K,) reference minus estimate for "filter", "smoothed" and "polyline"; where the reference is a
                     reading that the filter used, its error is that of the prediction before it
     error_sd_um     (K,) the filter's own standard deviation of its error
+    nis_of          mean square of each channel's innovations over their sd; NaN where none was fused
     judged          validity and alarms wherever they change
     truth_C_rise    (K, thermometers) true temperature rise at the thermometers, K; None where it is not known
     """
@@ -61,6 +62,7 @@ class ReviewedRun:
     reference_name: str
     errors_um: Mapping[str, Array]
     error_sd_um: Array
+    nis_of: Mapping[str, float]
     judged: Sequence[Judged]
     truth_C_rise: Array | None = None
 

@@ -116,7 +116,6 @@ def served(rig: Rig, **how: Any) -> Iterator[LiveViews]:
         ("channels/innovation", "Scalars:scalars"),
         ("nis/window", "Scalars:scalars"),
         ("nis/bounds", "Scalars:scalars"),
-        ("whiteness/channels", "Scalars:scalars"),
         ("screw/nut", "Transform3D:translation"),
     ],
 )
@@ -134,7 +133,6 @@ def test_live_rows_are_those_of_a_saved_file(fed: Fed, saved: Path, entity: str,
         ("elongation/filter", "Measurements:colors"),
         ("channels/temperature/2", "SeriesLines:names"),
         ("channels/innovation", "SeriesLines:colors"),
-        ("whiteness/channels", "SeriesLines:names"),
         ("profile/band", "LineStrips2D:colors"),
     ],
 )
