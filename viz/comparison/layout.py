@@ -9,7 +9,7 @@ import rerun.blueprint as rrb
 
 from viz.comparison import curves, heat, maps
 from viz.comparison.compared import ComparedRun
-from viz.comparison.maps import AFTER_ALONE, BODIES, HEAT, INNOVATION, OPEN_LOOP, SAID, brings
+from viz.comparison.maps import AFTER_ALONE, BODIES, HEAT, INNOVATION, OPEN_LOOP, SAID, UNITS, brings
 from viz.drawing import paths
 from viz.drawing.bars import Bars
 from viz.drawing.scale import Range
@@ -71,7 +71,7 @@ def _maps(run: ComparedRun, models: Sequence[str], what: str, scales: Scales) ->
     names = {f"{what}/{side}": f"{side}: {SAID[what]}, {model}" for side, model in zip(run.named, models, strict=True)}
     if len(models) == 1:
         names = {f"{what}/{paths.SIDES[0]}": f"{SAID[what]}, {models[0]}"}
-    names[f"{what}/{AFTER_ALONE}"] = f"after, own scale: {SAID[what]}"
+    names[f"{what}/{AFTER_ALONE}"] = f"after, own scale [{UNITS[what]}]"
     found = maps.sheets(run, what, scales[what])
     return rrb.Horizontal(*(flat(f"{root}/{at}", names.get(at, brings(run)), one.bounds) for at, one in found.items()))
 

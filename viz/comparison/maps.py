@@ -23,7 +23,7 @@ UNITS = {OPEN_LOOP: "K", INNOVATION: "K", HEAT: "W/m", BROUGHT: "W/m"}
 SAID = {
     OPEN_LOOP: "thermometer − open-loop [K]",
     INNOVATION: "innovation of the filter [K]",
-    HEAT: "heat missing [W/m over mm]",
+    HEAT: "heat missing [W/m]",
 }
 PHASES = {"drive": "D", "early_stop": "S", "late_stop": "R"}
 STRETCHES = "D drive, S 10 min after, R rest: begin [min]"

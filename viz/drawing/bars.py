@@ -77,7 +77,7 @@ class Bars:
     def frame(self) -> Frame:
         """The picture, with room for the names of its rows and for their values."""
         names, values = (LETTER * self.line / LINE * (3 + max(map(len, some))) for some in (self.rows, self.texts))
-        return Frame(self.width, self.rows, max(NAMES, names), self.line, max(0.3 * NAMES, 0.6 * values))
+        return Frame(self.width, self.rows, max(NAMES, names), self.line, max(0.3 * NAMES, values))
 
 
 class NisBars(Bars):
@@ -114,9 +114,9 @@ def send(at: Entity, bars: Bars, since_s: float | None = None) -> None:
         (at / name).log(strips, since_s)
     _values(at / "values", bars, since_s)
     names, colours = zip(*bars.legend, strict=True)
-    letters = np.array([len(name) + 3 for name in names])
+    letters = np.array([len(name) + 4 for name in names])
     shares = (letters.cumsum() - letters / 2) / letters.sum()  # each with room for its letters
-    left = frame.bounds[0][0] if letters.sum() * LETTER * bars.line / LINE > bars.width else 0.0
+    left = frame.bounds[0][0] + 0.03 * bars.width if letters.sum() * LETTER * bars.line / LINE > bars.width else 0.0
     (at / "key").words(places(left + (bars.width - left) * shares, -1.8 * bars.line), names, colours, since_s)
 
 

@@ -10,12 +10,14 @@ APPLICATION = "ballscrew"
 TIMELINE = "time"
 
 SUMMARY = "summary"
+HEADLINE = "headline"
 ACCURACY = "accuracy"
 
 PROFILE = "profile"
 ELONGATION = "elongation"
 ERROR = "error"
 SCREW = "screw"
+TABLE = "at_table"
 MAPS = {  # of the innovations and of the model alone, and the colour bar of each
     "residual/innovation": "residual_bar/innovation",
     "residual/open_loop": "residual_bar/open_loop",
@@ -40,7 +42,7 @@ COMPARED = "compared"
 SIDES = ("before", "after")
 AUTOCORRELATION = "autocorrelation"
 
-LEGEND_ENTRIES = 12  # a longer legend would scroll
+LEGEND_ENTRIES = 8  # a longer legend would scroll
 
 Colour = tuple[int, int, int]
 
@@ -117,9 +119,9 @@ def channel_names(rig: Rig, unit: str) -> list[str]:
     return [f"{name} [{unit}]" if at is None else f"{name} at {at:g} mm [{unit}]" for name, at in named]
 
 
-def thermometer_groups(rig: Rig) -> dict[str, slice]:
-    """Where the temperatures of each plot go: as few plots of equal size as leave every legend whole."""
+def thermometer_groups(rig: Rig, at: str = TEMPERATURES) -> dict[str, slice]:
+    """Where below `at` the thermometers of each plot go: as few plots of equal size as leave every legend whole."""
     count = len(rig.thermometers)
     plots = -(-count // LEGEND_ENTRIES)
     size = -(-count // max(plots, 1))
-    return {f"{TEMPERATURES}/{i + 1}": slice(i * size, min((i + 1) * size, count)) for i in range(plots)}
+    return {f"{at}/{i + 1}": slice(i * size, min((i + 1) * size, count)) for i in range(plots)}

@@ -53,13 +53,19 @@ def style(at: Entity, rig: Rig, axes: Axes, truth: bool) -> None:
     absent = {"nut": rig.nut is None, "bearings": not rig.supports, "truth": not truth}
     axes.key(at / "axes/key", [entry for entry in KEY if not absent.get(entry[0])])
     lines, dots = rr.LineStrips2D.from_fields, rr.Points2D.from_fields
-    edges = [paths.FILTER, paths.BAND_EDGE, paths.BAND_EDGE]
-    (at / "estimate").log(lines(radii=points([1.8, 0.6, 0.6]), colors=edges, draw_order=2.0))
-    (at / "band").log(lines(radii=points(0.7), colors=paths.BAND, draw_order=1.0))
+    style_banded(at)
     (at / "measured").log(dots(radii=points(4.5), draw_order=30.0))
     (at / "faults").log(dots(radii=0.0, colors=paths.LEFT_OUT, show_labels=True, draw_order=32.0))
     (at / "truth").log(dots(radii=points(2.2), colors=paths.REFERENCE, draw_order=31.0))
     (at / "nut").log(lines(radii=points(3.5), colors=paths.NUT, draw_order=3.0))
+
+
+def style_banded(at: Entity) -> None:
+    """Log the looks of a curve with its band, once."""
+    lines, points = rr.LineStrips2D.from_fields, rr.Radius.ui_points
+    edges = [paths.FILTER, paths.BAND_EDGE, paths.BAND_EDGE]
+    (at / "estimate").log(lines(radii=points([1.8, 0.6, 0.6]), colors=edges, draw_order=2.0))
+    (at / "band").log(lines(radii=points(0.7), colors=paths.BAND, draw_order=1.0))
 
 
 def frame(at: Entity, rig: Rig, axes: Axes, since_s: float | None = None) -> None:
@@ -75,12 +81,17 @@ def frame(at: Entity, rig: Rig, axes: Axes, since_s: float | None = None) -> Non
 
 def send(at: Entity, axes: Axes, time_s: Array, mean: Array, sd: Array) -> None:
     """Log n profiles from end to end: times (n,) s, means and standard deviations (n, x)."""
-    n, x_mm = len(time_s), np.linspace(*axes.x, mean.shape[1])
-    strips = axes.place(x_mm, np.stack([mean, mean + 2 * sd, mean - 2 * sd], axis=1)).astype(np.float32)
-    lines = rr.LineStrips2D.columns(strips=strips.reshape(3 * n, -1, 2)).partition(np.full(n, 3))
-    (at / paths.PROFILE / "estimate").rows(time_s, lines)
-    band = axes.place(np.repeat(x_mm, 2), comb(mean - 2 * sd, mean + 2 * sd)).astype(np.float32)
-    (at / paths.PROFILE / "band").rows(time_s, rr.LineStrips2D.columns(strips=band))
+    send_banded(at / paths.PROFILE, axes, np.linspace(*axes.x, mean.shape[1]), time_s, mean, sd)
+
+
+def send_banded(at: Entity, axes: Axes, x: Array, time_s: Array, mean: Array, sd: Array) -> None:
+    """Log n curves over places x, with their bands: times (n,) s, means and standard deviations (n, x)."""
+    n = len(time_s)
+    strips = axes.place(x, np.stack([mean, mean + 2 * sd, mean - 2 * sd], axis=1)).astype(np.float32)
+    lines = rr.LineStrips2D.columns(strips=strips.reshape(3 * n, -1, 2)).partition(np.full(n, 3)) if n else ()
+    (at / "estimate").rows(time_s, lines)
+    band = axes.place(np.repeat(x, 2), comb(mean - 2 * sd, mean + 2 * sd)).astype(np.float32)
+    (at / "band").rows(time_s, rr.LineStrips2D.columns(strips=band))
 
 
 def comb(low: Array, high: Array) -> Array:

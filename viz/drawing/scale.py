@@ -15,7 +15,8 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 MINUTE_S = 60.0
-LABEL_APART = 24.0  # points between labels of an upright axis, fewer of which the viewer draws none
+LABEL_APART = 25.0  # points between labels of an upright axis, fewer of which the viewer draws none
+TIMES_APART, TIME_STEPS_S = 65.0, (1.0, 10.0, 60.0, 600.0, 3600.0, 43200.0, 86400.0, 864000.0)  # of a time axis
 EDGE = 0.02  # of an axis
 WARM = ((70, 90, 225), (60, 185, 205), (135, 210, 95), (250, 220, 70), (250, 135, 45), (225, 40, 45))
 DIVERGING = ((150, 215, 255), (45, 115, 220), (34, 34, 38), (215, 85, 30), (255, 210, 100))
@@ -73,6 +74,12 @@ def labelled(extent: Range, height: float) -> Range:
                 found.append(ends)
     lo, hi = min(found, key=lambda ends: ends[1] - ends[0])
     return lo - EDGE * (hi - lo), hi + EDGE * (hi - lo)  # a label at an edge would be cut
+
+
+def labelled_until(end_s: float, width: float) -> float:
+    """Where at least a time axis from 0 on, `width` points long, must end to have a second label, s: at the finest step
+    of the viewer's whose labels stand far enough apart."""
+    return min(step for step in TIME_STEPS_S if step * width >= TIMES_APART * max(end_s, step))
 
 
 def ticks_of(extent: Range, pieces: int = 5) -> Array:

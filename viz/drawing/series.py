@@ -34,7 +34,8 @@ def style(at: Entity, rig: Rig, models: Mapping[str, paths.Colour]) -> None:
     (length / "readings_unused").log(hollow)
     for plot, columns in paths.thermometer_groups(rig).items():
         (at / plot).lines(paths.channel_names(rig, "°C")[columns], rainbow[columns], 1.0)
-    (at / paths.INNOVATIONS).lines(paths.channel_names(rig, "K"), rainbow, 1.0, "MinMax")
+    for plot, columns in paths.thermometer_groups(rig, paths.INNOVATIONS).items():
+        (at / plot).lines(paths.channel_names(rig, "K")[columns], rainbow[columns], 1.0, "MinMax")
     (at / paths.DISPLACEMENT).dots([f"{name} [µm]" for name in rig.names if name not in heat], paths.READING, 2.5)
 
 
@@ -81,7 +82,8 @@ def send_track(at: Entity, rig: Rig, track: Track) -> None:
     (at / paths.ELONGATION / "filter").banded(track.time_s, track.elongation_um, track.sigma_um)
     for plot, columns in paths.thermometer_groups(rig).items():
         (at / plot).curves(track.time_s, track.measured[:, heat][:, columns])
-    (at / paths.INNOVATIONS).curves(track.time_s, track.innovation[:, heat])
+    for plot, columns in paths.thermometer_groups(rig, paths.INNOVATIONS).items():
+        (at / plot).curves(track.time_s, track.innovation[:, heat][:, columns])
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from viz.recorded.run import ReviewedRun
 
 MAP_VIEW = 480.0, 430.0  # points: two of them and the bars beside each other
 BARS_WIDTH, BARS_LINE = 480, 44.0  # view units
-NIS_ROOM = 0.5  # of the span, for the legend
+NIS_SIZE = 0.5, 400.0  # share of the span that its legend takes, and length of its axis in points
 TITLES = dict(zip(paths.MAPS, ("Innovation", "Measured − open-loop"), strict=True))
 
 
@@ -81,6 +81,6 @@ def page(root: str, run: ReviewedRun) -> rrb.Container:
     maps = [views.flat(f"{root}/{at}", f"{TITLES[at]} [K]", one.bounds) for at, one in sheets(run).items()]
     surprise = views.flat(f"{root}/{paths.WHITENESS}", found.title, found.frame.bounds)
     above = rrb.Horizontal(*maps, surprise, column_shares=[5, 5, 4])
-    nis = views.nis_view(root, span, _nis(run), NIS_ROOM)
+    nis = views.nis_view(root, span, _nis(run), *NIS_SIZE)
     below = rrb.Horizontal(views.state_view(root, span), views.channel_states(root, span), nis)
     return rrb.Vertical(above, below, row_shares=[7, 3], name="Residuals")

@@ -13,7 +13,7 @@ from viz.drawing.file import distinct, saved
 from viz.drawing.scale import Indices, extent_of
 from viz.lanes.lanes import Lanes
 from viz.lanes.states import States
-from viz.recorded import accuracy, happened, misfits, sure
+from viz.recorded import accuracy, at_table, happened, misfits, sure
 from viz.recorded.layout import blueprint
 from viz.recorded.run import READINGS, ReviewedRun
 
@@ -33,8 +33,11 @@ def save(
 
 def send(at: Entity, run: ReviewedRun) -> None:
     """Log one run: what it looks like, then all its rows."""
+    (at / paths.HEADLINE).text(run.headline)
     _curves(at, run)
     misfits.send(at, run)
+    if at_table.is_known(run):
+        at_table.send(at, run)
     shown = profile.picture_ticks(run.track.time_s, run.track.profile_C)
     if run.rig.screw is not None and len(shown):
         _pictures(at, run, shown)

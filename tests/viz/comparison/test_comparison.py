@@ -170,7 +170,7 @@ def test_every_view_says_its_unit_and_its_model(saved: Path) -> None:
     assert len(names) == 1 + 2 + 2 * (2 + 3 + 6 + 2 + 4)
     assert all("[" in name for name in names if name != "Summary")
     assert "after: thermometer − open-loop [K], better.toml" in names
-    assert "before: heat missing [W/m over mm], base.toml" in names
+    assert "before: heat missing [W/m], base.toml" in names
 
 
 def test_summary_is_the_callers_and_the_end_is_the_moment(saved: Path) -> None:

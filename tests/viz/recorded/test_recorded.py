@@ -69,7 +69,8 @@ def test_the_smoothed_elongation_stands_beside_the_filter_s_with_its_own_band(sa
     [
         ("channels/temperature/1", "measured", slice(0, 8)),
         ("channels/temperature/2", "measured", slice(8, 15)),
-        ("channels/innovation", "innovation", slice(0, 15)),
+        ("channels/innovation/1", "innovation", slice(0, 8)),
+        ("channels/innovation/2", "innovation", slice(8, 15)),
     ],
 )
 def test_channels_are_the_tracks(saved: Path, run: ReviewedRun, entity: str, field: str, columns: slice) -> None:
@@ -267,9 +268,9 @@ def test_summary_is_the_callers(saved: Path) -> None:
 
 def test_views_have_names_with_units(saved: Path) -> None:
     names = view_names(saved)
-    assert len(names) == 4 + 2 * 20
+    assert len(names) == 4 + 2 * 25
     assert "Elongation [µm]" in names
-    assert all("[" in name for name in names if name not in ("Summary", "Events", "State", UNUSED))
+    assert all("[" in name for name in names if name not in ("Summary", "At a glance", "Events", "State", UNUSED))
 
 
 def test_a_rig_without_screw_has_no_profile(run: ReviewedRun, tmp_path: Path) -> None:
