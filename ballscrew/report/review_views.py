@@ -95,9 +95,9 @@ def judged(recording: Recording, track: Track, rig: Rig) -> Iterator[Judged]:
     muted = np.isfinite(track.measured) & ~track.fused & (track.fault == Fault.NONE)
     begun = muted[np.flatnonzero(track.begins)[-1]]
     tests, watch = Alarms(rig), Watch(rig, int((rig.is_thermometer & ~begun).sum()))
-    before = None
+    before, none = None, ("",) * len(rig.names)
     for k, sample in enumerate(recording):
-        step = track.step(k, tuple(np.where(muted[k], MUTED, "")))
+        step = track.step(k, tuple(np.where(muted[k], MUTED, "")) if muted[k].any() else none)
         tests.step(step)
         if np.isfinite(sample.inputs.get("speed", np.nan)):
             watch.drive(step.time_s - HEARD * rig.tick_s)

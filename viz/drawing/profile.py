@@ -16,6 +16,8 @@ from viz.drawing.frames import Axes
 from viz.drawing.scale import BodyScale, Flags, Indices
 
 PICTURE_S = 10.0  # profile and screw are kept every 10 s, curves at every tick
+MOST_PICTURES = 3000  # of a run: eight hours of them
+IN_CHUNK = 120
 ASPECT = 0.46  # height of the frame over its width
 KEY = (
     ("estimate ±2 sd", paths.FILTER),
@@ -36,10 +38,17 @@ def axes_of(rig: Rig, scale: BodyScale) -> Axes:
 
 
 def picture_ticks(time_s: Array, profile_C: Array) -> Indices:
-    """Indices of the first tick with a profile in each 10 s."""
+    """Indices of the first tick with a profile in each 10 s, of a long run in a multiple of that."""
     known = np.flatnonzero(np.isfinite(profile_C).all(axis=1) & (profile_C.shape[1] > 0))
-    first = np.unique(np.floor(time_s[known] / PICTURE_S), return_index=True)[1]
-    return known[first]
+    if not len(known):
+        return known
+    every_s = PICTURE_S * max(1.0, np.ceil((time_s[-1] - time_s[0]) / (PICTURE_S * MOST_PICTURES)))
+    return known[np.unique(np.floor(time_s[known] / every_s), return_index=True)[1]]
+
+
+def pieces(shown: Indices) -> list[Indices]:
+    """Ticks of pictures in pieces, each for a chunk of its own: to check a chunk takes the square of its curves."""
+    return np.array_split(shown, -(-len(shown) // IN_CHUNK))
 
 
 def places_mm(rig: Rig) -> Array:

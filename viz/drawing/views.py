@@ -196,8 +196,8 @@ def channel_page(
     rows = rrb.Vertical(*(rrb.Horizontal(*pair) for pair in pairs))
     if rig.is_thermometer.all():
         return rrb.Horizontal(rows, name="Channels")
-    name = "Innovations of the displacement [µm]"
-    lengths = plot(f"{root}/{paths.DISPLACEMENT}", name, span, displacement_um, room=0.6, width=300.0)
+    size = {"room": 0.6, "height": 550.0, "width": 300.0}
+    lengths = plot(f"{root}/{paths.DISPLACEMENT}", "Innovations [µm]", span, displacement_um, **size)
     return rrb.Horizontal(rows, lengths, column_shares=[3, 1], name="Channels")
 
 
@@ -209,9 +209,11 @@ def temperature_plots(root: str, rig: Rig, span: Span, temperature_C: Range | No
 def _channels(
     what: str, words: str, root: str, rig: Rig, span: Span, extent: Range | None, unit: str
 ) -> list[rrb.TimeSeriesView]:
+    groups = paths.thermometer_groups(rig, what)
+    size = {"room": 0.5, "height": 550.0 / len(groups), "width": 420.0}
     return [
-        plot(f"{root}/{at}", f"{words} {ends(rig.thermometers[columns])} [{unit}]", span, extent, room=BESIDE_LEGEND)
-        for at, columns in paths.thermometer_groups(rig, what).items()
+        plot(f"{root}/{at}", f"{words} {ends(rig.thermometers[columns])} [{unit}]", span, extent, **size)
+        for at, columns in groups.items()
     ]
 
 

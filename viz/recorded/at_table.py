@@ -28,23 +28,24 @@ def is_known(run: ReviewedRun) -> bool:
 
 
 def send(at: Entity, run: ReviewedRun) -> None:
-    """Log the error over the stroke every 10 s, and over time at both ends of the stroke and in its middle."""
+    """Log the error over the stroke, and over time at both ends of it and in its middle, as often as profiles."""
     at, table, time_s = at / paths.TABLE, run.table, run.track.time_s
     _frame(at / OVER_STROKE, run)
-    known = np.flatnonzero(np.isfinite(table.error_um).all(axis=1))
-    shown = known[np.unique(np.floor(time_s[known] / profile.PICTURE_S), return_index=True)[1]]
+    shown, stroke = profile.picture_ticks(time_s, table.error_um), at / OVER_STROKE
     axes = axes_of(run)
-    profile.send_banded(at / OVER_STROKE, axes, table.at_mm, time_s[shown], table.error_um[shown], table.sd_um[shown])
-    if run.table_truth_um is not None:
-        places = axes.place(table.at_mm, run.table_truth_um[shown]).astype(np.float32)
-        (at / OVER_STROKE / "truth").rows(time_s[shown], rr.LineStrips2D.columns(strips=places))
+    for some in profile.pieces(shown):
+        profile.send_banded(stroke, axes, table.at_mm, time_s[some], table.error_um[some], table.sd_um[some])
+        if run.table_truth_um is not None:
+            places = axes.place(table.at_mm, run.table_truth_um[some]).astype(np.float32)
+            (stroke / "truth").rows(time_s[some], rr.LineStrips2D.columns(strips=places))
+    time_s, error, sd = time_s[shown], table.error_um[shown], table.sd_um[shown]
     for i, colour in zip(_ends(run), (paths.FILTER, paths.SMOOTHED, paths.POLYLINE), strict=True):
         name = f"table at {table.at_mm[i]:.0f} mm"
         (at / OVER_TIME / str(i)).band(f"{name} ±2 sd", colour)
-        (at / OVER_TIME / str(i)).banded(time_s, table.error_um[:, i], table.sd_um[:, i])
+        (at / OVER_TIME / str(i)).banded(time_s, error[:, i], sd[:, i])
         if run.table_truth_um is not None:
             (at / LEFT / str(i)).band(f"{name} ±2 sd", colour)
-            (at / LEFT / str(i)).banded(time_s, run.table_truth_um[:, i] - table.error_um[:, i], table.sd_um[:, i])
+            (at / LEFT / str(i)).banded(time_s, run.table_truth_um[shown, i] - error[:, i], sd[:, i])
 
 
 def _frame(at: Entity, run: ReviewedRun) -> None:
@@ -59,8 +60,7 @@ def _frame(at: Entity, run: ReviewedRun) -> None:
     (at / "stroke").log(rr.LineStrips2D([stroke], radii=points(2.5), colors=paths.NUT, draw_order=2.5))
     (at / "table").log(rr.Points2D.from_fields(radii=points(6.0), colors=paths.NUT, draw_order=5.0))
     position, time_s = run.recording.inputs["position"], run.track.time_s
-    shown = np.flatnonzero(np.isfinite(position))
-    shown = shown[np.unique(np.floor(time_s[shown] / profile.PICTURE_S), return_index=True)[1]]
+    shown = profile.picture_ticks(time_s, position[:, None])
     places = axes.place(position[shown], axes.y[0]).astype(np.float32)
     (at / "table").rows(time_s[shown], rr.Points2D.columns(positions=places))
 

@@ -12,7 +12,7 @@ from viz.drawing.entity import Entity
 from viz.drawing.file import distinct, saved
 from viz.drawing.scale import Indices, extent_of
 from viz.lanes.lanes import Lanes
-from viz.lanes.states import States
+from viz.lanes.states import States, telling
 from viz.recorded import accuracy, at_table, happened, misfits, sure
 from viz.recorded.layout import blueprint
 from viz.recorded.run import READINGS, ReviewedRun
@@ -81,8 +81,8 @@ def _lanes(at: Entity, run: ReviewedRun) -> None:
     lanes, states = Lanes(at), States(run.rig)
     for judged in run.judged:
         lanes.send(judged)
-    for k, sample in enumerate(run.recording):
-        lanes.follow(states.tick(sample, run.track.step(k, ())))
+    for k in telling(run.track, run.recording.omega).tolist():
+        lanes.follow(states.tick(run.recording.sample(k), run.track.step(k, ())))
     lanes.follow(states.end())
 
 
@@ -93,7 +93,8 @@ def _pictures(at: Entity, run: ReviewedRun, shown: Indices) -> None:
     profile.frame(at, rig, axes)
     screw.style(at, rig, track.profile_C.shape[1])
     screw.bar_labels(at, rig, scale)
-    body.send(at, rig, axes, scale, track, shown)
+    for some in profile.pieces(shown):
+        body.send(at, rig, axes, scale, track, some)
     if run.truth_C_rise is not None:
         at_mm = profile.places_mm(rig)[rig.is_thermometer]
         start = np.interp(at_mm, track.x_mm, track.profile_C[shown[0]])
