@@ -134,10 +134,13 @@ class Track:
         return cls(x_mm, bodies, steps[0].names, **series)
 
     @classmethod
-    def joined(cls, parts: Sequence[Track]) -> Track:
-        """Parts of one run, one after the other; places and bodies are those of the last."""
+    def joined(cls, parts: list[Track]) -> Track:
+        """Parts of one run, one after the other; places and bodies are those of the last. The list is emptied, and each
+        series goes as it is joined: a day would be twice in memory."""
         last = parts[-1]
-        series = {key: np.concatenate([_widened(getattr(p, key), getattr(last, key)) for p in parts]) for key in SERIES}
+        columns = {key: [_widened(getattr(p, key), getattr(last, key)) for p in parts] for key in SERIES}
+        parts.clear()
+        series = {key: np.concatenate(columns.pop(key)) for key in SERIES}
         return cls(last.x_mm, last.bodies, last.names, **series)
 
     def step(self, k: int, why: tuple[str, ...]) -> Step:

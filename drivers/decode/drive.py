@@ -12,7 +12,7 @@ import numpy as np
 from drivers.frames import Array, Index, Tally
 from estimator.rig import Rig, Screw
 
-AT_ONCE = 4096  # ticks, of which every sum over the cells takes 9 MB
+AT_ONCE = 1024  # ticks, of which every sum over the cells takes 2 MB
 _STANDS = 1e-3  # cells: a shorter way is a stand
 
 
