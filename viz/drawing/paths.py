@@ -123,6 +123,10 @@ def channel_names(rig: Rig, unit: str) -> list[str]:
 def thermometer_groups(rig: Rig, at: str = TEMPERATURES) -> dict[str, slice]:
     """Where below `at` the thermometers of each plot go: as few plots of equal size as leave every legend whole."""
     count = len(rig.thermometers)
-    plots = -(-count // LEGEND_ENTRIES)
-    size = -(-count // max(plots, 1))
-    return {f"{at}/{i + 1}": slice(i * size, min((i + 1) * size, count)) for i in range(plots)}
+    size = in_plot(count)
+    return {f"{at}/{i + 1}": slice(first, min(first + size, count)) for i, first in enumerate(range(0, count, size))}
+
+
+def in_plot(count: int) -> int:
+    """How many of so many thermometers share a plot."""
+    return max(1, -(-count // max(1, -(-count // LEGEND_ENTRIES))))

@@ -51,8 +51,9 @@ def style_reference(at: Entity, reference: str, dense: bool) -> None:
 
 
 def channel_colours(count: int) -> list[list[int]]:
-    """One colour for each thermometer, free end blue, motor side red."""
-    return coloured(np.arange(count), (0.0, max(count - 1.0, 1.0)))[:, :3].tolist()
+    """One colour for each thermometer: of those of one plot, the one nearest to the free end is darkest."""
+    size = paths.in_plot(count)
+    return coloured(np.arange(count) % size, (0.0, max(size - 1.0, 1.0)))[:, :3].tolist()
 
 
 def spaced(time_s: Array, values: Array, time_extent: Range, extent: Range) -> Indices:
