@@ -34,7 +34,7 @@ def curves(run: ComparedRun) -> dict[str, list[Curve]]:
 def send(at: Entity, run: ComparedRun) -> None:
     """Log a figure for driving and one for rest."""
     for name, own in curves(run).items():
-        along.send(at / ALONG / paths.root(name), _axes(run, own), run.rig, own, run.travel_mm, "place x [mm]")
+        along.send(at / ALONG / paths.root(name), frame_of(run, own), run.rig, own, run.travel_mm, "place x [mm]")
 
 
 def views(run: ComparedRun, models: Sequence[str]) -> list[rrb.Spatial2DView]:
@@ -44,12 +44,13 @@ def views(run: ComparedRun, models: Sequence[str]) -> list[rrb.Spatial2DView]:
         flat(
             paths.compared(paths.root(run.name), ALONG, name),
             f"Heat missing {name}{said} [W/m over mm]",
-            _axes(run, own).bounds,
+            frame_of(run, own).bounds,
         )
         for name, own in curves(run).items()
     ]
 
 
-def _axes(run: ComparedRun, own: Sequence[Curve]) -> Axes:
+def frame_of(run: ComparedRun, own: Sequence[Curve]) -> Axes:
+    """The frame of curves, in which noise does not fill the height."""
     screw = run.rig.the_screw()
     return along.axes_of((screw.from_mm, screw.to_mm), own, VIEW, LEAST_W_M)

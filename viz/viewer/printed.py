@@ -11,7 +11,7 @@ import numpy as np
 
 from estimator.record import Array
 from viz.comparison.compared import ComparedRun
-from viz.comparison.heat import curves
+from viz.comparison.heat import curves, frame_of
 from viz.comparison.layout import titles
 from viz.comparison.maps import BROUGHT, HEAT, OPEN_LOOP, SAID, UNITS, brings, map_of, scales_of
 from viz.drawing import paths
@@ -87,7 +87,9 @@ def _titled(row: Sequence[Axes], run: ComparedRun, columns: Sequence[str], found
 def _along(axes: Axes, run: ComparedRun, name: str) -> None:
     """Curves over the screw with their bands, bearings and the nut's travel."""
     axes.set_title(f"{run.name}, missing {name} ±2 sd [W/m]", fontsize=9)
-    for curve in curves(run).get(name, ()):
+    own = curves(run).get(name, [])
+    axes.set_ylim(*frame_of(run, own).y)
+    for curve in own:
         axes.fill_between(curve.x_mm, *curve.ends, color=_part(curve.colour), alpha=0.35, lw=0)
         axes.plot(curve.x_mm, curve.mean, color=_part(curve.colour), label=curve.name)
     axes.axhline(0.0, color=_part(paths.BOUND), lw=0.7)

@@ -125,7 +125,7 @@ def test_a_map_of_heat_says_what_the_machine_did_and_when(saved: Path) -> None:
 
 def test_heat_missing_over_the_screw_has_its_band_the_travel_and_both_models(saved: Path, small: Rig) -> None:
     run, at = compared(small), "/FS-20/compared/along/driving"
-    axes = heat._axes(run, heat.curves(run)["driving"])
+    axes = heat.frame_of(run, heat.curves(run)["driving"])
     for i, off in enumerate((2.0, -0.5)):
         strip = np.array(fixed(saved, f"{at}/curve/{i}", "LineStrips2D:strips")[0])
         np.testing.assert_allclose(strip, axes.place([25.0, 75.0], [off, 3 * off]), atol=1e-3)
