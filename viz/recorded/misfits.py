@@ -19,7 +19,7 @@ from viz.figures.map import Map, Sheet, means
 from viz.recorded.run import ReviewedRun
 
 MAP_VIEW = 480.0, 430.0  # points: two of them and the bars beside each other
-BARS_WIDTH, BARS_LINE = 480, 44.0  # view units
+BARS_WIDTH, BARS_LINE = 320, 44.0  # view units
 NIS_SIZE = 0.5, 400.0  # share of the span that its legend takes, and length of its axis in points
 TITLES = dict(zip(paths.MAPS, ("Innovation", "Measured − open-loop"), strict=True))
 
