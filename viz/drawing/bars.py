@@ -116,8 +116,10 @@ def send(at: Entity, bars: Bars, since_s: float | None = None) -> None:
     names, colours = zip(*bars.legend, strict=True)
     letters = np.array([len(name) + 4 for name in names])
     shares = (letters.cumsum() - letters / 2) / letters.sum()  # each with room for its letters
-    left = frame.bounds[0][0] + 0.03 * bars.width if letters.sum() * LETTER * bars.line / LINE > bars.width else 0.0
-    (at / "key").words(places(left + (bars.width - left) * shares, -1.8 * bars.line), names, colours, since_s)
+    left, right = 0.0, float(bars.width)
+    if letters.sum() * LETTER * bars.line / LINE > bars.width:
+        left, right = frame.bounds[0][0] + 0.5 * bars.line, right + 0.5 * frame.beyond
+    (at / "key").words(places(left + (right - left) * shares, -1.8 * bars.line), names, colours, since_s)
 
 
 def _edges(count: int, i: int) -> tuple[int, int]:
