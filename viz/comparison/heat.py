@@ -20,8 +20,8 @@ ALONG = "along"
 
 
 def curves(run: ComparedRun) -> dict[str, list[Curve]]:
-    """Of each side, by what the machine does."""
-    does = dict.fromkeys(name for one in run.sides for name in one.along.W_m)
+    """Of each side, by what the machine does; none on a rig without a screw."""
+    does = dict.fromkeys(name for one in run.sides if len(one.along.places_mm) for name in one.along.W_m)
     return {
         name: [
             Curve(side, paths.COMPARED_AS[side], one.along.places_mm, one.along.W_m[name], one.along.sd_W_m[name])

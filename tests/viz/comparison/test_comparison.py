@@ -190,7 +190,8 @@ def test_heat_of_bodies_is_a_curve_and_nothing_known_leaves_no_empty_chunk(small
     one = side(small, 1.0, ("nut",))
     nothing = np.full((SECONDS, len(small.names)), np.nan)
     no_place = HeatMap(one.heat.time_s, one.heat.phases, np.empty(0), np.empty((10, 0)), ("nut",), one.heat.W)
-    nowhere = HeatAlong(np.empty(0), {}, {})
+    empty = {"at rest": np.empty(0)}
+    nowhere = HeatAlong(np.empty(0), empty, empty)
     silent = Side(*[nothing] * 3, *[nothing[:, 0]] * 4, one.misfit_time_s, nothing, no_place, nowhere)
     run = ComparedRun("short", small, np.arange(SECONDS) + 1.0, nothing, (silent,))
     save(tmp_path / "short.rrd", [run], ["model"], {"Channels": [ERRORS]}, "")
