@@ -74,9 +74,9 @@ study-hidden: $(READY)
 
 pictures: $(READY) $(LOGS) pictures-improve
 	$(BIN)/ballscrew review recordings/FS-20.blf --quiet --save demo.rrd
-	$(BIN)/python -m viz.viewer.pictures demo.rrd docs/pictures --window 1280x800 --only Overview --only "How sure" --only Residuals
+	$(BIN)/python -m viz.viewer.pictures demo.rrd docs/pictures --window 1366x768 --only Overview --only "How sure" --only "At the table" --only Residuals
 	$(BIN)/ballscrew review $(LOGS) --quiet --save twelve.rrd
-	$(BIN)/python -m viz.viewer.pictures twelve.rrd docs/pictures --window 1280x800 --only Accuracy
+	$(BIN)/python -m viz.viewer.pictures twelve.rrd docs/pictures --window 1366x768 --only Accuracy
 	$(BIN)/python -m docs.live_pictures
 
 # HIDDEN=FOLDER names other recordings of a machine with an effect that MODEL has not

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
@@ -134,11 +134,20 @@ class Track:
         return cls(x_mm, bodies, steps[0].names, **series)
 
     @classmethod
-    def joined(cls, parts: Sequence[Track]) -> Track:
-        """Parts of one run, one after the other; places and bodies are those of the last."""
-        last = parts[-1]
-        series = {key: np.concatenate([_widened(getattr(p, key), getattr(last, key)) for p in parts]) for key in SERIES}
-        return cls(last.x_mm, last.bodies, last.names, **series)
+    def joined(cls, parts: Iterable[Track], ticks: int) -> Track:
+        """Parts of one run of so many ticks, one after the other, each let go as the next comes, or a day would be in
+        memory twice. Ticks before the start have no places and no bodies, and are NaN there."""
+        series, at = dict[str, Array](), 0
+        x_mm, bodies, names = np.empty(0), tuple[str, ...](), tuple[str, ...]()
+        for part in parts:
+            for key in SERIES:
+                rows = getattr(part, key)
+                series[key] = _room(series.get(key), rows, ticks, at)
+                series[key][at : at + len(part)] = rows if rows.shape[1:] == series[key].shape[1:] else np.nan
+            if len(part.x_mm) or part.bodies:
+                x_mm, bodies = part.x_mm, part.bodies
+            names, at = part.names, at + len(part)
+        return cls(x_mm, bodies, names, **series)
 
     def step(self, k: int, why: tuple[str, ...]) -> Step:
         """Tick k, with the reasons for which channels were not fused."""
@@ -185,9 +194,15 @@ LINES = ("predicted", "innovation", "innovation_sd", "open_loop", "since_s")  # 
 SERIES = tuple(field.name for field in fields(Track) if field.name not in ("x_mm", "bodies", "names"))
 
 
-def _widened(rows: Array, like: Array) -> Array:
-    """Rows of ticks before the start, as wide as those after it."""
-    return rows if rows.shape[1:] == like.shape[1:] else np.full((len(rows), *like.shape[1:]), np.nan)
+def _room(whole: Array | None, rows: Array, ticks: int, at: int) -> Array:
+    """An array for all ticks that takes rows like these, or narrower ones, with what it had before `at`."""
+    kind = rows.dtype if whole is None else np.result_type(whole, rows)
+    if whole is not None and whole.shape[1:] >= rows.shape[1:] and whole.dtype == kind:
+        return whole
+    room = np.empty((ticks, *rows.shape[1:]), kind)
+    if whole is not None:
+        room[:at] = whole[:at] if whole.shape[1:] == rows.shape[1:] else np.nan
+    return room
 
 
 def _stack(rows: list[Array]) -> Array:

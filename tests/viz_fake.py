@@ -11,6 +11,7 @@ from estimator.filter import Filter
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.step import TableErrors
 from tests.conftest import at_defaults, stepped
 from viz.lanes.judged import Judged
 from viz.recorded.run import ReviewedRun
@@ -48,10 +49,13 @@ def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig |
     }
     readings = track.measured[:, 15] - track.measured[0, 15]
     read = readings, readings, np.full(seconds, 0.1)
+    nis_of = {name: 1.0 + i / 100 for i, name in enumerate(rig.names)}
+    at_mm = np.array([0.0, 200.0, 400.0])
+    table_truth = elongation[:, None] * (1.0 - at_mm / 1000.0)
+    table = TableErrors(at_mm, table_truth + 0.2, np.full(table_truth.shape, 0.15))
     reference = "truth", errors, track.sigma_um
-    return ReviewedRun(
-        name, rig, recording, track, *smoothed, polyline, *read, elongation, *reference, JUDGED, rise
-    )  # fmt: skip
+    told = nis_of, table, "**Grown**", JUDGED, rise, table_truth
+    return ReviewedRun(name, rig, recording, track, *smoothed, polyline, *read, elongation, *reference, *told)
 
 
 def _places(rig: Rig) -> Array:

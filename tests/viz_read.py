@@ -40,6 +40,13 @@ def fixed(path: Path, entity: str, component: str) -> list:
     return found
 
 
+def pixels(path: Path, entity: str) -> Array:
+    """A picture (height, width, 3) as it was logged."""
+    form = fixed(path, entity, "Image:format")[0]
+    bytes_of = np.array(fixed(path, entity, "Image:buffer")[0], dtype=np.uint8)
+    return bytes_of.reshape(form["height"], form["width"], 3)
+
+
 def view_names(path: Path) -> list[str]:
     """Names of the views in the layout that the file carries."""
     reader = RrdReader(path)

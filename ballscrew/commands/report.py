@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import click
-import numpy as np
 
 from ballscrew.options import PATH, workspace_options, writable
 from ballscrew.page.headline import headline
@@ -20,8 +19,6 @@ from ballscrew.workspace import Workspace
 from estimator.errors import SetupError
 from estimator.record import Recording
 from estimator.rig import Rig
-
-PLACES = 9  # over the stroke, at which the error at the table is told
 
 
 def writable_page(ctx: click.Context, param: click.Parameter, value: Path) -> Path | str | None:
@@ -85,9 +82,8 @@ def _positions(rig: Rig, at: str | None) -> list[float]:
 
 def _places(recording: Recording, rig: Rig, named: Sequence[float], iso: bool) -> list[float]:
     """Where the error at the table is to be told: at positions asked for, and over the stroke."""
-    ends = positions.stroke(recording) if rig.nut is not None else None
-    over = [] if ends is None else [float(one) for one in np.linspace(*ends, PLACES)]
-    return [*(named or positions.ends_and_middle(recording) if iso else []), *over]
+    asked = (named or positions.ends_and_middle(recording)) if iso else []
+    return [*asked, *positions.over_stroke(recording, rig)]
 
 
 def _drifts(work: Workspace, found: Reviewed, named: Sequence[float]) -> list[Drift]:

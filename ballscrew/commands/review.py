@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from ballscrew.options import save_option, table_option, view_option, workspace_options
+from ballscrew.page.iso230.positions import over_stroke
 from ballscrew.report.review_report import as_json, print_reviews
 from ballscrew.reviewing import Asked, review_options
 from ballscrew.workspace import Workspace
@@ -25,7 +26,7 @@ def command(work: Workspace, asked: Asked, table: Path | None, rrd: Path | None,
     reference is the truth where a NAME.truth.csv lies beside the log, else the displacement readings. A folder means
     all recordings in it.
     """
-    found = asked.reviewed(work)
+    found = asked.reviewed(work, lambda recording: over_stroke(recording, work.rig) if rrd is not None else ())
     if found is None:
         return work.status
     reviews, verdict = found.reviews, found.verdict

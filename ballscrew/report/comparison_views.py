@@ -18,17 +18,18 @@ from estimator.batch.trials import slow_trials_of
 from estimator.missing_heat.brought import brought
 from estimator.missing_heat.misfit import misfit
 from estimator.missing_heat.missing_heat import MissingHeat, missing_heat
+from estimator.missing_heat.where import by_phase
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.work import Runs, Workers
-from viz.comparison.compared import ComparedRun, HeatMap, Side
+from viz.comparison.compared import ComparedRun, HeatAlong, HeatMap, Side
 from viz.comparison.comparison import save
-from viz.comparison.maps import HEAT, OPEN_LOOP
 from viz.drawing import paths
 from viz.drawing.bars import Bars, BarSeries
-from viz.drawing.scale import minutes
-from viz.viewer.printed import print_bars, print_maps
+from viz.viewer.printed import print_bars, print_heat, print_maps
+
+DOES = {"driving": ("drive",), "at rest": ("early_stop", "late_stop")}
 
 
 def save_views(
@@ -59,11 +60,11 @@ def write_pictures(
     names = [model.name for model in models]
     pictures = {what: stem.with_name(f"{stem.name}-{what}.png") for what in ("steps", "residuals", "missing-heat")}
     print_bars(pictures["steps"], figures)
-    print_maps(pictures["residuals"], runs, names, OPEN_LOOP)
+    print_maps(pictures["residuals"], runs, names)
     if not len(runs[0].sides[0].heat.places_mm):
         del pictures["missing-heat"]
         return pictures
-    print_maps(pictures["missing-heat"], runs, names, HEAT)
+    print_heat(pictures["missing-heat"], runs, names)
     return pictures
 
 
@@ -73,7 +74,7 @@ def compared(rig: Rig, models: Sequence[Model], loaded: Sequence[Loaded], worker
     added = tuple(name for name in models[-1].effects if name not in models[0].effects)
     sides = [_sides(model, added if model is models[-1] else (), Runs(rig, recordings, workers)) for model in models]
     return [
-        ComparedRun(one.path.stem, rig, r.time_s, r.channels, own, added)
+        ComparedRun(one.path.stem, rig, r.time_s, r.channels, own, _travel(r, rig), added)
         for one, r, own in zip(loaded, recordings, zip(*sides, strict=True), strict=True)
     ]
 
@@ -145,14 +146,45 @@ def _missed(heat: MissingHeat, model: Model, added: Sequence[str]) -> dict[str, 
     more = _by_place(heat, brought(added, trial, trial.pose(model), heat.zones)) if added else None
     return {
         "misfit_time_s": trial.rest.time_s, "misfit": heat.misfit.open_loop,
-        "heat": _by_place(heat, told), "brought": more,
+        "heat": _by_place(heat, told), "along": _along(heat), "brought": more,
     }  # fmt: skip
 
 
+def _along(heat: MissingHeat) -> HeatAlong:
+    """Means over drives and rests, of those that there are."""
+    on_screw = _on_screw(heat)
+    length_m = np.array([zone.length_m for zone in heat.zones])[on_screw]
+    mean, sd = {}, {}
+    for name, phases in DOES.items():
+        if np.isin(heat.blocks.phase, phases).any():
+            W, covariance = by_phase([heat], *phases)
+            mean[name], sd[name] = W[on_screw] / length_m, np.sqrt(np.diag(covariance))[on_screw] / length_m
+    return HeatAlong(np.array([zone.middle_mm for zone in heat.zones])[on_screw], mean, sd)
+
+
 def _by_place(heat: MissingHeat, values: Array) -> HeatMap:
-    """Of each tick and zone, (T, zones), a map."""
-    begins, mean = minutes(heat.misfit.trial.rest.time_s, values)
-    places = np.array([zone.middle_mm for zone in heat.zones if zone.node is None])
-    bodies = [zone.node for zone in heat.zones if zone.node is not None]
-    on_screw = np.array([zone.node is None for zone in heat.zones], dtype=bool)
-    return HeatMap(begins, places, mean[:, on_screw], bodies, mean[:, ~on_screw])
+    """Of each tick and zone, (T, zones), a map: all of a long rest is one column."""
+    phase = heat.blocks.phase
+    goes_on = np.append(False, (phase[1:] == phase[:-1]) & (phase[1:] == "late_stop"))
+    of_tick = (np.cumsum(~goes_on) - 1)[heat.blocks.of_tick]
+    begins = np.unique(of_tick, return_index=True)[1]
+    mean = np.stack([np.bincount(of_tick, column) for column in values.T], axis=-1) / np.bincount(of_tick)[:, None]
+    places, on_screw = np.array([zone.middle_mm for zone in heat.zones]), _on_screw(heat)
+    bodies = [str(zone.node) for zone in heat.zones if zone.node is not None]
+    return HeatMap(
+        heat.misfit.trial.rest.time_s[begins], phase[~goes_on].tolist(), places[on_screw], mean[:, on_screw],
+        bodies, mean[:, ~on_screw],
+    )  # fmt: skip
+
+
+def _on_screw(heat: MissingHeat) -> Array:
+    return np.array([zone.node is None for zone in heat.zones], dtype=bool)
+
+
+def _travel(recording: Recording, rig: Rig) -> tuple[float, float] | None:
+    """Where the nut's ends have been, mm."""
+    position = recording.inputs.get("position", np.empty(0))
+    if rig.nut is None or not np.isfinite(position).any():
+        return None
+    centre, half = rig.nut.centre(position), rig.nut.length_mm / 2
+    return float(np.nanmin(centre) - half), float(np.nanmax(centre) + half)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ballscrew.glance import glance
 from ballscrew.report.review_report import TITLES, error_rows
 from ballscrew.report.sections import table
 from ballscrew.report.use_report import left_out
@@ -25,7 +26,7 @@ from estimator.rig import Rig
 from estimator.step import Track
 from viz.lanes.judged import Judged
 from viz.recorded.recorded import save
-from viz.recorded.run import ReviewedRun
+from viz.recorded.run import ReviewedRun, first_stop_s
 
 HEARD = 0.1  # of a tick before its close, the last frame of the drive in it
 
@@ -64,6 +65,7 @@ def markdown(reviews: Sequence[Review], rig: Rig, said: str = "") -> str:
 
 
 def _run(one: Loaded, r: Review, work: Workspace) -> ReviewedRun:
+    at_table = one.truth.at_table(r.table.at_mm, r.recording.time_s) if one.truth else np.empty(0)
     return ReviewedRun(
         name=one.path.stem,
         rig=work.rig,
@@ -79,8 +81,12 @@ def _run(one: Loaded, r: Review, work: Workspace) -> ReviewedRun:
         reference_name=r.reference_name,
         errors_um=r.errors,
         error_sd_um=r.sigma["filter"],
+        nis_of=r.nis_of,
+        table=r.table,
+        headline=glance(r, work.rig, work.model, first_stop_s(r.recording)),
         judged=list(judged(r.recording, r.track, work.rig)),
         truth_C_rise=one.truth.rises(work.rig.thermometers, r.recording.time_s) if one.truth else None,
+        table_truth_um=at_table if np.isfinite(at_table).any() else None,
     )
 
 
@@ -89,9 +95,9 @@ def judged(recording: Recording, track: Track, rig: Rig) -> Iterator[Judged]:
     muted = np.isfinite(track.measured) & ~track.fused & (track.fault == Fault.NONE)
     begun = muted[np.flatnonzero(track.begins)[-1]]
     tests, watch = Alarms(rig), Watch(rig, int((rig.is_thermometer & ~begun).sum()))
-    before = None
+    before, none = None, ("",) * len(rig.names)
     for k, sample in enumerate(recording):
-        step = track.step(k, tuple(np.where(muted[k], MUTED, "")))
+        step = track.step(k, tuple(np.where(muted[k], MUTED, "")) if muted[k].any() else none)
         tests.step(step)
         if np.isfinite(sample.inputs.get("speed", np.nan)):
             watch.drive(step.time_s - HEARD * rig.tick_s)

@@ -12,6 +12,7 @@ import numpy as np
 from drivers.frames import Array, Index, Tally
 from estimator.rig import Rig, Screw
 
+AT_ONCE = 1024  # ticks, of which every sum over the cells takes 2 MB
 _STANDS = 1e-3  # cells: a shorter way is a stand
 
 
@@ -89,8 +90,19 @@ def covered(screw: Screw, length_mm: float, way: tuple[Array, Array], weight: Ar
 
     way     (N,), (N,)  nut centre at begin and end of each way, mm
     weight  (N,)        time or angle of each way
-    row     (N,)        tick of each way
+    row     (N,)        tick of each way, rising
     """
+    found = np.empty((rows, screw.cells))
+    for first in range(0, rows, AT_ONCE):
+        last = min(first + AT_ONCE, rows)
+        some = slice(*np.searchsorted(row, [first, last]))
+        own = way[0][some], way[1][some]
+        found[first:last] = _covered(screw, length_mm, own, weight[some], row[some] - first, last - first)
+    return found
+
+
+def _covered(screw: Screw, length_mm: float, way: tuple[Array, Array], weight: Array, row: Index, rows: int) -> Array:
+    """The same for as many rows as memory has room for."""
     cell = screw.length * 1e3
     low = (np.minimum(*way) - screw.from_mm) / cell
     high = (np.maximum(*way) - screw.from_mm) / cell

@@ -75,5 +75,5 @@ def _variance(trial: Trial, posed: Posed) -> Array:
     sd = np.vstack([chunk.sd for chunk in batch.passes(blind)])
     doubt, T = trial.doubt(posed), len(sd)
     ahead = trial.ahead(posed, doubt)
-    moved = [ahead.rows(slice(k, min(k + TICKS, T))).readings @ doubt.known.root for k in range(0, T, TICKS)]
-    return np.asarray(sd**2 + (np.concatenate(moved) ** 2).sum(axis=-1))
+    parts = (ahead.rows(slice(k, min(k + TICKS, T))).readings @ doubt.known.root for k in range(0, T, TICKS))
+    return np.asarray(sd**2 + np.concatenate([(part**2).sum(axis=-1) for part in parts]))

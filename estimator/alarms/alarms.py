@@ -91,6 +91,8 @@ class Alarms:
 
     def _faults(self, step: Step, heat: Array) -> Iterator[Alarm]:
         """Thermometers that are broken, and those that may be."""
+        if not (step.fault.any() or step.may_drift_K.any()):
+            return
         for i in np.flatnonzero(heat & (step.fault > Fault.JUDGED)):
             fault = Fault(step.fault[i])
             at = f" at {step.measured[i]:.2f} degC" if fault == Fault.STUCK and np.isfinite(step.measured[i]) else ""
@@ -110,6 +112,9 @@ class Alarms:
 
     def _inputs(self, step: Step) -> Iterator[Alarm]:
         """Inputs that are held; what is stuck may be as it was, and stays as it is."""
+        if not np.any(step.input_fault):
+            self._inputs_since = {}
+            return
         for name, code in zip(self.rig.inputs, step.input_fault):
             fault = Fault(code)
             if fault > Fault.JUDGED:

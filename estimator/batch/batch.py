@@ -21,7 +21,7 @@ from estimator.batch.kernels import Compared, Data, Slopes, Smooth, States
 from estimator.batch.system import Chunk, Score, Smoothed, System
 from estimator.record import Array
 
-BUDGET = 250_000_000  # bytes for what is kept of each tick until the way back
+BUDGET = 60_000_000  # bytes for what is kept of each tick until the way back
 NEAR = 2_000_000  # bytes that stay close to the processor, for what is used up at once
 
 

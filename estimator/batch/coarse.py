@@ -41,7 +41,7 @@ def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
             inputs={name: _shortened(name, recording, groups, ticks) for name in recording.inputs},
             omega=_mean(omega),
             unevenness=_unevenness(recording, groups, ticks),
-            coverage=(turned[..., None] * coverage).sum(axis=1) / turned.sum(axis=1)[:, None],
+            coverage=np.einsum("gt,gtc->gc", turned, coverage) / turned.sum(axis=1)[:, None],
         ),
         replace(rig, tick_s=rig.tick_s * ticks),
     )

@@ -63,21 +63,25 @@ class Replay:
         self.trial: Trial | None = None
         self._at_mm = np.array(table_mm, dtype=float)
         self._table: list[TableErrors] = []
-        parts, at = [], 0
+        self.track = Track.joined(self._parts(each), len(recording))
+        self.table = TableErrors.joined(self._table)
+
+    def _parts(self, each: Callable[[int], None]) -> Iterator[Track]:
+        """The recording, some ticks at a time."""
+        at, recording = 0, self._recording
         while at < len(recording):
-            run, self.trial, self._posed = begin(model, rig, recording, self._mute, since=at), None, None
+            run, self.trial, self._posed = begin(self._model, self._rig, recording, self._mute, since=at), None, None
             first = len(recording) if run is None else run.tick
-            parts.append(Track.waiting(rig.names, recording.rows(slice(at, first))))
+            yield Track.waiting(self._rig.names, recording.rows(slice(at, first)))
             self._table.append(TableErrors.waiting(self._at_mm, first - at))
             at = first + 1
             if run is not None:
                 self.run, reporter = run, Reporter(run)
-                parts.append(reporter.first(recording.rows(slice(first, at))))
+                yield reporter.first(recording.rows(slice(first, at)))
                 self._table.append(reporter.table_errors(self._at_mm, reporter.begun))
                 for part in self._rest(reporter, first):
-                    parts.append(part)
+                    yield part
                     each(at := at + len(part))
-        self.track, self.table = Track.joined(parts), TableErrors.joined(self._table)
 
     def _rest(self, reporter: Reporter, at: int) -> Iterator[Track]:
         """The ticks after the first of a run, up to one with which it begins anew."""

@@ -115,8 +115,10 @@ class InputReader:
         values = self._by_name(np.where(known, columns, self._unseen))
         rises = self._by_name(np.where(known, columns - self._first, 0.0))
         values[START] = np.full((len(chunk), 1), self._start.level_C)
-        coverage = np.array(chunk.coverage, dtype=float)
-        for k in np.flatnonzero(np.isnan(chunk.omega) | np.isnan(coverage).any(axis=1)):
+        coverage = np.asarray(chunk.coverage, dtype=float)
+        gaps = np.flatnonzero(np.isnan(chunk.omega) | np.isnan(coverage).any(axis=1))
+        coverage = coverage.copy() if len(gaps) else coverage  # most of what a long recording is
+        for k in gaps:
             coverage[k] = coverage[k - 1] if k else self._coverage
         self._coverage = coverage[-1].copy()
         omega = np.nan_to_num(chunk.omega)

@@ -88,13 +88,13 @@ def _same(one: Deficit, other: Deficit) -> bool:
     return near and one.phase != other.phase and 0.5 < other.heat_W / one.heat_W < 2.0
 
 
-def by_phase(found: Sequence[MissingHeat], phase: str) -> tuple[Array, Array]:
-    """Heat of each zone during a phase, (Z,) W, mean over its time in all recordings, and covariance (Z, Z)."""
+def by_phase(found: Sequence[MissingHeat], *phases: str) -> tuple[Array, Array]:
+    """Heat of each zone during some phases, (Z,) W, mean over their time in all recordings, and covariance (Z, Z)."""
     length = np.array([zone.length_m for zone in found[0].zones])
-    spent = sum(each.blocks.seconds[each.blocks.phase == phase].sum() for each in found)
+    spent = sum(each.blocks.seconds[np.isin(each.blocks.phase, phases)].sum() for each in found)
     mean, covariance = np.zeros(len(length)), np.zeros((len(length), len(length)))
     for each in found:
-        share = np.where(each.blocks.phase == phase, each.blocks.seconds, 0.0) / spent
+        share = np.where(np.isin(each.blocks.phase, phases), each.blocks.seconds, 0.0) / spent
         total = np.kron(share, np.diag(length))
         mean += total @ each.mean.ravel()
         covariance += total @ each.covariance @ total.T

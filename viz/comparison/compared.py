@@ -2,27 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from estimator.record import Array
 from estimator.rig import Rig
 from viz.drawing import paths
+from viz.drawing.scale import Range
 
 
 @dataclass(frozen=True)
 class HeatMap:
-    """Heat that would repair a model alone, or that some of its effects bring, at n times.
+    """Heat that would repair a model alone, or that some of its effects bring, meaned over n stretches: a drive, the
+    ten minutes after it and a rest are one each, however long the rest, a longer drive one for each ten minutes.
 
-    time_s   (n,);  places_mm  (x,) on the screw;  W_m  (n, x)
+    time_s   (n,) begins;  phases  (n,) of str;  places_mm  (x,) on the screw;  W_m  (n, x)
     bodies   names of what is not a place;  W  (n, bodies)
     """
 
     time_s: Array
+    phases: Sequence[str]
     places_mm: Array
     W_m: Array
     bodies: Sequence[str]
     W: Array
+
+
+@dataclass(frozen=True)
+class HeatAlong:
+    """Heat that would repair a model alone over the screw, on the mean over a recording's drives, or its rests.
+
+    places_mm  (x,);  W_m, sd_W_m  (x,) each, by what the machine does: "driving", "at rest"
+    """
+
+    places_mm: Array
+    W_m: Mapping[str, Array]
+    sd_W_m: Mapping[str, Array]
 
 
 @dataclass(frozen=True)
@@ -46,6 +61,7 @@ class Side:
     misfit_time_s: Array
     misfit: Array
     heat: HeatMap
+    along: HeatAlong
     brought: HeatMap | None = None
 
 
@@ -55,6 +71,7 @@ class ComparedRun:
 
     name         shown as the title of its tab
     measured     (K, m)
+    travel_mm    where the nut's ends have been; None where that is not known
     added        effects of the model after that the one before has not
     """
 
@@ -63,6 +80,7 @@ class ComparedRun:
     time_s: Array
     measured: Array
     sides: tuple[Side, ...]
+    travel_mm: Range | None = None
     added: tuple[str, ...] = ()
 
     @property

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from viz.comparison import curves, maps
+from viz.comparison import curves, heat, maps
 from viz.comparison.compared import ComparedRun
 from viz.comparison.layout import bars_at, blueprint
-from viz.drawing import bars
+from viz.drawing import bars, paths
 from viz.drawing.bars import Bars
 from viz.drawing.file import distinct, saved
 
@@ -28,10 +28,14 @@ def save(
     runs = distinct(runs)
     scales, last_s = maps.scales_of(runs), float(np.floor(max(run.time_s[-1] for run in runs)))
     name = f"{' and '.join(models)}: {', '.join(run.name for run in runs)}"
-    with saved(path, blueprint(runs, models, figures), name, summary, last_s) as file:
+    with saved(path, blueprint(runs, models, figures, scales), name, summary, last_s) as file:
         for tab, some in figures.items():
             for i, each in enumerate(some):
                 bars.send(file / bars_at(tab, i), each)
         for run in runs:
             curves.send(file, run)
-            maps.send(file, run, scales)
+            at = file / paths.compared(paths.root(run.name))
+            for what in (maps.HEAT, maps.OPEN_LOOP, maps.INNOVATION):
+                maps.send(at, run, what, scales[what])
+            maps.send_bodies(at, run)
+            heat.send(at, run)

@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import rerun.blueprint as rrb
 
-from viz.comparison import curves
+from viz.comparison import curves, heat, maps
 from viz.comparison.compared import ComparedRun
-from viz.comparison.maps import BODIES, BROUGHT, HEAT, INNOVATION, OPEN_LOOP, TITLES, UNITS, brings, frame_of, map_of
+from viz.comparison.maps import AFTER_ALONE, BODIES, HEAT, INNOVATION, OPEN_LOOP, SAID, UNITS, brings
 from viz.drawing import paths
 from viz.drawing.bars import Bars
-from viz.drawing.views import below_legend, by_run, ends, flat, key, paged, plot, summary_view, tabbed, whole
+from viz.drawing.scale import Range
+from viz.drawing.views import below_legend, by_run, ends, flat, paged, plot, summary_view, tabbed, whole
 
+Scales = Mapping[str, Range]  # of the colours of each kind of map
 PLOTS = 4  # thermometers on one page
 LEGEND_AT_END = 0.2  # of a plot's time
 
 
 def blueprint(
-    runs: Sequence[ComparedRun], models: Sequence[str], figures: Mapping[str, Sequence[Bars]]
-) -> rrb.Blueprint:  # fmt: skip
+    runs: Sequence[ComparedRun], models: Sequence[str], figures: Mapping[str, Sequence[Bars]], scales: Scales
+) -> rrb.Blueprint:
     """The layout of a saved file."""
     first, *others = [_figures(tab, some) for tab, some in figures.items()]
-    own = by_run([run.name for run in runs], [_pages(run, models) for run in runs])
+    own = by_run([run.name for run in runs], [_pages(run, models, scales) for run in runs])
     return tabbed([rrb.Horizontal(summary_view(), first, name="Summary"), *others, *own])
 
 
@@ -36,11 +39,11 @@ def _figures(tab: str, some: Sequence[Bars]) -> rrb.Container:
     return rrb.Vertical(*drawn, row_shares=[len(each.rows) + 5 for each in some], name=tab)
 
 
-def _pages(run: ComparedRun, models: Sequence[str]) -> list[rrb.Container]:
+def _pages(run: ComparedRun, models: Sequence[str], scales: Scales) -> list[rrb.Container]:
     lengths = run.rig.screw is not None or not run.rig.is_thermometer.all()
     return [
-        *_heat(run, models),
-        rrb.Vertical(_maps(run, models, OPEN_LOOP), _maps(run, models, INNOVATION), name="Residuals"),
+        *_heat(run, models, scales),
+        rrb.Vertical(*(_maps(run, models, what, scales) for what in (OPEN_LOOP, INNOVATION)), name="Residuals"),
         *([_elongation(run)] if lengths else []),
         *(_temperatures(run, group) for group in paged(len(run.rig.thermometers), PLOTS)),
     ]
@@ -53,26 +56,24 @@ def titles(models: Sequence[str]) -> dict[str, str]:
     return {side: f"{side}: {name}" for side, name in zip(paths.SIDES, models, strict=True)}
 
 
-def _heat(run: ComparedRun, models: Sequence[str]) -> list[rrb.Container]:
-    heat, views = run.sides[0].heat, []
-    if len(heat.places_mm):
-        views.append(_maps(run, models, HEAT))
-    if heat.bodies:
-        name = f"Heat that the model alone lacks in {', '.join(heat.bodies)} [W]"
-        views.append(plot(paths.compared(paths.root(run.name), BODIES), name, whole(run.time_s)))
-    return [rrb.Vertical(*views, name="Missing heat")] if views else []
+def _heat(run: ComparedRun, models: Sequence[str], scales: Scales) -> list[rrb.Container]:
+    lacks, rows = run.sides[0].heat, list[Any]()
+    if len(lacks.places_mm):
+        rows += [rrb.Horizontal(*heat.views(run, models)), _maps(run, models, HEAT, scales)]
+    if lacks.bodies:
+        name = f"Heat that the model alone lacks in {', '.join(lacks.bodies)} [W]"
+        rows.append(plot(paths.compared(paths.root(run.name), BODIES), name, whole(run.time_s), maps.bodies(run)))
+    return [rrb.Vertical(*rows, name="Missing heat")] if rows else []
 
 
-def _maps(run: ComparedRun, models: Sequence[str], what: str) -> rrb.Container:
-    root, bounds = paths.root(run.name), frame_of(map_of(run, run.sides[0], what), what).bounds
-    views = [
-        flat(paths.compared(root, what, side), f"{title}: {TITLES[what]}", bounds)
-        for side, title in titles(models).items()
-    ]
-    if what == HEAT and brings(run):
-        views.append(flat(paths.compared(root, BROUGHT, list(run.named)[-1]), brings(run), bounds))
-    shares = [*[9.0] * len(views), 1.9]
-    return rrb.Horizontal(*views, key(paths.compared(root, f"{what}_key"), UNITS[what]), column_shares=shares)
+def _maps(run: ComparedRun, models: Sequence[str], what: str, scales: Scales) -> rrb.Container:
+    root = paths.compared(paths.root(run.name))
+    names = {f"{what}/{side}": f"{side}: {SAID[what]}, {model}" for side, model in zip(run.named, models, strict=True)}
+    if len(models) == 1:
+        names = {f"{what}/{paths.SIDES[0]}": f"{SAID[what]}, {models[0]}"}
+    names[f"{what}/{AFTER_ALONE}"] = f"after, own scale [{UNITS[what]}]"
+    found = maps.sheets(run, what, scales[what])
+    return rrb.Horizontal(*(flat(f"{root}/{at}", names.get(at, brings(run)), one.bounds) for at, one in found.items()))
 
 
 def _elongation(run: ComparedRun) -> rrb.Container:

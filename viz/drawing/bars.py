@@ -32,12 +32,16 @@ class BarSeries:
 
 @dataclass(frozen=True)
 class Bars:
-    """One figure of errors, whose bars go from 0 to the right; the unit stands in its title."""
+    """One figure of errors, whose bars go from 0 to the right; the unit stands in its title.
+
+    line  height of a line of text in view units: more of them where many rows share a view
+    """
 
     title: str
     rows: Sequence[str]
     series: Sequence[BarSeries]
     width: int = WIDTH
+    line: float = LINE
     right: ClassVar[float] = 0.0  # where bars begin
 
     @property
@@ -48,7 +52,7 @@ class Bars:
     @property
     def end(self) -> float:
         """Where the scale ends."""
-        return rounded((0.0, 1.35 * max(extent_of(self.values)[1], 1e-9)), 6)[1]
+        return rounded((0.0, 1.02 * max(extent_of(self.values)[1], 1e-9)), 6)[1]
 
     @property
     def ticks(self) -> Array:
@@ -65,9 +69,15 @@ class Bars:
         return [(each.name, each.colour) for each in self.series]
 
     @property
+    def texts(self) -> list[str]:
+        """The values of each row in words."""
+        return [" / ".join(f"{value:.3f}" for value in row if np.isfinite(value)) for row in self.values.T]
+
+    @property
     def frame(self) -> Frame:
-        """The picture, with room for the names of its rows."""
-        return Frame(self.width, self.rows, max(NAMES, LETTER * (3 + max(map(len, self.rows)))))
+        """The picture, with room for the names of its rows and for their values."""
+        names, values = (LETTER * self.line / LINE * (3 + max(map(len, some))) for some in (self.rows, self.texts))
+        return Frame(self.width, self.rows, max(NAMES, names), self.line, max(0.3 * NAMES, values))
 
 
 class NisBars(Bars):
@@ -104,9 +114,12 @@ def send(at: Entity, bars: Bars, since_s: float | None = None) -> None:
         (at / name).log(strips, since_s)
     _values(at / "values", bars, since_s)
     names, colours = zip(*bars.legend, strict=True)
-    (at / "key").words(
-        places(bars.width * (np.arange(len(names)) + 0.5) / len(names), -1.8 * LINE), names, colours, since_s
-    )
+    letters = np.array([len(name) + 4 for name in names])
+    shares = (letters.cumsum() - letters / 2) / letters.sum()  # each with room for its letters
+    left, right = 0.0, float(bars.width)
+    if letters.sum() * LETTER * bars.line / LINE > bars.width:
+        left, right = frame.bounds[0][0] + 0.5 * bars.line, right + 0.5 * frame.beyond
+    (at / "key").words(places(left + (right - left) * shares, -1.8 * bars.line), names, colours, since_s)
 
 
 def _edges(count: int, i: int) -> tuple[int, int]:
@@ -128,12 +141,7 @@ def _pixels(bars: Bars) -> Colours:
 
 
 def _values(at: Entity, bars: Bars, since_s: float | None) -> None:
-    """The values of each row, in the order of the series, right of its longest bar, or left where there is no room."""
+    """The values of each row, in the order of the series, right of all bars."""
     rows = np.flatnonzero(np.isfinite(bars.values).any(axis=0))
-    shown = bars.values[:, rows]
-    texts = [" / ".join(f"{value:.3f}" for value in row if np.isfinite(value)) for row in shown.T]
-    room = 0.5 * LETTER * np.array([len(text) + 1.5 for text in texts])
-    right = bars.across(np.fmax(np.nanmax(shown, axis=0), bars.right)) + room
-    left = bars.across(np.fmin(np.nanmin(shown, axis=0), bars.right)) - room
-    x = np.where(right + room > bars.frame.bounds[0][1], left, right)
-    at.words(places(x, (rows + 0.5) * ROW - 0.56 * LINE), texts, since_s=since_s)
+    middle = bars.width + 0.5 * bars.frame.beyond
+    at.words(places(middle, (rows + 0.5) * ROW - 0.56 * bars.line), [bars.texts[row] for row in rows], since_s=since_s)

@@ -108,11 +108,7 @@ class Frame:
     names: Sequence[str]
     room: float = NAMES
     line: float = LINE
-
-    @classmethod
-    def of_map(cls, columns: int, names: Sequence[str], width: int = WIDTH, line: float = LINE) -> Frame:
-        """The frame of a map, about `width` wide: each column is equally many pixels wide."""
-        return cls(columns * max(1, round(width / columns)), names, line=line)
+    beyond: float = 0.3 * NAMES  # room right of it
 
     @property
     def height(self) -> int:
@@ -122,7 +118,7 @@ class Frame:
     @property
     def bounds(self) -> tuple[Range, Range]:
         """What a view must show: the picture, names at its left, a row of words above and two below."""
-        return (-self.room, self.width + 0.3 * NAMES), (-2.6 * self.line, self.height + 3.2 * self.line)
+        return (-self.room, self.width + self.beyond), (-2.6 * self.line, self.height + 3.2 * self.line)
 
     def draw(
         self, at: Entity, pixels: Colours, x: ArrayLike, texts: Sequence[str], since_s: float | None = None
@@ -132,13 +128,6 @@ class Frame:
         middles = (np.arange(len(self.names)) + 0.5) * ROW - 0.56 * self.line
         (at / "channels").words(places(-0.5 * self.room, middles), self.names, since_s=since_s)
         (at / "x").words(places(x, self.height + 0.2 * self.line), texts, since_s=since_s)
-
-    def draw_map(self, at: Entity, values: Array, extent: Range, x: Array, texts: Sequence[str], title: str) -> None:
-        """Log values (rows, columns) as colours, with texts at columns x, and a title below all."""
-        wide = self.width // values.shape[1]
-        shades = coloured(values, extent, DIVERGING)[..., :3]
-        self.draw(at, shades.repeat(ROW, axis=0).repeat(wide, axis=1), wide * x, texts)
-        (at / "title").words([(self.width / 2, self.height + 1.7 * self.line)], [title])
 
 
 def places(x: ArrayLike, y: ArrayLike) -> Array:

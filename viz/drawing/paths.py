@@ -10,12 +10,14 @@ APPLICATION = "ballscrew"
 TIMELINE = "time"
 
 SUMMARY = "summary"
+HEADLINE = "headline"
 ACCURACY = "accuracy"
 
 PROFILE = "profile"
 ELONGATION = "elongation"
 ERROR = "error"
 SCREW = "screw"
+AT_TABLE = "at_table"
 MAPS = {  # of the innovations and of the model alone, and the colour bar of each
     "residual/innovation": "residual_bar/innovation",
     "residual/open_loop": "residual_bar/open_loop",
@@ -41,7 +43,7 @@ COMPARED = "compared"
 SIDES = ("before", "after")
 AUTOCORRELATION = "autocorrelation"
 
-LEGEND_ENTRIES = 12  # a longer legend would scroll
+LEGEND_ENTRIES = 8  # a longer legend would scroll
 
 Colour = tuple[int, int, int]
 
@@ -50,39 +52,40 @@ GRID: Colour = (62, 62, 66)
 TEXT: Colour = (200, 200, 200)
 FILTER: Colour = (90, 170, 255)
 BAND: Colour = (40, 72, 128)
-BAND_EDGE: Colour = (70, 130, 220)
-OPEN_LOOP: Colour = (120, 210, 130)
-SMOOTHED: Colour = (190, 150, 255)
-POLYLINE: Colour = (240, 130, 60)
-READING: Colour = (250, 220, 60)
-DIAL: Colour = (150, 134, 60)
+BAND_EDGE: Colour = (89, 143, 238)
+OPEN_LOOP: Colour = (76, 189, 129)
+SMOOTHED: Colour = (118, 79, 178)
+POLYLINE: Colour = (182, 85, 7)
+READING: Colour = (255, 234, 65)
+DIAL: Colour = (116, 108, 102)
 REFERENCE: Colour = (240, 240, 240)
-SENT: Colour = (120, 210, 130)
-MEASURED: Colour = (255, 180, 60)
-LEFT_OUT: Colour = (225, 90, 90)
-VALID: Colour = (60, 110, 75)
+SENT = OPEN_LOOP
+MEASURED = READING
+LEFT_OUT: Colour = (177, 72, 88)
+VALID: Colour = (6, 52, 13)
+UNSURE: Colour = (191, 146, 28)
+NOTHING: Colour = (48, 39, 55)
 LANES: dict[str, Colour] = {  # by how a state begins; what makes the estimate invalid is red, and nothing else is
-    "valid": VALID, "sent as invalid": (190, 150, 40), "sent": VALID,
-    "driving": (196, 106, 40), "at rest": (58, 66, 78), "speed unknown": (110, 110, 116),
-    "init": (110, 110, 116), "predict": (42, 74, 120), "update": (66, 128, 200), "coasting": (150, 116, 34),
-    "used": (38, 84, 88), "suspect": (190, 150, 40), "muted": (104, 84, 160), "silent": (128, 128, 134),
-    "not read": (74, 78, 84), "refused": (196, 76, 140), "no estimate yet": (110, 110, 116), "not": (110, 110, 116),
+    "valid": VALID, "sent as invalid": UNSURE, "sent": VALID,
+    "driving": (167, 84, 16), "at rest": (99, 105, 120), "speed unknown": NOTHING,
+    "init": NOTHING, "predict": (34, 85, 154), "update": (84, 143, 213), "coasting": UNSURE,
+    "used": (79, 97, 59), "suspect": UNSURE, "muted": (59, 42, 120), "silent": (157, 136, 129),
+    "not read": (39, 46, 46), "refused": (191, 90, 166), "no estimate yet": NOTHING, "not": NOTHING,
 }  # fmt: skip
 KINDS: dict[str, Colour] = {  # alarms of channels
-    "silent": LANES["silent"], "may_drift": LANES["suspect"], "bias": (150, 116, 34), "nis": (150, 116, 34),
-    "rejected": (150, 116, 34),
+    "silent": LANES["silent"], **dict.fromkeys(("may_drift", "bias", "nis", "rejected"), UNSURE)
 }  # fmt: skip
-BEFORE: Colour = (240, 130, 60)
-AFTER: Colour = (90, 170, 255)
+BEFORE = POLYLINE
+AFTER = FILTER
 COMPARED_AS = dict(zip(SIDES, (BEFORE, AFTER), strict=True))
-CROSS_VALIDATED: Colour = (120, 210, 130)
-HELD_OUT: Colour = (250, 220, 60)
-BOUND: Colour = (150, 150, 155)
+CROSS_VALIDATED = OPEN_LOOP
+HELD_OUT = READING
+BOUND: Colour = (152, 152, 157)
 METAL: Colour = (92, 94, 102)
-NUT: Colour = (200, 200, 80)
-RUNS: tuple[Colour, ...] = (
-    (90, 170, 255), (240, 130, 60), (120, 210, 130), (250, 220, 60), (220, 110, 200), (90, 220, 220),
-    (255, 130, 130), (170, 150, 255), (190, 220, 90), (240, 240, 240), (205, 150, 100), (140, 160, 175),
+NUT: Colour = (171, 180, 125)
+RUNS: tuple[Colour, ...] = (  # in an order in which neighbours are apart for all eyes
+    FILTER, POLYLINE, OPEN_LOOP, READING, (220, 110, 200), (255, 130, 130),
+    (90, 220, 220), SMOOTHED, (190, 220, 90), REFERENCE, (205, 150, 100), (140, 160, 175),
 )  # fmt: skip
 
 
@@ -119,9 +122,13 @@ def channel_names(rig: Rig, unit: str) -> list[str]:
     return [f"{name} [{unit}]" if at is None else f"{name} at {at:g} mm [{unit}]" for name, at in named]
 
 
-def thermometer_groups(rig: Rig) -> dict[str, slice]:
-    """Where the temperatures of each plot go: as few plots of equal size as leave every legend whole."""
+def thermometer_groups(rig: Rig, at: str = TEMPERATURES) -> dict[str, slice]:
+    """Where below `at` the thermometers of each plot go: as few plots of equal size as leave every legend whole."""
     count = len(rig.thermometers)
-    plots = -(-count // LEGEND_ENTRIES)
-    size = -(-count // max(plots, 1))
-    return {f"{TEMPERATURES}/{i + 1}": slice(i * size, min((i + 1) * size, count)) for i in range(plots)}
+    size = in_plot(count)
+    return {f"{at}/{i + 1}": slice(first, min(first + size, count)) for i, first in enumerate(range(0, count, size))}
+
+
+def in_plot(count: int) -> int:
+    """How many of so many thermometers share a plot."""
+    return max(1, -(-count // max(1, -(-count // LEGEND_ENTRIES))))

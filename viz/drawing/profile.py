@@ -16,6 +16,8 @@ from viz.drawing.frames import Axes
 from viz.drawing.scale import BodyScale, Flags, Indices
 
 PICTURE_S = 10.0  # profile and screw are kept every 10 s, curves at every tick
+MOST_PICTURES = 3000  # of a run: eight hours of them
+IN_CHUNK = 120
 ASPECT = 0.46  # height of the frame over its width
 KEY = (
     ("estimate ±2 sd", paths.FILTER),
@@ -36,10 +38,17 @@ def axes_of(rig: Rig, scale: BodyScale) -> Axes:
 
 
 def picture_ticks(time_s: Array, profile_C: Array) -> Indices:
-    """Indices of the first tick with a profile in each 10 s."""
+    """Indices of the first tick with a profile in each 10 s, of a long run in a multiple of that."""
     known = np.flatnonzero(np.isfinite(profile_C).all(axis=1) & (profile_C.shape[1] > 0))
-    first = np.unique(np.floor(time_s[known] / PICTURE_S), return_index=True)[1]
-    return known[first]
+    if not len(known):
+        return known
+    every_s = PICTURE_S * max(1.0, np.ceil((time_s[-1] - time_s[0]) / (PICTURE_S * MOST_PICTURES)))
+    return known[np.unique(np.floor(time_s[known] / every_s), return_index=True)[1]]
+
+
+def pieces(shown: Indices) -> list[Indices]:
+    """Ticks of pictures in pieces, each for a chunk of its own: to check a chunk takes the square of its curves."""
+    return np.array_split(shown, -(-len(shown) // IN_CHUNK))
 
 
 def places_mm(rig: Rig) -> Array:
@@ -53,15 +62,15 @@ def style(at: Entity, rig: Rig, axes: Axes, truth: bool) -> None:
     absent = {"nut": rig.nut is None, "bearings": not rig.supports, "truth": not truth}
     axes.key(at / "axes/key", [entry for entry in KEY if not absent.get(entry[0])])
     lines, dots = rr.LineStrips2D.from_fields, rr.Points2D.from_fields
-    style_band(at)
+    style_banded(at)
     (at / "measured").log(dots(radii=points(4.5), draw_order=30.0))
     (at / "faults").log(dots(radii=0.0, colors=paths.LEFT_OUT, show_labels=True, draw_order=32.0))
     (at / "truth").log(dots(radii=points(2.2), colors=paths.REFERENCE, draw_order=31.0))
     (at / "nut").log(lines(radii=points(3.5), colors=paths.NUT, draw_order=3.0))
 
 
-def style_band(at: Entity) -> None:
-    """Log the looks of a line with its band over a place, once."""
+def style_banded(at: Entity) -> None:
+    """Log the looks of a curve with its band, once."""
     lines, points = rr.LineStrips2D.from_fields, rr.Radius.ui_points
     edges = [paths.FILTER, paths.BAND_EDGE, paths.BAND_EDGE]
     (at / "estimate").log(lines(radii=points([1.8, 0.6, 0.6]), colors=edges, draw_order=2.0))
@@ -81,20 +90,20 @@ def frame(at: Entity, rig: Rig, axes: Axes, since_s: float | None = None) -> Non
 
 def send(at: Entity, axes: Axes, time_s: Array, mean: Array, sd: Array) -> None:
     """Log n profiles from end to end: times (n,) s, means and standard deviations (n, x)."""
-    send_band(at / paths.PROFILE, axes, time_s, mean, sd)
+    send_banded(at / paths.PROFILE, axes, np.linspace(*axes.x, mean.shape[1]), time_s, mean, sd)
 
 
-def send_band(at: Entity, axes: Axes, time_s: Array, mean: Array, sd: Array) -> None:
-    """Log n lines from end to end of the axes with two standard deviations: times (n,) s, values (n, x) each."""
-    n, x_mm = len(time_s), np.linspace(*axes.x, mean.shape[1])
-    strips = axes.place(x_mm, np.stack([mean, mean + 2 * sd, mean - 2 * sd], axis=1)).astype(np.float32)
-    lines = rr.LineStrips2D.columns(strips=strips.reshape(3 * n, -1, 2)).partition(np.full(n, 3))
+def send_banded(at: Entity, axes: Axes, x: Array, time_s: Array, mean: Array, sd: Array) -> None:
+    """Log n curves over places x, with their bands: times (n,) s, means and standard deviations (n, x)."""
+    n = len(time_s)
+    strips = axes.place(x, np.stack([mean, mean + 2 * sd, mean - 2 * sd], axis=1)).astype(np.float32)
+    lines = rr.LineStrips2D.columns(strips=strips.reshape(3 * n, -1, 2)).partition(np.full(n, 3)) if n else ()
     (at / "estimate").rows(time_s, lines)
-    comb = axes.place(np.repeat(x_mm, 2), _comb(mean - 2 * sd, mean + 2 * sd)).astype(np.float32)
-    (at / "band").rows(time_s, rr.LineStrips2D.columns(strips=comb))
+    band = axes.place(np.repeat(x, 2), comb(mean - 2 * sd, mean + 2 * sd)).astype(np.float32)
+    (at / "band").rows(time_s, rr.LineStrips2D.columns(strips=band))
 
 
-def _comb(low: Array, high: Array) -> Array:
+def comb(low: Array, high: Array) -> Array:
     """One stroke that goes up at one place and down at the next: (n, x) twice -> (n, 2 x)."""
     pairs = np.stack([low, high], axis=-1)
     pairs[:, 1::2] = pairs[:, 1::2, ::-1]

@@ -74,6 +74,11 @@ def style(at: Entity, rig: Rig) -> None:
     names = paths.channel_names(rig, "1")
     (at / paths.WHITENESS / "channels").lines(names, channel_colours(len(names)), 1.2, "MinMax")
     (at / paths.WHITENESS / "bounds").lines(["95 % if white", ""], [paths.BOUND] * 2, 1.0)
+    style_nis(at)
+
+
+def style_nis(at: Entity) -> None:
+    """Log the looks of NIS, once."""
     name, colour = NIS
     (at / paths.NIS / "window").lines([name], [colour], 1.5, "Max")
     bounds = ["χ² bound, 97.5 %", "χ² bound, 2.5 %"]
@@ -85,6 +90,11 @@ def send_tests(at: Entity, misfit: Residuals, first_s: float | None = None) -> N
     (at / paths.WHITENESS / "channels").curves(
         *whiteness(misfit.time_s, misfit.innovation, misfit.innovation_sd, first_s)
     )
+    send_nis(at, misfit, first_s)
+
+
+def send_nis(at: Entity, misfit: Residuals, first_s: float | None = None) -> None:
+    """Log NIS of each minute from `first_s` on."""
     middle, ratio, bounds = consistency(misfit.time_s, misfit.nis, misfit.channels, first_s)
     (at / paths.NIS / "window").curves(middle, ratio)
     (at / paths.NIS / "bounds").curves(middle, bounds)

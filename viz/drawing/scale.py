@@ -15,7 +15,10 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 MINUTE_S = 60.0
-WARM = ((70, 90, 225), (60, 185, 205), (135, 210, 95), (250, 220, 70), (250, 135, 45), (225, 40, 45))
+LABEL_APART = 25.0  # points between labels of an upright axis, fewer of which the viewer draws none
+TIMES_APART, TIME_STEPS_S = 65.0, (1.0, 10.0, 60.0, 600.0, 3600.0, 43200.0, 86400.0, 864000.0)  # of a time axis
+EDGE = 0.02  # of an axis
+WARM = ((75, 3, 161), (139, 10, 165), (185, 50, 137), (219, 92, 104), (244, 136, 73), (254, 188, 43), (240, 249, 33))
 DIVERGING = ((150, 215, 255), (45, 115, 220), (34, 34, 38), (215, 85, 30), (255, 210, 100))
 UNKNOWN = (88, 88, 94)
 
@@ -59,6 +62,30 @@ def rounded(extent: Range, pieces: int = 12) -> Range:
     step = step_of(extent[1] - extent[0], pieces)
     lo, hi = np.floor(extent[0] / step + 1e-9) * step, np.ceil(extent[1] / step - 1e-9) * step
     return float(lo), float(hi if hi > lo else lo + step)
+
+
+def labelled(extent: Range, height: float) -> Range:
+    """The extent, or as little more as gives an axis of a plot `height` points high two labels.
+
+    The viewer labels multiples of a power of ten, the finest that stand far enough apart.
+    """
+    lo, hi = extent
+    found = []
+    for step in 10.0 ** np.arange(
+        np.floor(np.log10(max(hi - lo, 1e-9))) - 1, np.ceil(np.log10(max(hi - lo, 1e-9))) + 2
+    ):
+        for first in np.floor([lo / step, lo / step + 1, hi / step - 1]) * step:
+            ends = float(min(lo, first)), float(max(hi, first + step))
+            if height * step >= LABEL_APART * (ends[1] - ends[0]):
+                found.append(ends)
+    lo, hi = min(found, key=lambda ends: ends[1] - ends[0])
+    return lo - EDGE * (hi - lo), hi + EDGE * (hi - lo)  # a label at an edge would be cut
+
+
+def labelled_until(end_s: float, width: float) -> float:
+    """Where at least a time axis from 0 on, `width` points long, must end to have a second label, s: at the finest step
+    of the viewer's whose labels stand far enough apart."""
+    return min(step for step in TIME_STEPS_S if step * width >= TIMES_APART * max(end_s, step))
 
 
 def ticks_of(extent: Range, pieces: int = 5) -> Array:

@@ -34,7 +34,8 @@ def style(at: Entity, rig: Rig, models: Mapping[str, paths.Colour]) -> None:
     (length / "readings_unused").log(hollow)
     for plot, columns in paths.thermometer_groups(rig).items():
         (at / plot).lines(paths.channel_names(rig, "°C")[columns], rainbow[columns], 1.0)
-    (at / paths.INNOVATIONS).lines(paths.channel_names(rig, "K"), rainbow, 1.0, "MinMax")
+    for plot, columns in paths.thermometer_groups(rig, paths.INNOVATIONS).items():
+        (at / plot).lines(paths.channel_names(rig, "K")[columns], rainbow[columns], 1.0, "MinMax")
     (at / paths.DISPLACEMENT).dots([f"{name} [µm]" for name in rig.names if name not in heat], paths.READING, 2.5)
 
 
@@ -50,8 +51,9 @@ def style_reference(at: Entity, reference: str, dense: bool) -> None:
 
 
 def channel_colours(count: int) -> list[list[int]]:
-    """One colour for each thermometer, free end blue, motor side red."""
-    return coloured(np.arange(count), (0.0, max(count - 1.0, 1.0)))[:, :3].tolist()
+    """One colour for each thermometer: of those of one plot, the one nearest to the free end is darkest."""
+    size = paths.in_plot(count)
+    return coloured(np.arange(count) % size, (0.0, max(size - 1.0, 1.0)))[:, :3].tolist()
 
 
 def spaced(time_s: Array, values: Array, time_extent: Range, extent: Range) -> Indices:
@@ -81,7 +83,8 @@ def send_track(at: Entity, rig: Rig, track: Track) -> None:
     (at / paths.ELONGATION / "filter").banded(track.time_s, track.elongation_um, track.sigma_um)
     for plot, columns in paths.thermometer_groups(rig).items():
         (at / plot).curves(track.time_s, track.measured[:, heat][:, columns])
-    (at / paths.INNOVATIONS).curves(track.time_s, track.innovation[:, heat])
+    for plot, columns in paths.thermometer_groups(rig, paths.INNOVATIONS).items():
+        (at / plot).curves(track.time_s, track.innovation[:, heat][:, columns])
 
 
 @dataclass(frozen=True)

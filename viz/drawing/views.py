@@ -14,10 +14,11 @@ import rerun.blueprint as rrb
 from estimator.record import Array
 from estimator.rig import Rig
 from viz.drawing import paths
-from viz.drawing.scale import Range
+from viz.drawing.scale import Range, labelled, labelled_until
 
 LEGEND_ROOM = 1.6  # of the height: curves keep below the legend
 BESIDE_LEGEND = 0.36  # of the span, right of the curves
+LOW, WIDE = 70.0, 600.0  # points, height of an axis that has little room, and length of one in half a window
 SQUEEZED = (-6.0, 36.0), (-7.0, 75.0)  # bounds of a colour bar's view
 
 
@@ -33,10 +34,12 @@ class Span:
     end_s: float = 0.0
     slides: bool = False
 
-    def axis(self, room: float) -> rrb.TimeAxis:
-        """The axis; `room` is left at its end for a legend, as a share of the span."""
+    def axis(self, room: float, width: float = WIDE) -> rrb.TimeAxis:
+        """The axis, `width` points long; `room` is left at its end for a legend, as a share of the span."""
         room = max(room, 0.02) if self.slides else room
         end_s = self.end_s + room * (self.end_s - self.begin_s)
+        if not self.slides:
+            end_s = max(end_s, labelled_until(end_s, width))
         begin, end = (self.boundary(seconds=seconds) for seconds in (self.begin_s, end_s))
         return rrb.TimeAxis(view_range=rr.TimeRange(start=begin, end=end))
 
@@ -56,33 +59,42 @@ def sliding(window_s: float) -> Span:
 
 
 def whole(time_s: Array) -> Span:
-    """A run from its begin to its end, at least a second: the viewer does not bear an axis without length."""
-    begin, end = float(time_s[0]), float(time_s[-1])
-    return Span(rrb.TimeRangeBoundary.absolute, begin, max(end, begin + 1.0))
+    """A run from its first frame to its end, at least a second: the viewer does not bear an axis without length."""
+    return Span(rrb.TimeRangeBoundary.absolute, 0.0, max(float(time_s[-1]), 1.0))
 
 
 def plot(
-    origin: str, name: str, span: Span, extent: Range | None = None, legend: bool = True, room: float = 0.0
+    origin: str,
+    name: str,
+    span: Span,
+    extent: Range | None = None,
+    legend: bool = True,
+    room: float = 0.0,
+    height: float = LOW,
+    width: float = WIDE,
 ) -> rrb.TimeSeriesView:
-    """Curves over time; without an `extent` of their values the viewer chooses one."""
+    """Curves over time; without an `extent` of their values the viewer chooses one.
+
+    height, width  in points, of the axes in the smallest window
+    """
     return rrb.TimeSeriesView(
         origin=origin,
         name=name,
-        axis_x=span.axis(room),
-        axis_y=rrb.ScalarAxis(range=extent, zoom_lock=False) if extent else None,
+        axis_x=span.axis(room, width),
+        axis_y=rrb.ScalarAxis(range=labelled(extent, height), zoom_lock=False) if extent else None,
         plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend),
         time_ranges=span.queried,
     )
 
 
-def below_legend(origin: str, name: str, span: Span, extent: Range) -> rrb.TimeSeriesView:
+def below_legend(origin: str, name: str, span: Span, extent: Range, height: float = LOW) -> rrb.TimeSeriesView:
     """A plot whose curves keep below its legend."""
-    return plot(origin, name, span, (extent[0], extent[0] + LEGEND_ROOM * (extent[1] - extent[0])))
+    return plot(origin, name, span, (extent[0], extent[0] + LEGEND_ROOM * (extent[1] - extent[0])), height=height)
 
 
-def beside_legend(origin: str, name: str, span: Span, extent: Range) -> rrb.TimeSeriesView:
+def beside_legend(origin: str, name: str, span: Span, extent: Range, height: float = LOW) -> rrb.TimeSeriesView:
     """A plot whose curves end before its legend, whose names are as long as ever: a quarter of the time axis."""
-    return plot(origin, name, span, extent, room=BESIDE_LEGEND)
+    return plot(origin, name, span, extent, room=BESIDE_LEGEND, height=height)
 
 
 def flat(origin: str, name: str, bounds: tuple[Range, Range], titlebar: bool = True) -> rrb.Spatial2DView:
@@ -147,9 +159,12 @@ def _lanes(origin: str, name: str, span: Span, room: float, without: Sequence[st
     return rrb.StateTimelineView(origin=origin, contents=shown, name=name, titlebar=False, time_view=span.axis(room))
 
 
-def nis_view(root: str, span: Span) -> rrb.TimeSeriesView:
+def nis_view(
+    root: str, span: Span, extent: Range | None = None, room: float = 0.3, width: float = WIDE
+) -> rrb.TimeSeriesView:
     """Whether the innovations are as large as the filter expects."""
-    return plot(f"{root}/{paths.NIS}", "NIS over its channels, mean of 1 min [1]", span, room=0.3)
+    name = "NIS over its channels, mean of 1 min [1]"
+    return plot(f"{root}/{paths.NIS}", name, span, extent, room=room, width=width)
 
 
 def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:
@@ -171,23 +186,39 @@ def residual_page(root: str, rig: Rig, span: Span) -> rrb.Container:
     return rrb.Vertical(*maps, lanes, tests, row_shares=[3, 3, 3, 2.2], name="Residuals")
 
 
-def channel_page(root: str, rig: Rig, span: Span, temperature_C: Range | None = None) -> rrb.Container:
-    """What every channel reads, and how far it is from what was expected."""
-    plots = temperature_plots(root, rig, span, temperature_C)
-    innovations = [plot(f"{root}/{paths.INNOVATIONS}", "Innovations of each tick [K]", span, legend=False)]
-    if rig.lengths:
-        name = f"Innovations of the {', '.join(rig.lengths)} [µm]"
-        innovations.append(plot(f"{root}/{paths.DISPLACEMENT}", name, span, legend=False))
-    return rrb.Vertical(*plots, rrb.Horizontal(*innovations), name="Channels")
+def channel_page(
+    root: str,
+    rig: Rig,
+    span: Span,
+    temperature_C: Range | None = None,
+    innovation_K: Range | None = None,
+    displacement_um: Range | None = None,
+) -> rrb.Container:
+    """What every channel reads, and beside it how far it is from what was expected."""
+    apart = _channels(paths.INNOVATIONS, "Innovations of each tick,", root, rig, span, innovation_K, "K")
+    pairs = zip(temperature_plots(root, rig, span, temperature_C), apart, strict=True)
+    rows = rrb.Vertical(*(rrb.Horizontal(*pair) for pair in pairs))
+    if rig.is_thermometer.all():
+        return rrb.Horizontal(rows, name="Channels")
+    size = {"room": 0.6, "height": 550.0, "width": 300.0}
+    lengths = plot(f"{root}/{paths.DISPLACEMENT}", "Innovations [µm]", span, displacement_um, **size)
+    return rrb.Horizontal(rows, lengths, column_shares=[3, 1], name="Channels")
 
 
 def temperature_plots(root: str, rig: Rig, span: Span, temperature_C: Range | None = None) -> list[rrb.TimeSeriesView]:
     """What the thermometers read, in as few plots as leave every legend whole."""
-    plots = []
-    for at, columns in paths.thermometer_groups(rig).items():
-        name = f"Thermometers {ends(rig.thermometers[columns])} [°C]"
-        plots.append(plot(f"{root}/{at}", name, span, temperature_C, room=0.2))
-    return plots
+    return _channels(paths.TEMPERATURES, "Thermometers", root, rig, span, temperature_C, "°C")
+
+
+def _channels(
+    what: str, words: str, root: str, rig: Rig, span: Span, extent: Range | None, unit: str
+) -> list[rrb.TimeSeriesView]:
+    groups = paths.thermometer_groups(rig, what)
+    size = {"room": 0.5, "height": 550.0 / len(groups), "width": 420.0}
+    return [
+        plot(f"{root}/{at}", f"{words} {ends(rig.thermometers[columns])} [{unit}]", span, extent, **size)
+        for at, columns in groups.items()
+    ]
 
 
 def ends(names: Sequence[str]) -> str:

@@ -15,11 +15,12 @@ from estimator.faults.fault import Fault
 from estimator.inputs.phase import turns
 from estimator.record import Array, Sample
 from estimator.rig import Rig
-from estimator.step import Mode, Step
+from estimator.step import Mode, Step, Track
 from viz.drawing import paths
 
 LASTS_S = 10.0
 HOLD_S = 30.0  # without a reading, from which on a channel counts as silent: slow strokes take ten
+SETTLED_S = LASTS_S + HOLD_S + 5.0
 USED, SUSPECT, MUTED, SILENT, REFUSED = 0, 1, 2, 3, 10  # of a channel; with its Fault added where it was refused
 MOTION = ("at rest", "driving", "speed unknown")
 UNREAD = ": no displacement read"
@@ -31,6 +32,20 @@ MODES = {
     Mode.INVALID: "invalid",
 }
 FIRST = 2  # lanes before those of the channels: motion and mode
+
+
+def telling(track: Track, omega: Array) -> Array:
+    """Ticks of a track after which a lane may be another, (n,): those near a change, the last before it among them.
+
+    omega  (K,) rad/s;  all is settled LASTS_S + HOLD_S after a last change
+    """
+    drive, channels = (turns(omega), np.isnan(omega)), (track.may_drift_K != 0, np.isfinite(track.measured))
+    so = np.column_stack([*drive, track.mode, track.begins, track.fused, track.fault, *channels])
+    changes = np.flatnonzero((so[1:] != so[:-1]).any(axis=1)) + 1
+    last_s = track.time_s[np.concatenate([[0], changes])][np.searchsorted(changes, np.arange(len(so)), "right")]
+    told = track.time_s - last_s <= SETTLED_S
+    told[changes - 1] = told[-1] = True
+    return np.flatnonzero(told)
 
 
 class State(NamedTuple):

@@ -11,10 +11,11 @@ from estimator.record import Array, Sample
 from estimator.step import Track
 from viz.drawing import bars, paths
 from viz.drawing.entity import Entity
-from viz.drawing.scale import extent_of
+from viz.drawing.scale import extent_of, labelled
+from viz.drawing.views import LOW
 from viz.live.repeat import Repeated
 from viz.live.room import Room
-from viz.recorded.sure import PARTS, labelled, share_bars
+from viz.recorded.sure import PARTS, share_bars
 
 EVERY_S = 60.0
 SD = "filter [µm]"
@@ -42,9 +43,10 @@ class Sure:
         known, inside = np.isfinite(innovation), np.abs(innovation) <= 2 * sd
         curve, now_s = self._at / paths.SURE, float(track.time_s[-1])
         settled = np.where(known.cumsum() + self._all.sum() > 0, sd, np.nan)  # before, the zero is not known at all
-        half = labelled(extent_of(np.abs(innovation), 2 * settled)[1])
-        self._room.hold(now_s, [np.array([-half, half])])
-        self._sd_room.hold(now_s, [np.array([0.0, labelled(max(LEAST_SD_UM, extent_of(track.sigma_um)[1]))])])
+        half = extent_of(np.abs(innovation), 2 * settled)[1]
+        self._room.hold(now_s, [np.array(labelled((-half, half), LOW))])
+        most = max(LEAST_SD_UM, extent_of(track.sigma_um)[1])
+        self._sd_room.hold(now_s, [np.array(labelled((0.0, most), LOW))])
         (curve / "band").banded(track.time_s, np.zeros(len(sd)), settled)
         (curve / "error").curves(track.time_s[known], innovation[known])
         (curve / "outside").curves(track.time_s[known & ~inside], innovation[known & ~inside])

@@ -51,7 +51,7 @@ class Table:
         (self._curve / "sent").dots(f"{SENT} [µm]", paths.SENT, 1.5)
         self._room = Room(self._curve, f"{CURVE} [µm]", paths.FILTER, LEAST_UM, often_s)
         axes_of(stroke_mm).key(self._place / "axes/key", KEY)
-        profile.style_band(self._place)
+        profile.style_banded(self._place)
 
     def judge(self, judged: Sequence[Judged]) -> None:
         """Take whether the estimate is sent, from times on."""
@@ -85,7 +85,7 @@ class Table:
         self._picture_s, axes = time_s, axes_of(self._stroke, extent)
         if self._drawn.due(extent, time_s):
             axes.draw(self._place / "axes", "position of the table [mm]", y_unit=" µm", x_pieces=10, since_s=time_s)
-        profile.send_band(self._place, axes, np.array([time_s]), error, sd)
+        profile.send_banded(self._place, axes, table.at_mm, np.array([time_s]), error, sd)
         self._marks(axes, time_s)
 
     def _marks(self, axes: Axes, time_s: float) -> None:

@@ -1,1 +1,1 @@
-"""Views of recordings: recorded, run, layout, accuracy, sure, happened."""
+"""Views of recordings: recorded, run, layout, accuracy, misfits, sure, at_table, happened."""

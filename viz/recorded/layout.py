@@ -8,10 +8,12 @@ import rerun.blueprint as rrb
 
 from viz.drawing import paths, profile, screw, views
 from viz.drawing.scale import Range
-from viz.recorded import accuracy, sure
+from viz.recorded import accuracy, at_table, misfits, sure
 from viz.recorded.run import JUDGED, ReviewedRun
 
 MOST_LANES = 5  # that have room below the elongation; one looks for more by scrolling
+LANE = 40.0  # points
+HIGH, LESS_HIGH = 230.0, 110.0  # points, of the axes of elongation and of its error
 
 
 def blueprint(runs: Sequence[ReviewedRun]) -> rrb.Blueprint:
@@ -26,12 +28,13 @@ def blueprint(runs: Sequence[ReviewedRun]) -> rrb.Blueprint:
 def pages_of(run: ReviewedRun) -> list[rrb.Container]:
     """The tabs of one run."""
     root, rig, span = paths.root(run.name), run.rig, views.whole(run.track.time_s)
-    residuals = views.residual_page(root, rig, span)
     return [
         _overview(run),
         *([sure.page(root, run)] if sure.is_known(run) else []),
-        residuals,
-        views.channel_page(root, rig, span, run.scale.temperature_C),
+        *([at_table.page(root, run)] if at_table.is_known(run) else []),
+        misfits.page(root, run),
+        views.channel_page(root, rig, span, run.scale.temperature_C, run.scale.each_K, run.scale.each_um),
+        rrb.Horizontal(views.events_view(root), name="Events"),
     ]
 
 
@@ -44,16 +47,17 @@ def _accuracy(bounds: tuple[Range, Range]) -> rrb.Container:
 
 def _overview(run: ReviewedRun) -> rrb.Container:
     scale, root, rig, span = run.scale, paths.root(run.name), run.rig, views.whole(run.track.time_s)
-    plots = {paths.ELONGATION: ("Elongation [µm]", scale.elongation_um)}
+    words = rrb.TextDocumentView(origin=f"{root}/{paths.HEADLINE}", name="At a glance")
+    name = "Elongation [µm]"
+    curves = [views.beside_legend(f"{root}/{paths.ELONGATION}", name, span, scale.elongation_um, HIGH)]
     if scale.error_um:
-        plots[paths.ERROR] = "Error: reference − estimate [µm]", scale.error_um
-    curves = [views.beside_legend(f"{root}/{at}", name, span, extent) for at, (name, extent) in plots.items()]
-    others = [6, *[2.8] * len(curves[1:]), 2]
-    lanes = sum(others) * (0.03 + 0.088 * min(run.lanes, MOST_LANES))  # a lane is as high whatever stands below it
-    shown = [curves[0], views.state_view(root, span, views.BESIDE_LEGEND), *curves[1:], views.events_view(root)]
-    right = rrb.Vertical(*shown, row_shares=[others[0], lanes, *others[1:]])
+        name = "Error: reference − estimate [µm]"
+        curves.append(views.beside_legend(f"{root}/{paths.ERROR}", name, span, scale.error_um, LESS_HIGH))
+    lanes = 25.0 + LANE * min(run.lanes, MOST_LANES)
+    shown = [curves[0], views.state_view(root, span, views.BESIDE_LEGEND), *curves[1:]]
+    right = rrb.Vertical(*shown, row_shares=[290.0, lanes, 175.0][: len(shown)])
     if rig.screw is None:
-        return rrb.Horizontal(right, name="Overview")
+        return rrb.Horizontal(words, right, name="Overview")
     place = views.profile_view(root, rig, profile.axes_of(rig, scale).bounds)
-    body = views.screw_view(root, rig, f"growth × {screw.exaggeration(rig, scale):g}")
-    return rrb.Horizontal(rrb.Vertical(place, body, row_shares=[5, 4]), right, name="Overview")
+    body = views.screw_view(root, rig, f"growth × {screw.exaggeration(rig, scale):g}", distance=0.36)
+    return rrb.Horizontal(rrb.Vertical(place, words, body, row_shares=[5, 3.2, 2.4]), right, name="Overview")

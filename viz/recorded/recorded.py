@@ -7,14 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from viz.drawing import body, paths, profile, residuals, screw, series
+from viz.drawing import body, paths, profile, screw, series
 from viz.drawing.entity import Entity
 from viz.drawing.file import distinct, saved
-from viz.drawing.frames import colour_bar
-from viz.drawing.scale import Indices, extent_of, minutes
+from viz.drawing.scale import Indices, extent_of
 from viz.lanes.lanes import Lanes
-from viz.lanes.states import States
-from viz.recorded import accuracy, happened, sure
+from viz.lanes.states import States, telling
+from viz.recorded import accuracy, at_table, happened, misfits, sure
 from viz.recorded.layout import blueprint
 from viz.recorded.run import READINGS, ReviewedRun
 
@@ -34,8 +33,11 @@ def save(
 
 def send(at: Entity, run: ReviewedRun) -> None:
     """Log one run: what it looks like, then all its rows."""
+    (at / paths.HEADLINE).text(run.headline)
     _curves(at, run)
-    _residuals(at, run)
+    misfits.send(at, run)
+    if at_table.is_known(run):
+        at_table.send(at, run)
     shown = profile.picture_ticks(run.track.time_s, run.track.profile_C)
     if run.rig.screw is not None and len(shown):
         _pictures(at, run, shown)
@@ -79,22 +81,9 @@ def _lanes(at: Entity, run: ReviewedRun) -> None:
     lanes, states = Lanes(at), States(run.rig)
     for judged in run.judged:
         lanes.send(judged)
-    for k, sample in enumerate(run.recording):
-        lanes.follow(states.tick(sample, run.track.step(k, ())))
+    for k in telling(run.track, run.recording.omega).tolist():
+        lanes.follow(states.tick(run.recording.sample(k), run.track.step(k, ())))
     lanes.follow(states.end())
-
-
-def _residuals(at: Entity, run: ReviewedRun) -> None:
-    misfit = residuals.Residuals.of(run.track, run.rig.is_thermometer)
-    residuals.style(at, run.rig)
-    extents = dict(zip(paths.MAPS, (run.scale.innovation_K, run.scale.open_loop_K), strict=True))
-    for drawn, values in misfit.mapped().items():
-        colour_bar(at / paths.MAPS[drawn], extents[drawn], "K")
-        begins, means = minutes(misfit.time_s, values)
-        closed = np.append(begins, misfit.time_s[-1]), np.concatenate([means, means[-1:]])
-        residuals.send_map(at / drawn, *closed, extents[drawn])
-    residuals.send_tests(at, misfit)
-    residuals.send_bounds(at, misfit.time_s[[0, -1]])
 
 
 def _pictures(at: Entity, run: ReviewedRun, shown: Indices) -> None:
@@ -104,7 +93,8 @@ def _pictures(at: Entity, run: ReviewedRun, shown: Indices) -> None:
     profile.frame(at, rig, axes)
     screw.style(at, rig, track.profile_C.shape[1])
     screw.bar_labels(at, rig, scale)
-    body.send(at, rig, axes, scale, track, shown)
+    for some in profile.pieces(shown):
+        body.send(at, rig, axes, scale, track, some)
     if run.truth_C_rise is not None:
         at_mm = profile.places_mm(rig)[rig.is_thermometer]
         start = np.interp(at_mm, track.x_mm, track.profile_C[shown[0]])

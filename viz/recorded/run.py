@@ -12,7 +12,7 @@ from estimator.faults.fault import Fault
 from estimator.inputs.phase import stops, turns
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.step import Track
+from estimator.step import TableErrors, Track
 from viz.drawing.scale import BodyScale, Flags, Range, extent_of, minutes, rounded, symmetric, widened
 from viz.lanes.judged import Judged
 
@@ -25,8 +25,10 @@ class Scale(BodyScale):
     """Ranges of one run's views: what the data needs, rounded outwards."""
 
     error_um: Range | None  # None: nothing to judge the estimates by
-    innovation_K: Range
+    innovation_K: Range  # of means of a minute
     open_loop_K: Range
+    each_K: Range  # of innovations at each tick, but for a few
+    each_um: Range
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,12 @@ class ReviewedRun:
     errors_um       (K,) reference minus estimate for "filter", "smoothed" and "polyline"; where the reference is a
                     reading that the filter used, its error is that of the prediction before it
     error_sd_um     (K,) the filter's own standard deviation of its error
+    nis_of          mean square of each channel's innovations over their sd; NaN where none was fused
+    table           the error at the table, over its stroke; no places where there is none
+    headline        what is asked first, in markdown
     judged          validity and alarms wherever they change
     truth_C_rise    (K, thermometers) true temperature rise at the thermometers, K; None where it is not known
+    table_truth_um  (K, p) true error at the table, likewise
     """
 
     name: str
@@ -61,8 +67,12 @@ class ReviewedRun:
     reference_name: str
     errors_um: Mapping[str, Array]
     error_sd_um: Array
+    nis_of: Mapping[str, float]
+    table: TableErrors
+    headline: str
     judged: Sequence[Judged]
     truth_C_rise: Array | None = None
+    table_truth_um: Array | None = None
 
     def judged_um(self, estimate: str) -> Array:
         """The estimate that the reference was compared with, (K,) um."""
@@ -91,9 +101,8 @@ class ReviewedRun:
 
     @property
     def first_stop_s(self) -> float:
-        """The moment that shows most at a glance: the whole second after the first stop; without a stop the middle."""
-        moments = stops(self.recording)
-        return float(np.floor(moments[0]) + 1 if moments else np.ceil(np.nanmedian(self.track.time_s)))
+        """The moment that shows most at a glance."""
+        return first_stop_s(self.recording)
 
     @cached_property
     def scale(self) -> Scale:
@@ -107,5 +116,13 @@ class ReviewedRun:
             elongation_um=rounded(widened(extent_of(*lengths), 1.0)),
             error_um=rounded(extent_of(*(self.errors_um[name] for name in JUDGED))) if self.is_judged else None,
             innovation_K=symmetric(minutes(track.time_s, innovation)[1]),
+            each_K=symmetric(innovation),
+            each_um=symmetric(track.innovation[:, ~heat][1:]),
             open_loop_K=symmetric(minutes(track.time_s, measured - track.open_loop[:, heat])[1]),
         )
+
+
+def first_stop_s(recording: Recording) -> float:
+    """The whole second after the first stop; without a stop the middle."""
+    moments = stops(recording)
+    return float(np.floor(moments[0]) + 1 if moments else np.ceil(np.nanmedian(recording.time_s)))

@@ -19,7 +19,8 @@ from viz.recorded.run import READINGS, ReviewedRun
 
 HONEST = 0.95  # of errors inside two sd, when these are what they say
 ROOM = 0.2  # of the span, for a legend in the whole width
-LABELS, LEAST_UM = 4.5, 1e-3
+LEAST_UM = 1e-3
+HIGH, LOW = 190.0, 140.0  # points, of the axes of errors and of their sd
 NEAR = 0.002  # shares of errors, lowest and highest, that the axis need not hold
 TITLE = f"Share of errors inside ±2 sd [1]; red: below {HONEST}"
 PARTS = {"drive": "driving", "early_stop": "10 min after stops", "late_stop": "later at rest"}
@@ -73,13 +74,13 @@ def page(root: str, run: ReviewedRun) -> rrb.Container:
     """The views that show it."""
     span = views.whole(run.track.time_s)
     most = np.nanquantile(np.concatenate([run.error_sd_um, run.track.sigma_um, run.level_sd_um]), 1 - NEAR)
-    height = 0.0, labelled(float(most))
-    sd = views.beside_legend(f"{root}/{paths.SURE_SD}", "Standard deviation [µm]", span, height)
+    extent = 0.0, max(float(most), LEAST_UM)
+    sd = views.beside_legend(f"{root}/{paths.SURE_SD}", "Standard deviation [µm]", span, extent, LOW)
     if not run.is_judged:
         return rrb.Vertical(sd, name="How sure")
     found = shares(run)
     title = f"{run.reference_name} − filter [µm]: {np.nanmax(found.values[:, 0]):.1%} inside ±2 sd, 95 % when honest"
-    error = views.plot(f"{root}/{paths.SURE}", title, span, _extent(run), room=ROOM)
+    error = views.plot(f"{root}/{paths.SURE}", title, span, _extent(run), room=ROOM, height=HIGH)
     share = views.flat(f"{root}/{paths.SURE_BARS}", TITLE, found.frame.bounds)
     below = rrb.Horizontal(sd, share, column_shares=[3, 2])
     return rrb.Vertical(error, views.state_view(root, span, ROOM), below, row_shares=[5, 3.4, 4], name="How sure")
@@ -92,11 +93,5 @@ def _extent(run: ReviewedRun) -> Range:
     for values in (run.errors_um["filter"][known], 2 * run.error_sd_um[known], -2 * run.error_sd_um[known]):
         if len(values):
             ends.append(np.nanquantile(values, [NEAR, 1 - NEAR]))
-    half = labelled(max(map(abs, extent_of(*ends))))
+    half = max(LEAST_UM, *map(abs, extent_of(*ends)))
     return -half, half
-
-
-def labelled(end: float) -> float:
-    """The end of an axis from 0 on that has two labels: they stand at powers of ten, more often where there is room."""
-    power = 10.0 ** np.floor(np.log10(max(end, LEAST_UM)))
-    return float(end if end <= LABELS * power else 10.5 * power)

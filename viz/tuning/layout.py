@@ -9,9 +9,9 @@ import rerun.blueprint as rrb
 
 from viz.drawing import paths
 from viz.drawing.bars import NisBars
-from viz.drawing.frames import Frame
 from viz.drawing.scale import Range, symmetric
-from viz.drawing.views import by_run, ends, flat, key, paged, plot, summary_view, tabbed, whole
+from viz.drawing.views import by_run, ends, flat, paged, plot, summary_view, tabbed, whole
+from viz.tuning.autocorrelation import map_of
 from viz.tuning.tuned import Tuning
 
 ROWS = 4  # channels on one page
@@ -29,9 +29,13 @@ def _pages(channels: Sequence[str], run: Tuning) -> list[rrb.Container]:
 
 
 def _maps(channels: Sequence[str], run: Tuning) -> rrb.Container:
-    at, bounds = f"{paths.root(run.name)}/{paths.AUTOCORRELATION}", Frame.of_map(len(run.lags_s), channels).bounds
-    maps = [flat(f"{at}/{side}", f"Autocorrelation of the innovations {side} [1]", bounds) for side in run.sides]
-    return rrb.Horizontal(*maps, key(f"{at}/key", "1"), column_shares=[9, 9, 1.2], name="Autocorrelation")
+    at = f"{paths.root(run.name)}/{paths.AUTOCORRELATION}"
+    title = "Autocorrelation of the innovations"
+    maps = [
+        flat(f"{at}/{side}", f"{title} {side} [1]", map_of(channels, run.lags_s, one, (-1.0, 1.0)).bounds)
+        for side, one in run.sides.items()
+    ]
+    return rrb.Horizontal(*maps, name="Autocorrelation")
 
 
 def _innovations(channels: Sequence[str], run: Tuning, group: range) -> rrb.Container:

@@ -16,12 +16,10 @@ from viz.drawing import bars, paths
 from viz.drawing.bars import NisBars
 from viz.drawing.entity import Entity
 from viz.drawing.file import distinct, saved
-from viz.drawing.frames import Frame, colour_bar
-from viz.drawing.scale import MINUTE_S, Range, minutes, symmetric, ticks_of
+from viz.drawing.scale import MINUTE_S, minutes
+from viz.tuning.autocorrelation import map_of, shades_of
 from viz.tuning.layout import blueprint
-from viz.tuning.tuned import ScaledInnovations, Tuning
-
-PALE = 0.2  # the map's colours reach at least so far: smaller autocorrelations are often chance
+from viz.tuning.tuned import Tuning
 
 
 def save(path: Path, channels: Sequence[str], runs: Sequence[Tuning], nis: Sequence[NisBars], summary: str) -> None:
@@ -34,24 +32,11 @@ def save(path: Path, channels: Sequence[str], runs: Sequence[Tuning], nis: Seque
             bars.send(file / paths.BARS / str(i), each)
         for run in runs:
             at = file / paths.root(run.name)
-            colour_bar(at / paths.AUTOCORRELATION / "key", extent, "")
             for side, one in run.sides.items():
-                _map(at / paths.AUTOCORRELATION / side, channels, run.lags_s, one, extent)
+                map_of(channels, run.lags_s, one, extent).send(at / paths.AUTOCORRELATION / side)
                 for i, channel in enumerate(channels):
                     own = at / paths.scaled(side, channel)
                     _innovations(own, paths.COMPARED_AS[side], run.time_s, one.scaled[:, i])
-
-
-def shades_of(*autocorrelations: Array) -> Range:
-    """Range of the map's colours: what holds 99 % of all but lag 0."""
-    end = symmetric(np.concatenate([each[:, 1:].ravel() for each in autocorrelations]))[1]
-    return -max(end, PALE), max(end, PALE)
-
-
-def _map(at: Entity, channels: Sequence[str], lags_s: Array, side: ScaledInnovations, extent: Range) -> None:
-    lags = ticks_of((0.0, float(lags_s[-1])), 7)
-    columns, texts = lags / (lags_s[1] - lags_s[0]) + 0.5, [f"{lag:g}" for lag in lags]
-    Frame.of_map(len(lags_s), channels).draw_map(at, side.autocorrelation, extent, columns, texts, "lag [s]")
 
 
 def _innovations(at: Entity, colour: paths.Colour, time_s: Array, scaled: Array) -> None:

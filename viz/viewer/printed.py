@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from estimator.record import Array
 from viz.comparison.compared import ComparedRun
+from viz.comparison.heat import curves, frame_of
 from viz.comparison.layout import titles
-from viz.comparison.maps import BROUGHT, HEAT, TITLES, UNITS, Map, brings, map_of, scales_of
+from viz.comparison.maps import BROUGHT, HEAT, OPEN_LOOP, SAID, UNITS, brings, map_of, scales_of
 from viz.drawing import paths
 from viz.drawing.bars import Bars
-from viz.drawing.scale import DIVERGING
+from viz.drawing.scale import DIVERGING, Range
+from viz.figures.map import Map
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,8 +26,6 @@ if TYPE_CHECKING:
 DOTS = 120  # per inch
 INCHES = 6.4  # width of one map
 ROW_INCHES = 0.15
-FAINT = 0.03  # of the range of colours: not to be told from nothing
-SHORT_MIN = 15.0  # no map of heat is cut shorter
 SHADES = 257  # an odd number: one of them is zero
 
 
@@ -36,26 +37,69 @@ def print_bars(path: Path, figures: Sequence[Bars]) -> None:
             _bars(axes, bars)
 
 
-def print_maps(path: Path, runs: Sequence[ComparedRun], models: Sequence[str], what: str) -> None:
-    """A row for each run; a column for each model, and beside heat missing one for what added effects bring."""
-    maps = [[map_of(run, side, what) for side in run.sides] for run in runs]
-    columns = [*titles(models).values()]
-    if what == HEAT and (said := max(map(brings, runs), key=len)):  # in some run it may bring nothing
+def print_maps(path: Path, runs: Sequence[ComparedRun], models: Sequence[str]) -> None:
+    """What thermometers show beside the models alone: a row for each run, a column for each model."""
+    columns, extent = [*titles(models).values()], scales_of(runs)[OPEN_LOOP]
+    maps = [[map_of(run, side, OPEN_LOOP) for side in run.sides] for run in runs]
+    with _rows(path, runs, maps, len(columns)) as (sheet, grid):
+        for run, row, found in zip(runs, grid, maps, strict=True):
+            drawn = _titled(row, run, columns, found, extent)
+        sheet.suptitle(SAID[OPEN_LOOP])
+        sheet.colorbar(drawn, ax=grid, fraction=0.04, aspect=30).set_label(f"[{UNITS[OPEN_LOOP]}]")
+
+
+def print_heat(path: Path, runs: Sequence[ComparedRun], models: Sequence[str]) -> None:
+    """Heat missing: over the screw while driving and at rest, then as maps, and what added effects bring."""
+    maps = [[map_of(run, side, HEAT) for side in run.sides] for run in runs]
+    columns, extent = [*titles(models).values()], scales_of(runs)[HEAT]
+    if said := max(map(brings, runs), key=len):  # in some run it may bring nothing
         maps = [[*row, map_of(run, run.sides[-1], BROUGHT)] for run, row in zip(runs, maps, strict=True)]
         columns.append(said)
-    extent, rows = scales_of(runs)[what], len(maps[0][0].rows)
-    with _sheet(path, INCHES * len(columns) + 0.8, 0.9 + len(runs) * (0.55 + ROW_INCHES * rows)) as sheet:
-        grid = sheet.subplots(len(runs), len(columns), squeeze=False, sharex="row", sharey=True)
+    does = list(dict.fromkeys(name for run in runs for name in curves(run)))
+    with _rows(path, runs, maps, len(does) + len(columns)) as (sheet, grid):
         for run, row, found in zip(runs, grid, maps, strict=True):
-            for axes, title, one in zip(row, columns, found, strict=True):
-                axes.set_title(f"{run.name}, {title}", fontsize=9)
-                drawn = _map(axes, one, extent)
-            if what == HEAT:
-                row[0].set_xlim(0.0, _until(found, extent))
-        for axes in grid[-1]:
-            axes.set_xlabel("time [min]")
-        sheet.suptitle(TITLES[what])
-        sheet.colorbar(drawn, ax=grid, fraction=0.04, aspect=30).set_label(f"[{UNITS[what]}]")
+            for axes, name in zip(row, does, strict=False):
+                _along(axes, run, name)
+            drawn = _titled(row[len(does) :], run, columns, found, extent)
+        sheet.suptitle(SAID[HEAT])
+        sheet.colorbar(drawn, ax=grid, fraction=0.04, aspect=30).set_label(f"[{UNITS[HEAT]}]")
+
+
+@contextmanager
+def _rows(
+    path: Path, runs: Sequence[ComparedRun], maps: Sequence[Sequence[Map]], columns: int
+) -> Iterator[tuple[Figure, Array]]:  # fmt: skip
+    """A sheet with a row for each run."""
+    width = max(INCHES * columns * (2 / max(columns, 2)) ** 0.5, INCHES) + 0.8
+    height = 0.9 + len(runs) * (0.7 + ROW_INCHES * len(maps[0][0].rows))
+    with _sheet(path, width, height) as sheet:
+        yield sheet, sheet.subplots(len(runs), columns, squeeze=False)
+
+
+def _titled(row: Sequence[Axes], run: ComparedRun, columns: Sequence[str], found: Sequence[Map], extent: Range) -> Any:
+    """Maps of one run beside each other, each with what it shows."""
+    for axes, said, one in zip(row, columns, found, strict=True):
+        axes.set_title(f"{run.name}, {said}", fontsize=9)
+        drawn = _map(axes, one, extent)
+    return drawn
+
+
+def _along(axes: Axes, run: ComparedRun, name: str) -> None:
+    """Curves over the screw with their bands, bearings and the nut's travel."""
+    axes.set_title(f"{run.name}, missing {name} ±2 sd [W/m]", fontsize=9)
+    own = curves(run).get(name, [])
+    axes.set_ylim(*frame_of(run, own).y)
+    for curve in own:
+        axes.fill_between(curve.x_mm, *curve.ends, color=_part(curve.colour), alpha=0.35, lw=0)
+        axes.plot(curve.x_mm, curve.mean, color=_part(curve.colour), label=curve.name)
+    axes.axhline(0.0, color=_part(paths.BOUND), lw=0.7)
+    for support in run.rig.supports.values():
+        half = support.width_mm / 2
+        axes.axvspan(support.at_mm - half, support.at_mm + half, 0.0, 0.04, color=_part(paths.BOUND))
+    if run.travel_mm:
+        axes.axvspan(*run.travel_mm, 0.0, 0.04, color=_part(paths.NUT), label="nut's travel")
+    axes.set_xlabel("place x [mm]", fontsize=8)
+    axes.legend(fontsize=7)
 
 
 @contextmanager
@@ -87,14 +131,7 @@ def _bars(axes: Axes, bars: Bars) -> None:
     axes.legend(loc="lower right", fontsize=8)
 
 
-def _until(found: Sequence[Map], extent: tuple[float, float]) -> float:
-    """Minutes after which none of a run's maps shows anything to speak of, and a third more."""
-    seen = [np.flatnonzero((np.abs(one.values) > FAINT * extent[1]).any(axis=1)) for one in found]
-    last = max((minute[-1] + 1 for minute in seen if len(minute)), default=0)
-    return float(min(max(4 * last / 3, SHORT_MIN), len(found[0].begins_s)))
-
-
-def _map(axes: Axes, found: Map, extent: tuple[float, float]) -> Any:
+def _map(axes: Axes, found: Map, extent: Range) -> Any:
     from matplotlib.colors import LinearSegmentedColormap
 
     colours = LinearSegmentedColormap.from_list("diverging", [_part(colour) for colour in DIVERGING], SHADES)
@@ -105,6 +142,8 @@ def _map(axes: Axes, found: Map, extent: tuple[float, float]) -> Any:
         vmin=extent[0], vmax=extent[1],
     )  # fmt: skip
     axes.set_yticks(np.arange(len(found.rows)), found.rows, fontsize=6)
+    axes.set_xticks(found.ticks, found.texts, fontsize=7)
+    axes.set_xlabel(found.title, fontsize=8)
     return drawn
 
 

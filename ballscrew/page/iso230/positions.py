@@ -8,11 +8,19 @@ from estimator.errors import SetupError
 from estimator.record import Recording
 from estimator.rig import Rig
 
+PLACES = 9  # over the stroke, at which the error at the table is told
+
 
 def stroke(recording: Recording) -> tuple[float, float] | None:
     """Lowest and highest position of the table in a recording, mm; None where it is not read."""
     position = recording.inputs.get("position", np.empty(0))
     return (float(np.nanmin(position)), float(np.nanmax(position))) if np.isfinite(position).any() else None
+
+
+def over_stroke(recording: Recording, rig: Rig) -> list[float]:
+    """Positions of the table from end to end of its stroke, mm; none without a nut."""
+    ends = stroke(recording) if rig.nut is not None else None
+    return [] if ends is None else np.linspace(*ends, PLACES).tolist()
 
 
 def ends_and_middle(recording: Recording) -> list[float]:

@@ -120,7 +120,7 @@ def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(sea
         assert f"](b-{what}.png)" in text
         assert (tmp_path / f"b-{what}.png").stat().st_size > 5000
     names = view_names(tmp_path / "b.rrd")
-    assert "after: b.toml: heat missing, by place on the screw [W/m]" in names
+    assert "after: heat missing [W/m], b.toml" in names
     assert "Model alone, rms of temperatures [K]" in names
     assert "Filter in cooldown, at most off [µm], used" in names
     summary = fixed(tmp_path / "b.rrd", "/summary", "TextDocument:text")[0]
@@ -228,7 +228,7 @@ def test_nothing_missing_leaves_the_model_as_it_was(searching, fs20_log, tmp_pat
     assert load_model(out).values == given.values
     assert load_model(out).about == given.about
     assert "none was added or changed" in (tmp_path / "b.md").read_text()
-    assert "base.toml: thermometer − open-loop, mean of 1 min [K]" in view_names(tmp_path / "b.rrd")
+    assert "thermometer − open-loop [K], base.toml" in view_names(tmp_path / "b.rrd")
 
 
 def test_compare_saves_one_model_or_two(fs20_log, tmp_path) -> None:
@@ -237,7 +237,7 @@ def test_compare_saves_one_model_or_two(fs20_log, tmp_path) -> None:
     assert status == 0, err
     assert "views: " in out
     names = view_names(tmp_path / "c.rrd")
-    assert "after: model.toml: thermometer − open-loop, mean of 1 min [K]" in names
+    assert "after: thermometer − open-loop [K], model.toml" in names
     text = fixed(tmp_path / "c.rrd", "/summary", "TextDocument:text")[0]
     assert "| error, rms | base.toml, K | um | model.toml, K | um |" in text
     status, _, err = run("compare", fs20_log, *models, *models, "--save", tmp_path / "d.rrd")
@@ -254,14 +254,14 @@ def test_suggest_saves_the_model_and_the_best_effect(fs20_log, tmp_path, monkeyp
     assert status == 0, err
     text = fixed(tmp_path / "s.rrd", "/summary", "TextDocument:text")[0]
     assert "| + churning | 0.100 | 0.40 | it alone | share 0.4 +- 0.2 |" in text
-    assert "after: with churning: thermometer − open-loop, mean of 1 min [K]" in view_names(tmp_path / "s.rrd")
+    assert "after: thermometer − open-loop [K], with churning" in view_names(tmp_path / "s.rrd")
 
 
 def test_diagnose_saves_the_one_model(fs20_log, tmp_path) -> None:
     status, _, err = run("diagnose", fs20_log, "--model", PAPER / "base.toml", "--save", tmp_path / "d.rrd")
     assert status == 0, err
     assert "| good enough alone |" in fixed(tmp_path / "d.rrd", "/summary", "TextDocument:text")[0]
-    assert "base.toml: heat missing, by place on the screw [W/m]" in view_names(tmp_path / "d.rrd")
+    assert "heat missing [W/m], base.toml" in view_names(tmp_path / "d.rrd")
 
 
 def test_a_step_that_makes_held_out_worse_is_said():

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drivers.decode import drive
 from drivers.decode.drive import covered
 from drivers.recordings import read_recording
 from estimator.rig import Screw
@@ -33,6 +34,15 @@ def test_cover_is_the_mean_over_the_way(ways: list, length: float) -> None:
     ]
     np.testing.assert_allclose(cover[0], np.average(boxes, axis=0, weights=weight), atol=2e-5)
     assert (cover[1] == 0).all()
+
+
+def test_cover_is_the_same_however_many_ticks_are_worked_out_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    row = np.array([0, 0, 2, 3, 3, 4])
+    way = np.linspace(0.0, 500.0, 6), np.linspace(100.0, 900.0, 6)
+    whole = covered(SCREW, 100.0, way, np.arange(1.0, 7.0), row, 6)
+    monkeypatch.setattr(drive, "AT_ONCE", 2)
+    np.testing.assert_array_equal(covered(SCREW, 100.0, way, np.arange(1.0, 7.0), row, 6), whole)
+    assert whole[[0, 2, 3, 4]].any(axis=1).all()
 
 
 def stroke(tmp_path: Path, hertz: int):

@@ -16,7 +16,7 @@ from tests.viz_fake import fake_run
 from tests.viz_read import fixed, state_at
 from viz.drawing import paths
 from viz.lanes.judged import Judged
-from viz.lanes.states import LASTS_S, States
+from viz.lanes.states import LASTS_S, States, telling
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun
 
@@ -125,3 +125,18 @@ def test_what_is_sent_is_a_lane_where_somebody_may_listen() -> None:
 
 def _lanes(path: Path) -> set[object]:
     return {chunk.entity_path for chunk in RrdReader(path).stream().to_chunks()}
+
+
+def test_ticks_that_tell_nothing_new_are_left_out_and_change_nothing(run: ReviewedRun) -> None:
+    omega = run.recording.omega.copy()
+    omega[700:720] = np.nan
+    recording = replace(run.recording, omega=omega)
+
+    def told(ticks: list[int]) -> list:
+        states = States(run.rig)
+        found = [each for k in ticks for each in states.tick(recording.sample(k), run.track.step(k, ()))]
+        return [*found, *states.end()]
+
+    shown = telling(run.track, omega).tolist()
+    assert told(shown) == told(list(range(SECONDS)))
+    assert len(shown) < 0.8 * SECONDS

@@ -122,10 +122,9 @@ def served(rig: Rig, **how: Any) -> Iterator[LiveViews]:
         ("elongation/filter", "Measurements:variances"),
         ("channels/temperature/1", "Scalars:scalars"),
         ("channels/temperature/2", "Scalars:scalars"),
-        ("channels/innovation", "Scalars:scalars"),
+        ("channels/innovation/1", "Scalars:scalars"),
         ("nis/window", "Scalars:scalars"),
         ("nis/bounds", "Scalars:scalars"),
-        ("whiteness/channels", "Scalars:scalars"),
         ("screw/nut", "Transform3D:translation"),
     ],
 )
@@ -142,8 +141,7 @@ def test_live_rows_are_those_of_a_saved_file(fed: Fed, saved: Path, entity: str,
         ("elongation/filter", "Measurements:names"),
         ("elongation/filter", "Measurements:colors"),
         ("channels/temperature/2", "SeriesLines:names"),
-        ("channels/innovation", "SeriesLines:colors"),
-        ("whiteness/channels", "SeriesLines:names"),
+        ("channels/innovation/1", "SeriesLines:colors"),
         ("profile/band", "LineStrips2D:colors"),
     ],
 )
@@ -460,7 +458,7 @@ def test_a_late_viewer_gets_it_all(fed: Fed, tmp_path: Path) -> None:
 
     def seen() -> list[float]:
         try:
-            chunks = RrdReader(got).stream().filter(content="/live/channels/innovation").to_chunks()
+            chunks = RrdReader(got).stream().filter(content="/live/channels/innovation/1").to_chunks()
         except (ValueError, RuntimeError):  # not there yet, or in the middle of being written
             return []
         batches = [chunk.to_record_batch() for chunk in chunks if not chunk.is_static]
@@ -488,7 +486,7 @@ def test_a_run_that_begins_anew_is_a_recording_of_its_own(fed: Fed, tmp_path: Pa
         try:
             reader = RrdReader(got)
             streams = [reader.stream(store=each) for each in reader.recordings()]
-            found = [each.filter(content="/live/channels/innovation").to_chunks() for each in streams]
+            found = [each.filter(content="/live/channels/innovation/1").to_chunks() for each in streams]
             return [sum(chunk.num_rows for chunk in chunks if not chunk.is_static) for chunks in found]
         except (ValueError, RuntimeError):
             return []
@@ -578,7 +576,7 @@ def test_a_full_disk_is_told_and_the_file_goes_on_when_there_is_room(
         monkeypatch.undo()
         views.flush()
         assert views.trouble == ""
-    assert len(rows(file, "/live/channels/innovation", "Scalars:scalars")[0]) == 100
+    assert len(rows(file, "/live/channels/innovation/1", "Scalars:scalars")[0]) == 100
 
 
 def test_ticks_wait_while_a_viewer_hangs(fed: Fed, monkeypatch: pytest.MonkeyPatch) -> None:

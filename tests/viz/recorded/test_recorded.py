@@ -16,12 +16,13 @@ from estimator.alarms.alarms import Alarm
 from estimator.errors import InputError
 from estimator.faults.fault import MAY_DRIFT, Fault
 from tests.viz_fake import fake_run
-from tests.viz_read import fixed, rows, view_names
+from tests.viz_read import fixed, pixels, rows, view_names
 from viz.drawing import profile, screw
 from viz.drawing.file import distinct, opens_at
 from viz.drawing.paths import MAPS
+from viz.drawing.scale import DIVERGING, UNKNOWN, coloured, minutes
 from viz.lanes.judged import Judged
-from viz.recorded import accuracy
+from viz.recorded import accuracy, misfits
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun
 
@@ -68,7 +69,8 @@ def test_the_smoothed_elongation_stands_beside_the_filter_s_with_its_own_band(sa
     [
         ("channels/temperature/1", "measured", slice(0, 8)),
         ("channels/temperature/2", "measured", slice(8, 15)),
-        ("channels/innovation", "innovation", slice(0, 15)),
+        ("channels/innovation/1", "innovation", slice(0, 8)),
+        ("channels/innovation/2", "innovation", slice(8, 15)),
     ],
 )
 def test_channels_are_the_tracks(saved: Path, run: ReviewedRun, entity: str, field: str, columns: slice) -> None:
@@ -156,12 +158,25 @@ def test_nis_has_the_bounds_of_its_window(saved: Path, run: ReviewedRun) -> None
     assert ratios[1][0] == pytest.approx(run.track.nis[second].sum() / count)
 
 
-def test_map_has_a_row_for_each_thermometer_and_closes_at_the_end(saved: Path) -> None:
-    time_s, heights = rows(saved, "/FS-20/residual/innovation", "Scalars:scalars")
-    np.testing.assert_array_equal(heights, np.tile(np.arange(1, 16), (len(time_s), 1)))
-    assert time_s[0] == 1.0
-    assert time_s[-1] == SECONDS
-    assert np.diff(time_s)[:-1] == pytest.approx(60.0)
+def test_map_has_a_row_for_each_thermometer_and_a_pixel_for_each_minute(saved: Path, run: ReviewedRun) -> None:
+    drawn = pixels(saved, "/FS-20/residual/innovation/picture")
+    assert drawn.shape == (15, -(-SECONDS // 60), 3)
+    means = minutes(run.track.time_s, run.track.innovation[:, :15])[1]
+    np.testing.assert_array_equal(drawn, coloured(means.T, run.scale.innovation_K, DIVERGING)[..., :3])
+    assert fixed(saved, "/FS-20/residual/innovation/channels", "Points2D:labels") == list(run.rig.thermometers)
+    wide, high, _ = fixed(saved, "/FS-20/residual/innovation/picture", "Transform3D:scale")[0]
+    time_s, strips = rows(saved, "/FS-20/residual/innovation/now", "LineStrips2D:strips")
+    assert time_s[3] == 181.0
+    assert [place[0] for place in strips[3][0]] == pytest.approx([3.5 * wide] * 2)
+    assert strips[3][0][1][1] == pytest.approx(15 * high)
+
+
+def test_the_channel_that_surprises_most_is_named(run: ReviewedRun) -> None:
+    found = misfits.surprises(replace(run, nis_of={**run.nis_of, "T04": 4.0, "T09": np.nan}))
+    assert found.title == "Innovation / sd, rms [1]; worst T04: 2.00"
+    assert found.rows == [name for name in run.rig.names if name != "T09"]
+    assert found.series[0].values[3] == 2.0
+    assert misfits.surprises(replace(run, nis_of=dict.fromkeys(run.rig.names, np.nan))).rows == ["none fused"]
 
 
 def test_events_tell_what_happened(saved: Path) -> None:
@@ -240,12 +255,11 @@ def test_what_may_drift_is_named_in_the_profile_and_in_a_lane_of_its_own(run, tm
 def test_what_is_broken_is_grey_in_the_maps(jumped, saved, tmp_path):
     save(tmp_path / "jumped.rrd", [jumped], "")
     for drawn in MAPS:
-        colours = [np.array(rows(path, f"/FS-20/{drawn}", "SeriesLines:colors")[1])
-                   for path in (tmp_path / "jumped.rrd", saved)]  # fmt: skip
-        changed = np.argwhere(colours[0] != colours[1])
-        assert set(changed[:, 1]) == {2}
-        assert changed[:, 0].min() == 5
-        assert len(set(colours[0][6:, 2])) == 1
+        after, before = (pixels(path, f"/FS-20/{drawn}/picture") for path in (tmp_path / "jumped.rrd", saved))
+        changed = np.argwhere((after != before).any(axis=-1))
+        assert set(changed[:, 0]) == {2}
+        assert changed[:, 1].min() == 5
+        assert {tuple(pixel) for pixel in after[2, 6:]} == {UNKNOWN}
 
 
 def test_summary_is_the_callers(saved: Path) -> None:
@@ -254,9 +268,9 @@ def test_summary_is_the_callers(saved: Path) -> None:
 
 def test_views_have_names_with_units(saved: Path) -> None:
     names = view_names(saved)
-    assert len(names) == 4 + 2 * 22
+    assert len(names) == 4 + 2 * 25
     assert "Elongation [µm]" in names
-    assert all("[" in name for name in names if name not in ("Summary", "Events", "State", UNUSED))
+    assert all("[" in name for name in names if name not in ("Summary", "At a glance", "Events", "State", UNUSED))
 
 
 def test_a_rig_without_screw_has_no_profile(run: ReviewedRun, tmp_path: Path) -> None:
