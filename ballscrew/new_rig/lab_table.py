@@ -15,10 +15,10 @@ from drivers.budget import Budget
 from drivers.frames import Array, Tally
 from drivers.lab import counting
 from drivers.lab.lab import Table
-from drivers.lab.names import unit_of
 from drivers.lab.numerals import decimal_mark, numbers
 from drivers.lab.sheet import Sheet, read_sheet
 from drivers.lab.stamps import kind_of
+from drivers.units import unit_of
 from estimator.errors import InputError
 from estimator.rig import Channel, Csv, Log, Rig
 

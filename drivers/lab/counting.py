@@ -11,8 +11,8 @@ import re
 import numpy as np
 
 from drivers.frames import Array
-from drivers.lab.names import unit_of
 from drivers.lab.stamps import DAY_S
+from drivers.units import unit_of
 from estimator.errors import InputError
 
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": DAY_S}
@@ -20,6 +20,12 @@ WORDS = {"ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds", "min":
 SINCE_1970 = {"s": (1e9, 4.2e9), "ms": (1e12, 4.2e12), "us": (1e15, 4.2e15), "ns": (1e18, 4.2e18)}
 _SHEET_DAYS = (20_000.0, 80_000.0)  # since 1900: from 1954 to 2119
 _SHEET_ZERO = 25_569.0  # 1970-01-01 in days of a spreadsheet
+_OTHER_ZEROS = {  # what 1970-01-01 is counted as, and s of one count; read where that makes a date from 1980 to 2100
+    "days since the year 0, as Matlab has them": (719_529.0, DAY_S),
+    "100 ns since 1601, as Windows has them": (116_444_736e9, 1e-7),
+    "100 ns since the year 1, as .NET has them": (621_355_968e9, 1e-7),
+}
+_DATES_S = (3.2e8, 4.1e9)
 _CLOSE = 0.02
 _MOST, _LEAST = 30.0, 1e-3  # ticks: rows that are further apart, or closer, are more likely counted in another unit
 
@@ -41,6 +47,10 @@ def seconds(count: Array, tick_s: float, told: str | None, of_file: str | None, 
     for unit, (first, last) in SINCE_1970.items():
         if first <= low and high < last and _LEAST <= step * SECONDS[unit] / tick_s < _MOST:
             return count * SECONDS[unit], "" if unit == "s" else f"times in {WORDS[unit]} since 1970"
+    for said, (zero, size) in _OTHER_ZEROS.items():
+        first, last = (low - zero) * size, (high - zero) * size
+        if _DATES_S[0] < first and last < _DATES_S[1] and _LEAST <= step * size / tick_s < _MOST:
+            return (count - zero) * size, f"times in {said}"
     in_days = _SHEET_DAYS[0] < low and high < _SHEET_DAYS[1] and step < 0.5 and not _round(step)
     if in_days and step / tick_s < _LEAST:
         return (count - _SHEET_ZERO) * DAY_S, "times in days of a spreadsheet"

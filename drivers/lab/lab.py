@@ -24,6 +24,7 @@ from estimator.record import Recording
 from estimator.rig import Rig, Signal
 
 _SAMPLE = 5000  # rows that tell the decimal mark
+_COARSEST_S = 90.0  # of a clock of hours and minutes
 
 
 class Table:
@@ -69,6 +70,8 @@ class Table:
         """Seconds of each row, (n,), and whether they are times of a day in no zone."""
         rule = self.rig.log.csv
         count = numbers(texts, self.mark)
+        if rule.decimal is None and np.isfinite(count).sum() * 2 <= len(count):
+            count = numbers(texts, decimal_mark(_sample({}, texts), sheet.separator, self.path))
         if rule.time_format is None and np.isfinite(count).sum() * 2 > len(count):
             if len(found.time) > 1:
                 raise InputError(f"{self.path}: dates and times are numbers; name one column as log.time_column")
@@ -102,6 +105,8 @@ class Table:
         if sort is not False and order.newest_first(self.time):
             self._take(np.arange(len(self.time))[::-1])
             self.said.append("newest row first, turned round")
+        self.time, days = order.over_midnight(self.time)
+        self.said += ["seconds of the day, going on over midnight"] if days else []
         if local:
             self.time, changes = order.summer_time(self.time)
             for row, to in changes:
@@ -121,6 +126,11 @@ class Table:
         if len(self.time) > 1 and np.ptp(self.time) == 0:
             raise InputError(
                 f"{self.path}: time stands still: all {len(self.time)} rows have the same; is it another column?"
+            )
+        if (shared := order.coarse(self.time)) > _COARSEST_S:
+            raise InputError(
+                f"{self.path}: times have a resolution of {shared:.6g} s, several rows share each: digits were lost; "
+                "export them with all of them"
             )
         last, together = order.lasts(self.time, np.array(list(self.columns.values())))
         if len(last) < len(self.time):
@@ -144,7 +154,7 @@ def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else rig.tick_s
     coarse = step >= rig.tick_s / 2
     _tell(table, step, rig.tick_s)
-    clock = RigClock(max(rig.tick_s, step), 1, tally, lambda row: f"line {int(table.line[row])}", budget)
+    clock = RigClock(max(rig.tick_s, step), 1, tally, lambda row: f"line {int(table.line[row])}", budget, step)
     none = np.full(len(table.time), -1, np.int64)
     now = clock.run(table.time, np.zeros(len(none), bool), none)
     kept = np.flatnonzero(np.isfinite(now))

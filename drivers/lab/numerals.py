@@ -11,8 +11,9 @@ from drivers.frames import Array
 from estimator.errors import InputError
 
 NOTHING = frozenset({"", "nan", "null", "none", "n/a", "na", "#n/a", "-", "--", "---"})  # not measured
-_MARKED = re.compile(r"[+-]?\d[\d.,]*(?:[eE][+-]?\d+)?")
-_BLANK = re.compile(r"(?<=\d)[\s'’](?=\d{3})")  # between thousands, as in French and Swiss numbers
+WITH_UNIT = re.compile(r"[+−-]? ?\d[\d.,]*(?:[eE][+-]?\d+)?(\s*[^\s\d.,:/-]\S*)")  # "22.1 °C"
+_MARKED = re.compile(r"[+-]? ?\d[\d.,]*(?:[eE][+-]?\d+)?")
+_BLANK = re.compile(r"(?<=\d)[\s'’](?=\d{3})|(?<=^[+-])\s+")  # between thousands, as in French and Swiss numbers
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+")
 
 

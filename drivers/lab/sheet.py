@@ -24,7 +24,8 @@ SEPARATORS = {",": "','", ";": "';'", "\t": "tabs", "|": "'|'", " ": "spaces"}
 _WORDS = {"tab": "\t", "space": " "}
 _HEAD = 100  # lines among which the one with the names is looked for
 _BELOW = 12  # lines from the names on that show what the columns hold
-_BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+_BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32"}  # this begins as one of UTF-16 does
+_BOMS |= {codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
 
 @dataclass
@@ -56,7 +57,7 @@ def read_sheet(path: Path, rule: Csv, wanted: Collection[str], tally: Tally, bud
             head = list(islice(lines, max(_HEAD, rule.skip + 1)))
             separator, at = _names_at(head, rule, wanted)
             reader = csv.reader(chain(head[at:], lines), delimiter=separator, skipinitialspace=True)
-            names = [cell.strip().lstrip("#").strip() for cell in next(reader, [])]
+            names = [" ".join(cell.splitlines()).strip().lstrip("#").strip() for cell in next(reader, [])]
             while names and not names[-1]:
                 names.pop()
             sheet = Sheet(path, separator, names, [], [], _said(separator, encoding, at))

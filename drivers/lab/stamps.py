@@ -18,13 +18,15 @@ from estimator.errors import InputError
 
 _DATE = r"(?P<date>(?P<a>\d{1,4})(?P<mark>[./-])(?P<b>\d{1,2})(?P=mark)(?P<c>\d{1,4})\.?)"
 _CLOCK = (
-    r"(?P<hour>\d{1,3}):(?P<minute>\d{1,2})(?::(?P<second>\d{1,2}(?:[.,:]\d{1,9})?))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
+    r"(?:(?P<days>\d+) days? )?(?P<hour>\d{1,3}):(?P<minute>\d{1,2})(?::(?P<second>\d{1,2}(?:[.,:]\d{1,9})?))?"
+    r"\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
 )
+_WEEKDAY = r"(?:[^\W\d_]{2,10}[.,]?\s+)?"
 _ZONE = r"\s*(?P<zone>Z|UTC|GMT|[+-]\d{2}(?::?\d{2})?)"
 _STAMP = re.compile(
-    rf"(?:{_DATE})?(?: - |[ T,;_]*)(?:{_CLOCK})?(?:{_ZONE}| [A-Z]{{3,5}})?"
+    rf"{_WEEKDAY}(?:{_DATE})?(?: - |[ T,;_]*)(?:{_CLOCK})?(?:{_ZONE}| [A-Z]{{3,5}})?"
 )  # letters as CEST: local time
-_WORDS = re.compile(r"(?=.*\d)(?=.*[A-Za-z]{3}).*|\d{8}[T ]\d{4,}.*")  # a month in letters, or ISO without marks
+_WORDS = re.compile(r"(?=.*\d)(?=.*[A-Za-z]{3}).*|\d{8}[T _-]\d{4,}.*")  # a month in letters, or ISO without marks
 _EPOCH = date(1970, 1, 1).toordinal()
 DAY_S, HOUR_S = 86400.0, 3600.0
 _ORDERS = {"ymd": "year first", "dmy": "day first", "mdy": "month first"}
@@ -130,6 +132,7 @@ def _clock(match: re.Match[str]) -> float:
         else 0
     )
     valid = minute < 60 and second < 61 and (hour < 25 or not match["date"])
+    hour += 24 * int(match["days"] or 0)
     return hour * 3600 + minute * 60 + second - (-ahead if sign == "-" else ahead) if valid else np.nan
 
 

@@ -105,7 +105,10 @@ def review(
     replayed = Replay(model, rig, recording, mute, each, table_mm)
     track, smoothed = replayed.track, replayed.smoothed()
     if (track.mode == Mode.INIT).all():
-        raise InputError(f"{recording.name}: no thermometer was ever read; nothing to estimate from")
+        raise InputError(
+            f"{recording.name}: no thermometer was ever read; nothing to estimate from{_instead(recording)}; "
+            "`ballscrew check` says more"
+        )
     used = list(channels or rig.thermometers)
     began_um = replayed.run.began_um if replayed.run else 0.0
     line = polyline.elongation(recording, rig, used)
@@ -135,6 +138,13 @@ def review(
         _misfit_K(track, track.predicted, rig), _misfit_K(track, track.open_loop, rig),
         off, use, warmth(replayed.run) if replayed.run else None, replayed.table,
     )  # fmt: skip
+
+
+def _instead(recording: Recording) -> str:
+    """What a recording's notes and counts say first, in brackets."""
+    skipped = sorted(recording.skipped.items(), key=lambda one: -one[1])[:2]
+    said = [*recording.notes[:1], *(f"{count} x {reason}" for reason, count in skipped)]
+    return f" ({'; '.join(said)})" if said else ""
 
 
 def _misfit_K(track: Track, expected: Array, rig: Rig) -> float:
