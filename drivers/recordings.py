@@ -18,6 +18,7 @@ from drivers.decode.ticks import Ticks, split
 from drivers.frames import Frames, Tally
 from drivers.lab.estimates import is_estimates
 from drivers.lab.lab import read_lab
+from drivers.lab.signals import is_decoded, read_signals
 from drivers.logs.joined import Progress, join
 from drivers.logs.logs import SUFFIXES, is_lab_csv, read_log
 from drivers.logs.truth import is_truth
@@ -50,7 +51,7 @@ def find_recordings(paths: Iterable[Path]) -> list[Path]:
 def read_recording(
     path: Path | str, rig: Rig, progress: Progress | None = None, budget: Budget | None = None
 ) -> Recording:
-    """Read a log of CAN frames or a lab CSV into ticks.
+    """Read a log of CAN frames, a lab CSV or the signals of an MF4 into ticks.
 
     A torn or odd log is read as far as it goes and `notes` and `skipped` say what was not used. One of which nothing
     can be used is an InputError; a rig file that does not fit its DBC is a SetupError. `progress` is told the share
@@ -65,11 +66,21 @@ def read_recording(
         raise InputError(f"{path}: what `review --table` has written of a recording, not a recording")
     if is_lab_csv(path):
         rows = read_lab(path, rig, tally, budget)
+    elif is_decoded(path):
+        rows = read_signals(path, rig, tally, budget)
     else:
-        frames = read_log(path, tally, budget, progress)
-        rows = _ticks(str(path), frames, frames.where, rig, tally, budget)
+        return recording_of(path, read_log(path, tally, budget, progress), rig, tally, budget)
+    return _told(rows, path.name, rig, tally)
+
+
+def recording_of(path: Path, frames: Frames, rig: Rig, tally: Tally, budget: Budget) -> Recording:
+    """The frames of a log as ticks; `tally` has what its reader skipped."""
+    return _told(_ticks(str(path), frames, frames.where, rig, tally, budget), path.name, rig, tally)
+
+
+def _told(rows: Recording, name: str, rig: Rig, tally: Tally) -> Recording:
     silences(rows, rig, tally)
-    return replace(rows, name=path.name, skipped=tally.counts(), notes=tuple(tally.notes))
+    return replace(rows, name=name, skipped=tally.counts(), notes=tuple(tally.notes))
 
 
 def read_joined(
@@ -85,8 +96,7 @@ def read_joined(
     joined = join(paths, tally, budget, progress)
     first = joined.paths[0]
     rows = _ticks(f"{first}..", joined.frames, joined.where, rig, tally, budget)
-    silences(rows, rig, tally)
-    return first, replace(rows, name=f"{first.name}..", skipped=tally.counts(), notes=tuple(tally.notes))
+    return first, _told(rows, f"{first.name}..", rig, tally)
 
 
 def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tally: Tally, budget: Budget) -> Recording:

@@ -37,7 +37,7 @@ _SAME = {  # what is meant, and how it is written
 }
 UNITS = {word: unit for unit, words in _SAME.items() for word in words.split()}
 _KINDS = (
-    "degC K degF mK mV V", "W kW mW", "mm um m inch", "A mA", "rpm rad/s 1/s deg/s mm/s mm/min m/min m/s",
+    "degC K degF mK mV V", "W kW mW", "mm um nm m inch", "A mA", "rpm rad/s 1/s deg/s mm/s mm/min m/min m/s",
 )  # fmt: skip
 MEASURED = {unit for kind in _KINDS for unit in kind.split()}
 
@@ -45,7 +45,7 @@ MEASURED = {unit for kind in _KINDS for unit in kind.split()}
 def unit_of(text: str) -> str | None:
     """A unit as it is meant; None for what is none."""
     plain = text.replace("Â", "").strip().strip("[]()")  # UTF-8 read as an old Windows has "Â°C"
-    return UNITS.get(plain.replace(" ", "_").casefold())
+    return "nm" if plain == "nm" else UNITS.get(plain.replace(" ", "_").casefold())  # Nm is a torque
 
 
 def contradicts(said: str, expected: str) -> bool:

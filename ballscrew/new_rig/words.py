@@ -35,6 +35,7 @@ UNITS = {
     "m/s": Unit("feed", "rpm", 60000.0),
     "mm": Unit("length", "mm"),
     "um": Unit("length", "mm", 1e-3),
+    "nm": Unit("length", "mm", 1e-6),
     "m": Unit("length", "mm", 1000.0),
     "inch": Unit("length", "mm", 25.4),
     "A": Unit("current", "A"),

@@ -54,7 +54,7 @@ def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
         near = next(((found, names[name]) for name in rig.channels if (found := nearest_name(names[name], free))), None)
         hint = f"; is '{near[0]}' {near[1]}?" if near else ""
         raise InputError(
-            f"{sheet.path}: no column of any channel; expected {_some(names.values())}, found {_found(sheet)}{hint}"
+            f"{sheet.path}: no column of any channel; expected {some(names.values())}, found {_found(sheet)}{hint}"
         )
     time = _times(sheet, rig.log.time_column, {*of.values()})
     units = {k: unit for k, name in enumerate(sheet.names) if (unit := unit_in(name))}
@@ -159,9 +159,10 @@ def to_the_unit(values: Array, sheet: Sheet, columns: Columns, name: str, rule: 
 
 
 def _found(sheet: Sheet) -> str:
-    return _some([name for name in sheet.names if name]) or "empty"
+    return some([name for name in sheet.names if name]) or "empty"
 
 
-def _some(names: Any) -> str:
+def some(names: Any) -> str:
+    """The first of these names, in words."""
     names = list(names)
     return (", ".join(names[:6]) + (" ..." if len(names) > 6 else ""))[:200]

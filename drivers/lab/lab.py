@@ -148,8 +148,13 @@ def _sample(cells: dict[str, list[str]], texts: list[str]) -> list[str]:
 
 
 def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:
+    """The rows of a lab CSV as ticks."""
+    return ticks_of(Table(path, rig, tally, budget), budget)
+
+
+def ticks_of(table: Table, budget: Budget) -> Recording:
     """Rows as ticks. Where rows are further apart than ticks, channels are not measured in between and inputs hold."""
-    table = Table(path, rig, tally, budget)
+    path, rig, tally = table.path, table.rig, table.tally
     steps = np.diff(table.time)
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else rig.tick_s
     coarse = step >= rig.tick_s / 2

@@ -20,7 +20,7 @@ _READERS = {
     ".asc": ("drivers.logs.outside:read_outside", "a Vector ASC log"),
     ".blf": ("drivers.logs.outside:read_outside", "a Vector BLF log"),
     ".trc": ("drivers.logs.outside:read_outside", "a PEAK TRC log"),
-    ".mf4": ("drivers.logs.outside:read_outside", "an ASAM MDF 4 file with CAN bus logging"),
+    ".mf4": ("drivers.logs.outside:read_outside", "an ASAM MDF 4 file with frames of a CAN bus"),
     ".csv": ("drivers.logs.outside:read_outside", "python-can's CSV of frames"),
 }
 SUFFIXES = frozenset(_READERS)
