@@ -52,10 +52,11 @@ def of_recording(path: Path, rig: Rig, model: Model) -> Iterator[Doubt]:
     if is_lab_csv(path):
         case = Case(rig, model, read_recording(path, rig), read_lab_table(path, Tally(), rig.log.csv))
     else:
+        tally, budget = Tally(), Budget()
+        frames = read_log(path, tally, budget)
         if rig.log.dbc is None:
             raise SetupError(f"{rig.folder / 'rig.toml'}: log.dbc is missing: CAN frames need a DBC file")
-        dbc, tally, budget = find_dbc(rig.log.dbc, rig.folder), Tally(), Budget()
-        frames = read_log(path, tally, budget)
+        dbc = find_dbc(rig.log.dbc, rig.folder)
         recording = recording_of(path, frames, rig, tally, budget)
         case = Case(rig, model, recording, bus_log_of(path, frames, dbc, Tally(), rig.log.bus))
     guessed = PLACES_GUESSED in (rig.folder / "rig.toml").read_text(encoding="utf-8-sig")

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
 import mmap
-from contextlib import redirect_stderr
 from pathlib import Path
 from typing import Any
 
@@ -70,22 +68,19 @@ def _signals(path: Path, names: dict[str, str]) -> tuple[dict[str, Any], Sheet]:
     """What an MF4 has of these channels and inputs, and all names in it."""
     from asammdf import MDF  # a second
 
-    why = ""
-    with redirect_stderr(io.StringIO()):  # where it cannot open a file, it complains once more as it goes
-        try:
-            with MDF(path) as mdf:
-                places = [(k, n) for k, one in enumerate(mdf.groups) for n in range(len(one.channels))]
-                places = [(group, k) for group, k in places if k != mdf.masters_db.get(group)]
-                sheet = Sheet(path, ",", [mdf.groups[g].channels[k].name for g, k in places], [], [], [])
-                taken = {k for k, name in enumerate(sheet.names) if name in names.values()}
-                of = {name: place_of(sheet, wanted, taken) for name, wanted in names.items()}
-                found = {name: _numbers(mdf, *places[k]) for name, k in of.items() if k is not None}
-        except InputError:
-            raise
-        except Exception as error:  # whatever asammdf raises on a broken file
-            why = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
-    if why:
-        raise InputError(f"{path}: cannot be read as MF4: {why}")
+    try:
+        with path.open("rb") as file, MDF(file) as mdf:
+            places = [(k, n) for k, one in enumerate(mdf.groups) for n in range(len(one.channels))]
+            places = [(group, k) for group, k in places if k != mdf.masters_db.get(group)]
+            sheet = Sheet(path, ",", [mdf.groups[g].channels[k].name for g, k in places], [], [], [])
+            taken = {k for k, name in enumerate(sheet.names) if name in names.values()}
+            of = {name: place_of(sheet, wanted, taken) for name, wanted in names.items()}
+            found = {name: _numbers(mdf, *places[k]) for name, k in of.items() if k is not None}
+    except InputError:
+        raise
+    except Exception as error:  # whatever asammdf raises on a broken file
+        why = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
+        raise InputError(f"{path}: cannot be read as MF4: {why}") from None
     return {name: one for name, one in found.items() if one is not None and len(one.timestamps)}, sheet
 
 

@@ -12,6 +12,7 @@ from drivers.foreign import begins_as, way_out
 from drivers.frames import Frames, Tally, plausible
 from drivers.lab.frame_table import PYTHON_CAN, frame_names
 from drivers.lab.sheet import encoding_of
+from drivers.lab.signals import is_decoded
 from estimator.errors import InputError, nearest
 
 # What a file of each suffix must be, and what reads it.
@@ -62,6 +63,10 @@ def is_frame_table(path: Path) -> bool:
 
 def read_log(path: Path, tally: Tally, budget: Budget, progress: Callable[[float], None] | None = None) -> Frames:
     """All usable frames of a log; none at all is an InputError that says what was found and expected."""
+    if is_decoded(path):
+        raise InputError(
+            f"{path}: holds decoded signals, no frames; what needs none, such as review, reads them by names"
+        )
     reader, expected = _TABLE if is_frame_table(path) else _READERS[path.suffix.lower()]
     module, function = reader.split(":")
     frames, found = getattr(import_module(module), function)(path, tally, budget, progress)

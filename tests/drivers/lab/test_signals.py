@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from dataclasses import replace
 from pathlib import Path
 
@@ -48,11 +49,16 @@ def test_signals_are_read_by_their_names(tmp_path: Path, rig: Rig, apart_s: floa
 def test_signals_that_are_others_are_told(tmp_path: Path, rig: Rig) -> None:
     names = dict.fromkeys(["left", "B2"], "degC")
     assert "no signal B, P/kW, ambient: not measured" in read_recording(mf4(tmp_path / "a.mf4", names), rig).notes
-    with pytest.raises(InputError, match="column 'left' is in degF, rig.toml has A in degC"):
+    with pytest.raises(InputError, match=r"column 'left' is in degF, rig\.toml has A in degC"):
         read_recording(mf4(tmp_path / "b.mf4", {"left": "°F"}), rig)
     with pytest.raises(InputError, match="no signal of any channel; expected left, B, found x, y"):
         read_recording(mf4(tmp_path / "c.mf4", {"x": "", "y": ""}), rig)
-    torn = mf4(tmp_path / "d.mf4", names)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # asammdf's own, as it clears away
+def test_a_torn_file_is_refused(tmp_path: Path, rig: Rig) -> None:
+    torn = mf4(tmp_path / "d.mf4", {"left": "degC"})
     torn.write_bytes(torn.read_bytes()[:2000])
     with pytest.raises(InputError, match=r"d\.mf4: cannot be read as MF4: "):
         read_recording(torn, rig)
+    gc.collect()
