@@ -11,10 +11,10 @@ import numpy as np
 
 from drivers.budget import Budget
 from drivers.decode.addresses import addressed
-from drivers.decode.buses import chosen, in_order, of_the_rig, on_one_clock, together
+from drivers.decode.buses import chosen, in_order, of_the_rig, on_one_clock, together, told_once
 from drivers.decode.clock import RigClock
 from drivers.decode.decode import Decoder
-from drivers.decode.ticks import Ticks, split
+from drivers.decode.ticks import Ticks, at_the_pace, split
 from drivers.frames import Frames, Tally
 from drivers.lab.estimates import is_estimates
 from drivers.lab.lab import read_lab
@@ -101,7 +101,8 @@ def read_joined(
 
 def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tally: Tally, budget: Budget) -> Recording:
     decoder = Decoder(rig, tally)
-    rigs = chosen(frames, rig.log.bus, name)
+    rigs = told_once(frames, rig.tick_s, tally)
+    rigs = rigs[chosen(frames.take(rigs), rig.log.bus, name)]
     frames = addressed(frames.take(rigs), decoder.used, decoder.dbc, name, tally)
     if why := decoder.mismatch(frames):
         raise InputError(f"{name}: {len(frames)} frames, none of this rig: {why}")
@@ -115,6 +116,7 @@ def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tal
     decoder.never_came(frames)
     clock = RigClock(rig.tick_s, decoder.scan.modulus, tally, lambda frame: where(int(rigs[frame])), budget)
     closes, scan = decoder.closings(frames)
+    at_the_pace(name, frames.time[closes], rig.tick_s)
     now = clock.run(frames.time, closes, scan)
     kept = np.isfinite(now)
     if not kept.all():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 _SAME = {  # what is meant, and how it is written
-    "degC": "c °c ºc degc celsius ℃ degree_c deg_c",
+    "degC": "c °c ºc degc celsius ℃ degree_c deg_c °æ",
     "K": "k kelvin",
     "degF": "f °f ºf degf fahrenheit",
     "mK": "mk",
@@ -35,6 +35,7 @@ _SAME = {  # what is meant, and how it is written
     "h": "h hr hour hours stunden std",
     "d": "d day days tage",
 }
+_MISREAD = str.maketrans({"Â": None, "ø": "°", "¡": "°"})  # degrees of UTF-8, MS-DOS and old Macs as Windows has them
 UNITS = {word: unit for unit, words in _SAME.items() for word in words.split()}
 _KINDS = (
     "degC K degF mK mV V", "W kW mW", "mm um nm m inch", "A mA", "rpm rad/s 1/s deg/s mm/s mm/min m/min m/s",
@@ -44,7 +45,7 @@ MEASURED = {unit for kind in _KINDS for unit in kind.split()}
 
 def unit_of(text: str) -> str | None:
     """A unit as it is meant; None for what is none."""
-    plain = text.replace("Â", "").strip().strip("[]()")  # UTF-8 read as an old Windows has "Â°C"
+    plain = text.translate(_MISREAD).strip().strip("[]()")
     return "nm" if plain == "nm" else UNITS.get(plain.replace(" ", "_").casefold())  # Nm is a torque
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from drivers.frames import Array, Tally
 from drivers.lab.names import nearest_name, unit_in
-from drivers.lab.numerals import WITH_UNIT, is_numeric
+from drivers.lab.numerals import is_numeric, without_unit
 from drivers.lab.sheet import Sheet, place_of
 from drivers.lab.stamps import kind_of
 from drivers.units import contradicts, unit_of
@@ -73,7 +73,7 @@ def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
 def _times(sheet: Sheet, name: str, taken: set[int]) -> tuple[int, ...]:
     place = place_of(sheet, name, taken)
     free = [k for k in range(len(sheet.names)) if k not in taken]
-    kinds = {k: _kind(sheet, k) for k in free}
+    kinds = {k: kind_in(sheet, k) for k in free}
     dates, clocks, whole = ([k for k in free if kinds[k] == kind] for kind in ("date", "clock", "stamp"))
     if place in clocks and len(dates) == 1:
         return dates[0], clocks[clocks.index(place)]
@@ -92,7 +92,7 @@ def _times(sheet: Sheet, name: str, taken: set[int]) -> tuple[int, ...]:
     )
 
 
-def _kind(sheet: Sheet, place: int) -> str:
+def kind_in(sheet: Sheet, place: int) -> str:
     """What most of a column's first cells are: "date", "clock" or "stamp", "" for numbers and the like."""
     kinds = Counter(kind_of(cell) for row in sheet.rows[:_SAMPLE] if (cell := _text(row[place])))
     return max(kinds, key=kinds.__getitem__, default="")
@@ -107,7 +107,7 @@ def _out_of_cells(sheet: Sheet, places: Collection[int]) -> dict[int, str]:
     """Take units that stand behind the numbers of a column, such as "22.1 °C", from its cells; which they are."""
     units: dict[int, str] = {}
     for k in places:
-        found = [match[1] for row in sheet.rows[:_SAMPLE] if (match := WITH_UNIT.fullmatch(row[k].strip()))]
+        found = [tail for row in sheet.rows[:_SAMPLE] if (tail := without_unit(row[k].strip())[1])]
         tail, count = Counter(found).most_common(1)[0] if found else ("", 0)
         if 2 * count > len(sheet.rows[:_SAMPLE]) and (unit := unit_of(tail)):
             units[k] = unit

@@ -14,6 +14,7 @@ from estimator.rig import Rig
 
 _KELVIN = (220.0, 480.0)  # what a machine has in K
 _COLD_C, _HOT_C = 8.0, 55.0  # 13 degC in degF
+_ALIKE_K = 5.0
 _PARTS = {0.1: "tenths", 0.01: "hundredths", 0.001: "thousandths"}  # of a degree
 
 
@@ -57,8 +58,12 @@ def _perhaps(low: float, high: float) -> str:
 
 
 def hot(rig: Rig, read: Mapping[str, Readings], tally: Tally) -> None:
-    """A note where everything, the air too, begins as hot as it would be in degF."""
+    """A note where all thermometers begin as hot as in degF, and the air too, or all alike: what is hot is not even."""
     signals = {**rig.channels, **rig.inputs}
-    first = [one.value[0] for name, one in read.items() if signals[name].unit == "degC" and len(one.value)]
-    if len(first) > 2 and min(first) > _HOT_C:
-        tally.note(f"all temperatures begin at {min(first):.0f} degC or more: in degF? Then scale and offset convert")
+    first = {name: one.value[0] for name, one in read.items() if signals[name].unit == "degC" and len(one.value)}
+    on_it = [value for name, value in first.items() if name in rig.thermometers]
+    what, hot = (
+        ("temperatures", [*first.values()]) if min(first.values(), default=0.0) > _HOT_C else ("thermometers", on_it)
+    )
+    if len(hot) > 2 and min(hot) > _HOT_C and (hot is not on_it or np.ptp(hot) < _ALIKE_K):
+        tally.note(f"all {what} begin at {min(hot):.0f} degC or more: in degF? Then scale and offset convert")

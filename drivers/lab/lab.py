@@ -105,12 +105,12 @@ class Table:
         if sort is not False and order.newest_first(self.time):
             self._take(np.arange(len(self.time))[::-1])
             self.said.append("newest row first, turned round")
-        self.time, days = order.over_midnight(self.time)
-        self.said += ["seconds of the day, going on over midnight"] if days else []
         if local:
             self.time, changes = order.summer_time(self.time)
             for row, to in changes:
                 self.tally.note(f"the clock was put {to} an hour at line {self.line[row]}: no time passes there")
+        self.time, begun = order.going_on(self.time)
+        self.said += [begun] if begun else []
         again = order.told_again(self.time, np.array(list(self.columns.values())))
         if len(again):
             self._take(np.setdiff1d(np.arange(len(self.time)), again))

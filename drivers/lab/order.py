@@ -14,6 +14,7 @@ from drivers.lab.stamps import DAY_S, HOUR_S
 _PART = 3  # rows that are alike to the last digit by no accident
 _ROOM = 0.5  # of a usual step: rows closer than this share a time
 _OF_ONE_CLOCK = 0.6  # of a usual step: rows out of order are as far apart, those of two clocks are closer somewhere
+_PERIODS_S = (DAY_S, DAY_S / 2, HOUR_S, 7 * DAY_S, 2**32 * 1e-6, 2**31 * 1e-6, 2**32 * 1e-3, 2**31 * 1e-3, 2.0**16)
 _YEAR_S = 3.15e7  # parts of one run are not years apart: a clock that lost its date
 
 
@@ -72,12 +73,19 @@ def summer_time(time: Array) -> tuple[Array, list[tuple[int, str]]]:
     return time, [(int(row) + 1, "forward" if hours[row] > 0 else "back") for row in np.flatnonzero(hours)]
 
 
-def over_midnight(time: Array) -> tuple[Array, int]:
-    """Seconds of the day going on where a day ends and the next begins, (n,) s, and how often they do."""
+def going_on(time: Array) -> tuple[Array, str]:
+    """Times that begin again after a day, half a day, an hour, or where a counter is full, going on, (n,) s; in words.
+
+    Each fall that is a whole period less a usual step.
+    """
     steps = np.diff(time)
-    most = 1.5 * float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-    ends = (steps < 0) & (np.abs(DAY_S - time[:-1]) <= most) & (np.abs(time[1:]) <= most)
-    return time + DAY_S * np.concatenate(([0], np.cumsum(ends)))[: len(time)], int(ends.sum())
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    for period in _PERIODS_S:
+        again = (steps < -usual) & (np.abs(steps + period - usual) < _OF_ONE_CLOCK * usual)
+        if again.any():
+            time = time + period * np.concatenate(([0], np.cumsum(again)))
+            return time, f"times begin again after {period:.10g} s: going on"
+    return time, ""
 
 
 def shared(time: Array) -> tuple[Index, Index]:

@@ -78,8 +78,16 @@ def _said(separator: str, encoding: str, at: int) -> list[str]:
 def _fill(sheet: Sheet, reader: Iterator[list[str]], at: int, most: int, tally: Tally) -> None:
     width = len(sheet.names)
     odd: list[int] = []
+    known = {*sheet.names} - {""}
     for row in islice(reader, most):
-        if any(row[:width]) and len(row) >= width and not any(map(str.strip, row[width:])):
+        if not known.isdisjoint(row) and not any(map(is_numeric, row)) and 2 * len(known & {*row}) > len(known):
+            if row[:width] != sheet.names or any(row[width:]):
+                raise InputError(
+                    f"{sheet.path}: line {reader.line_num + at} has other names than line {at + 1}: "  # type: ignore[attr-defined]
+                    "split the file there"
+                )
+            tally.skip("line of names, again")
+        elif any(row[:width]) and len(row) >= width and not any(map(str.strip, row[width:])):
             sheet.rows.append(row[:width])
             sheet.line.append(reader.line_num + at)  # type: ignore[attr-defined]
         elif any(map(str.strip, row)):

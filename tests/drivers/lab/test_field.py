@@ -405,10 +405,18 @@ def test_times_with_another_decimal_mark_than_the_values(tmp_path: Path, rig: Ri
 
 
 @pytest.mark.parametrize("per_s", [1, 1000, 1 / 60])
-def test_seconds_of_the_day_go_on_over_midnight(tmp_path: Path, rig: Rig, per_s: float) -> None:
-    cells = rows(lambda s: f"{(86300 + s) % 86400 * per_s:.6f}")
-    assert_as_plain(write(tmp_path / "a.csv", cells), rig, "going on over midnight")
-    assert_as_plain(write(tmp_path / "a.csv", cells[::-1]), rig, "going on over midnight", "newest row first")
+@pytest.mark.parametrize("period", [86400, 604800, 43200, 2**16, 2**32 / 1e6, 2**32 / 1e3])
+def test_times_that_begin_again_go_on(tmp_path: Path, rig: Rig, per_s: float, period: float) -> None:
+    cells = rows(lambda s: f"{(period - 100 + s) % period * per_s:.6f}")
+    said = f"times begin again after {period:.10g} s"
+    assert_as_plain(write(tmp_path / "a.csv", cells), rig, said)
+    assert_as_plain(write(tmp_path / "a.csv", cells[::-1]), rig, said, "newest row first")
+
+
+def test_a_clock_of_twelve_hours_that_does_not_say_which(tmp_path: Path, rig: Rig) -> None:
+    for form in ("%I:%M:%S", "%d.%m.%Y %I:%M:%S"):
+        cells = rows(clock(form, "2026-03-13 12:58:00"))
+        assert_as_plain(write(tmp_path / "a.csv", cells), rig, "times begin again after 43200 s")
 
 
 @pytest.mark.parametrize(
@@ -468,3 +476,39 @@ def test_tenths_of_a_degree_are_told(tmp_path: Path, rig: Rig) -> None:
 def test_a_name_over_two_lines_is_told_in_one(tmp_path: Path, rig: Rig) -> None:
     path = write(tmp_path / "a.csv", rows(), [*NAMES[:4], '"ambient\n[°C]"'])
     assert_as_plain(path, rig, "'ambient [°C]' as ambient")
+
+
+@pytest.mark.parametrize("mark", [".", ","])
+def test_minutes_and_seconds_as_excel_saves_them(tmp_path: Path, rig: Rig, mark: str) -> None:
+    cells = rows(clock("%M:%S" + mark + "0", "2026-03-13 12:58:00"))
+    assert_as_plain(write(tmp_path / "a.csv", cells, sep=";"), rig, "the clock was put back an hour at line 26")
+
+
+def test_names_that_stand_again_in_the_middle(tmp_path: Path, rig: Rig) -> None:
+    plain = rows()
+    record = assert_as_plain(write(tmp_path / "a.csv", [*plain[:20], NAMES, *plain[20:]]), rig)
+    assert record.skipped == {"line of names, again": 1}
+    for names in ([*NAMES[:1], *NAMES[2:0:-1], *NAMES[3:]], [*NAMES, "C"]):
+        path = write(tmp_path / "a.csv", [*plain[:20], names, *plain[20:]])
+        assert complaint(path, rig) == "line 22 has other names than line 1: split the file there"
+
+
+@pytest.mark.parametrize("encoding", ["cp850", "mac-roman"])
+def test_degrees_of_other_encodings(tmp_path: Path, rig: Rig, encoding: str) -> None:
+    for unit in "CF":
+        path = write(tmp_path / "a.csv", rows(), ["t", f"left [°{unit}]", *NAMES[2:]], encoding=encoding)
+        if unit == "C":
+            assert_as_plain(path, rig)
+        else:
+            assert "is in degF" in complaint(path, rig)
+
+
+def test_thermometers_alone_in_degrees_fahrenheit_are_asked_about(tmp_path: Path, rig: Rig) -> None:
+    names = [*NAMES, "C"]
+    wide = {name: replace(rig.channels["B"], column=name, hi=200.0) for name in ("left", "B", "C")}
+    cells = [[r[0], *("71.6", "71.8"), *r[3:], "71.7"] for r in rows()]
+    notes = read_recording(write(tmp_path / "a.csv", cells, names), replace(rig, channels=wide)).notes
+    assert any(note.startswith("all thermometers begin at 72 degC or more: in degF?") for note in notes)
+    warm = [[r[0], *("61.6", "91.8"), *r[3:], "71.7"] for r in rows()]
+    notes = read_recording(write(tmp_path / "a.csv", warm, names), replace(rig, channels=wide)).notes
+    assert not any("degF" in note for note in notes)
