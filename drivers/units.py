@@ -38,7 +38,7 @@ _SAME = {  # what is meant, and how it is written
 _MISREAD = str.maketrans({"Â": None, "ø": "°", "¡": "°"})  # degrees of UTF-8, MS-DOS and old Macs as Windows has them
 UNITS = {word: unit for unit, words in _SAME.items() for word in words.split()}
 _KINDS = (
-    "degC K degF mK mV V", "W kW mW", "mm um nm m inch", "A mA", "rpm rad/s 1/s deg/s mm/s mm/min m/min m/s",
+    "degC K degF mK mV V", "W kW mW %", "mm um nm m inch", "A mA", "rpm rad/s 1/s deg/s mm/s mm/min m/min m/s",
 )  # fmt: skip
 MEASURED = {unit for kind in _KINDS for unit in kind.split()}
 

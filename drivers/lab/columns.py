@@ -99,8 +99,8 @@ def kind_in(sheet: Sheet, place: int) -> str:
 
 
 def _text(cell: str) -> str:
-    """A cell without the mark by which spreadsheets keep it a text."""
-    return cell.strip().strip("'")
+    """A cell without brackets, and the mark by which spreadsheets keep it a text."""
+    return cell.strip().strip("'[]")
 
 
 def _out_of_cells(sheet: Sheet, places: Collection[int]) -> dict[int, str]:

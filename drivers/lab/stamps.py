@@ -24,7 +24,7 @@ _CLOCK = (
 _WEEKDAY = r"(?:[^\W\d_]{2,10}[.,]?\s+)?"
 _ZONE = r"\s*(?P<zone>Z|UTC|GMT|[+-]\d{2}(?::?\d{2})?)"
 _STAMP = re.compile(
-    rf"{_WEEKDAY}(?:{_DATE})?(?: - |[ T,;_]*)(?:{_CLOCK})?(?:{_ZONE}| [A-Z]{{3,5}})?"
+    rf"{_WEEKDAY}(?:{_DATE})?(?: - |[ T,;_]*)(?:{_CLOCK})?(?:{_ZONE}| [A-Z]{{3,5}}| Uhr)?"
 )  # letters as CEST: local time
 _WORDS = re.compile(r"(?=.*\d)(?=.*[A-Za-z]{3}).*|\d{8}[T _-]\d{4,}.*")  # a month in letters, or ISO without marks
 _MINUTES = re.compile(r"\d{1,3}:\d{2}[.,]\d{1,6}")  # 59:05.0, as Excel shows and saves times

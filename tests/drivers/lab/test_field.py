@@ -447,9 +447,19 @@ def test_a_logger_that_began_again_is_not_sorted_in(tmp_path: Path, rig: Rig) ->
     assert_as_plain(write(tmp_path / "a.csv", cells), rig, "clock jumps back")
 
 
-@pytest.mark.parametrize("form", ["Fr %d.%m.%Y %H:%M:%S", "'%d.%m.%Y %H:%M:%S'", "%Y%m%d-%H%M%S", "0 days %H:%M:%S"])
+@pytest.mark.parametrize(
+    "form",
+    [
+        "Fr %d.%m.%Y %H:%M:%S",
+        "'%d.%m.%Y %H:%M:%S'",
+        "%Y%m%d-%H%M%S",
+        "0 days %H:%M:%S",
+        "%d.%m.%Y, %H:%M:%S Uhr",
+        "[%Y-%m-%d %H:%M:%S]",
+    ],
+)
 def test_more_times_as_text(tmp_path: Path, rig: Rig, form: str) -> None:
-    assert_as_plain(write(tmp_path / "a.csv", rows(clock(form, "2026-03-13 12:00:00"))), rig)
+    assert_as_plain(write(tmp_path / "a.csv", rows(clock(form, "2026-03-13 12:00:00")), sep=";"), rig)
 
 
 def test_a_date_that_is_written_where_it_changes(tmp_path: Path, rig: Rig) -> None:
