@@ -13,6 +13,7 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivers.budget import Budget
 from drivers.frames import FRAME, LATEST_S, PACKED, Array, Frames, Tally
@@ -85,19 +86,20 @@ def read_frame_table(
                 packed.append(PACKED.pack(time_s, can_id, extended, len(data), data, line, min(number, 255)))
     table = np.frombuffer(b"".join(packed), FRAME).copy()
     if take is _savvy:
-        table["time"] *= _count_s(table["time"], tally)
+        table["time"] *= _count_s(table["time"], table["bus"], tally)
     return Frames.of(table, "line", tuple(buses) or ("can0",)), f"{len(packed)} lines with frames"
 
 
-def _count_s(time: Array, tally: Tally) -> float:
+def _count_s(time: Array, bus: NDArray[np.uint8], tally: Tally) -> float:
     """What one count of SavvyCAN's stamps, (n,), is, s: a bus takes 50 us for a frame and is not silent for seconds."""
-    if not len(time):
-        return 1.0
+    time = time[np.isfinite(time) & (bus == np.bincount(bus, minlength=1).argmax())]
+    if len(time) < 2:
+        return SECONDS["us"]
     steps, whole = np.abs(np.diff(time)), bool((time % 1 == 0).all())
     if whole and time.max() > LATEST_S * 1e6:
         unit = "ns"
     elif whole:
-        unit = "ms" if len(steps) and np.quantile(steps, 0.25) < _SHORTEST_US else "us"
+        unit = "ms" if np.median(steps) < _SHORTEST_US else "us"
     else:
         unit = "ms" if np.quantile(steps, 0.95) > _SILENT_S else "s"
     if unit in ("ns", "ms"):

@@ -102,6 +102,21 @@ def test_what_the_stamps_of_savvycan_count(tmp_path: Path, start: float, text, s
     assert any(said in note for note in record.notes) == bool(said)
 
 
+def test_stamps_of_several_busy_buses_count_us(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    lines = [f"{k * 20},00000100,false,Rx,{k % 7},0," for k in range(700)]
+    path.write_text("\n".join([SAVVY, *lines, ""]))
+    assert max(frame.time_s for frame in every_frame(path, Tally())) == pytest.approx(699 * 20e-6)
+
+
+def test_stamps_that_are_none_do_not_tell_the_unit(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    odd = ["inf" + savvy(ROWS[0])[savvy(ROWS[0]).index(",") :], "nan" + savvy(ROWS[1])[savvy(ROWS[1]).index(",") :]]
+    path.write_text("\n".join([SAVVY, *odd, *map(savvy, ROWS), ""]))
+    record = read_recording(path, RIG)
+    assert (record.frames, record.skipped["time stamp is no number"]) == (len(ROWS), 2)
+
+
 def test_a_canedge_with_commas_in_its_times(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text("\n".join([EDGE, *(edge(row).replace(".", ",", 1) for row in ROWS), ""]))
