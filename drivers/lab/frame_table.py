@@ -99,7 +99,7 @@ def _count_s(time: Array, bus: NDArray[np.uint8], tally: Tally) -> float:
     if whole and time.max() > LATEST_S * 1e6:
         unit = "ns"
     elif whole:
-        unit = "ms" if np.median(steps) < _SHORTEST_US else "us"
+        unit = "ms" if np.quantile(steps, 0.25) < _SHORTEST_US else "us"
     else:
         unit = "ms" if np.quantile(steps, 0.95) > _SILENT_S else "s"
     if unit in ("ns", "ms"):
