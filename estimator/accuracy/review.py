@@ -105,10 +105,7 @@ def review(
     replayed = Replay(model, rig, recording, mute, each, table_mm)
     track, smoothed = replayed.track, replayed.smoothed()
     if (track.mode == Mode.INIT).all():
-        raise InputError(
-            f"{recording.name}: no thermometer was ever read; nothing to estimate from{_instead(recording)}; "
-            "`ballscrew check` says more"
-        )
+        raise _never_read(recording)
     used = list(channels or rig.thermometers)
     began_um = replayed.run.began_um if replayed.run else 0.0
     line = polyline.elongation(recording, rig, used)
@@ -140,11 +137,12 @@ def review(
     )  # fmt: skip
 
 
-def _instead(recording: Recording) -> str:
-    """What a recording's notes and counts say first, in brackets."""
+def _never_read(recording: Recording) -> InputError:
+    """No thermometer was: with what the recording's notes and counts say first."""
     skipped = sorted(recording.skipped.items(), key=lambda one: -one[1])[:2]
-    said = [*recording.notes[:1], *(f"{count} x {reason}" for reason, count in skipped)]
-    return f" ({'; '.join(said)})" if said else ""
+    said = "; ".join([*recording.notes[:1], *(f"{count} x {reason}" for reason, count in skipped)])
+    what = f"no thermometer was ever read; nothing to estimate from{f' ({said})' if said else ''}"
+    return InputError(f"{recording.name}: {what}; `ballscrew check` says more")
 
 
 def _misfit_K(track: Track, expected: Array, rig: Rig) -> float:
