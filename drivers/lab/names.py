@@ -31,7 +31,7 @@ def unit_in(name: str) -> str | None:
 
 def _in_tail(name: str) -> str | None:
     """The unit that a name ends with: not one of times, for "T1 min" is the lowest, and no "Sensor C"."""
-    tail = _TAIL.search(name)
+    tail = _TAIL.search(name) if " " in name or "/" in name else None  # most cells that are asked for have neither
     unit = unit_of(tail[2]) if tail else None
     return unit if tail and unit in MEASURED and (len(tail[2]) > 1 or tail[1].strip(" ,")) else None
 

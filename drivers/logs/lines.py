@@ -97,7 +97,7 @@ class AscLines(WholeLines):
             if not _ASC_EVENTS.match(text):  # python-can takes the first line after the head for this one
                 self._waiting = text
                 return "no internal events logged\n"
-        fd = _FD_LINE.fullmatch(text)
+        fd = _FD_LINE.fullmatch(text) if " CANFD " in text else None
         if fd and not int(fd[7], 16) & _FD:  # a classic frame on a bus that can have others
             text = f"{fd[1]}{fd[2]}  {fd[4]}  {fd[3]}   d {fd[5]} {fd[6].strip()}\n"
         match = _ASC_TIME.match(text) if self.relative or self.shift_s else None
