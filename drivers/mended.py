@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import codecs
 import logging
 import re
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
+_KINDS = ("dbc", "arxml", "kcd", "sym", "cdd")  # as cantools calls them
 _MOST = 300  # parts left out: each is another reading of the file
 _KEYWORD = re.compile(r"[A-Z][A-Z_]*_?\b")  # at the beginning of a line, where a part of a DBC begins
 _MESSAGE = re.compile(r"BO_ +(\d+) +([^:]*)")
@@ -21,8 +23,12 @@ def read_dbc(path: Path) -> tuple[list[Any], dict[str, str]]:
     import cantools  # late: takes longer than reading a short log
 
     logging.getLogger("cantools").setLevel(logging.ERROR)  # it would print what is there twice
-    kind = "dbc" if path.suffix.lower() == ".dbc" else None
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in _KINDS:
+        raise ValueError(f"no file of messages by its suffix; expected .{', .'.join(_KINDS)}")
     lines, left_out = _text(path).splitlines(keepends=True), dict[str, str]()
+    if kind == "dbc" and not any(line.lstrip().startswith(("BO_", "VERSION")) for line in lines):
+        raise ValueError(f"no line begins with BO_, where a message does; it begins with '{_beginning(lines)}'")
     while True:
         try:
             messages = cantools.database.load_string("".join(lines), kind, strict=False).messages  # type: ignore[union-attr]
@@ -39,8 +45,14 @@ def read_dbc(path: Path) -> tuple[list[Any], dict[str, str]]:
     return messages, left_out | {name: "two messages have this name" for name in count if count[name] > 1}
 
 
+def _beginning(lines: list[str]) -> str:
+    return next((line.strip() for line in lines if line.strip()), "")[:40]
+
+
 def _text(path: Path) -> str:
     text = path.read_bytes()
+    if text.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return text.decode("utf-16", "replace")
     try:
         return text.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -11,13 +11,14 @@ import numpy as np
 
 from drivers.budget import Budget
 from drivers.decode.addresses import addressed
-from drivers.decode.buses import chosen, in_order, of_the_rig, on_one_clock, together
+from drivers.decode.buses import chosen, in_order, of_the_rig, on_one_clock, together, told_once
 from drivers.decode.clock import RigClock
 from drivers.decode.decode import Decoder
-from drivers.decode.ticks import Ticks, split
+from drivers.decode.ticks import Ticks, at_the_pace, split
 from drivers.frames import Frames, Tally
 from drivers.lab.estimates import is_estimates
 from drivers.lab.lab import read_lab
+from drivers.lab.signals import is_decoded, read_signals
 from drivers.logs.joined import Progress, join
 from drivers.logs.logs import SUFFIXES, is_lab_csv, read_log
 from drivers.logs.truth import is_truth
@@ -50,7 +51,7 @@ def find_recordings(paths: Iterable[Path]) -> list[Path]:
 def read_recording(
     path: Path | str, rig: Rig, progress: Progress | None = None, budget: Budget | None = None
 ) -> Recording:
-    """Read a log of CAN frames or a lab CSV into ticks.
+    """Read a log of CAN frames, a lab CSV or the signals of an MF4 into ticks.
 
     A torn or odd log is read as far as it goes and `notes` and `skipped` say what was not used. One of which nothing
     can be used is an InputError; a rig file that does not fit its DBC is a SetupError. `progress` is told the share
@@ -65,11 +66,21 @@ def read_recording(
         raise InputError(f"{path}: what `review --table` has written of a recording, not a recording")
     if is_lab_csv(path):
         rows = read_lab(path, rig, tally, budget)
+    elif is_decoded(path):
+        rows = read_signals(path, rig, tally, budget)
     else:
-        frames = read_log(path, tally, budget, progress)
-        rows = _ticks(str(path), frames, frames.where, rig, tally, budget)
+        return recording_of(path, read_log(path, tally, budget, progress), rig, tally, budget)
+    return _told(rows, path.name, rig, tally)
+
+
+def recording_of(path: Path, frames: Frames, rig: Rig, tally: Tally, budget: Budget) -> Recording:
+    """The frames of a log as ticks; `tally` has what its reader skipped."""
+    return _told(_ticks(str(path), frames, frames.where, rig, tally, budget), path.name, rig, tally)
+
+
+def _told(rows: Recording, name: str, rig: Rig, tally: Tally) -> Recording:
     silences(rows, rig, tally)
-    return replace(rows, name=path.name, skipped=tally.counts(), notes=tuple(tally.notes))
+    return replace(rows, name=name, skipped=tally.counts(), notes=tuple(tally.notes))
 
 
 def read_joined(
@@ -85,13 +96,13 @@ def read_joined(
     joined = join(paths, tally, budget, progress)
     first = joined.paths[0]
     rows = _ticks(f"{first}..", joined.frames, joined.where, rig, tally, budget)
-    silences(rows, rig, tally)
-    return first, replace(rows, name=f"{first.name}..", skipped=tally.counts(), notes=tuple(tally.notes))
+    return first, _told(rows, f"{first.name}..", rig, tally)
 
 
 def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tally: Tally, budget: Budget) -> Recording:
     decoder = Decoder(rig, tally)
-    rigs = chosen(frames, rig.log.bus, name)
+    rigs = told_once(frames, rig.tick_s, tally)
+    rigs = rigs[chosen(frames.take(rigs), rig.log.bus, name)]
     frames = addressed(frames.take(rigs), decoder.used, decoder.dbc, name, tally)
     if why := decoder.mismatch(frames):
         raise InputError(f"{name}: {len(frames)} frames, none of this rig: {why}")
@@ -105,6 +116,7 @@ def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tal
     decoder.never_came(frames)
     clock = RigClock(rig.tick_s, decoder.scan.modulus, tally, lambda frame: where(int(rigs[frame])), budget)
     closes, scan = decoder.closings(frames)
+    at_the_pace(name, frames.time[closes], rig.tick_s)
     now = clock.run(frames.time, closes, scan)
     kept = np.isfinite(now)
     if not kept.all():

@@ -34,7 +34,7 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "next_run",
     ),
     "drivers": (
-        "budget received frames mended virtual_rig",
+        "budget received frames mended foreign units virtual_rig",
         "decode",
         "lab",
         "bus logs silences ticker",

@@ -105,13 +105,16 @@ def _convert(terminal: Terminal, sources: Sequence[Source], out: Path) -> dict[s
 
 def _merged(sources: Sequence[Source]) -> Iterator[Received]:
     """All frames in the order of their times; logs that go on with each other's ids side by side are two recordings."""
-    latest: dict[tuple[str, int, bool], int] = {}
+    latest: dict[tuple[str, int, bool], tuple[int, Received]] = {}
     returns: Counter[tuple[str, int, bool]] = Counter()
     numbered = [zip(source, repeat(k)) for k, source in enumerate(sources)]
     for frame, k in heapq.merge(*numbered, key=lambda one: one[0].time_s):
         key = frame.channel, frame.id, frame.extended
-        before = latest.setdefault(key, k)
-        latest[key] = k
+        before, last = latest.get(key, (k, None))
+        if before != k and last == frame:  # parts of one recording overlap
+            sources[k].tally.skip("frame that the log before has too")
+            continue
+        latest[key] = k, frame
         returns[key] += before != k
         if returns[key] > _MOST_RETURNS * len(sources):
             raise InputError(

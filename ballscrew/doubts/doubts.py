@@ -12,12 +12,13 @@ from ballscrew.doubts.drive import drive
 from ballscrew.doubts.growth import growth
 from ballscrew.doubts.guesses import guesses
 from ballscrew.doubts.order import order
-from ballscrew.new_rig.bus_log import read_bus_log
+from ballscrew.new_rig.bus_log import bus_log_of
 from ballscrew.new_rig.lab_table import read_lab_table
+from drivers.budget import Budget
 from drivers.decode.dbc import find_dbc
 from drivers.frames import Tally
-from drivers.logs.logs import is_lab_csv
-from drivers.recordings import read_recording
+from drivers.logs.logs import is_lab_csv, read_log
+from drivers.recordings import read_recording, recording_of
 from estimator.errors import SetupError
 from estimator.model import Model
 from estimator.rig import Rig
@@ -48,14 +49,16 @@ def of_the_folder(rig: Rig) -> Iterator[Doubt]:
 
 def of_recording(path: Path, rig: Rig, model: Model) -> Iterator[Doubt]:
     """What is in doubt beside a recording; one that cannot be used is an InputError."""
-    recording = read_recording(path, rig)
     if is_lab_csv(path):
-        case = Case(rig, model, recording, read_lab_table(path, Tally(), rig.log.csv))
+        case = Case(rig, model, read_recording(path, rig), read_lab_table(path, Tally(), rig.log.csv))
     else:
+        tally, budget = Tally(), Budget()
+        frames = read_log(path, tally, budget)
         if rig.log.dbc is None:
             raise SetupError(f"{rig.folder / 'rig.toml'}: log.dbc is missing: CAN frames need a DBC file")
         dbc = find_dbc(rig.log.dbc, rig.folder)
-        case = Case(rig, model, recording, read_bus_log(path, dbc, Tally(), bus=rig.log.bus))
+        recording = recording_of(path, frames, rig, tally, budget)
+        case = Case(rig, model, recording, bus_log_of(path, frames, dbc, Tally(), rig.log.bus))
     guessed = PLACES_GUESSED in (rig.folder / "rig.toml").read_text(encoding="utf-8-sig")
     for about in ABOUT:
         if not (guessed and about is order):

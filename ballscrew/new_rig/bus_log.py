@@ -53,7 +53,11 @@ def read_bus_log(
 
     Else a SetupError.
     """
-    frames = read_log(path, tally, Budget(), progress)
+    return bus_log_of(path, read_log(path, tally, Budget(), progress), dbc_path, tally, bus)
+
+
+def bus_log_of(path: Path, frames: Frames, dbc_path: Path | None, tally: Tally, bus: str | int | None) -> BusLog:
+    """The same of frames that are read."""
     frames = frames.take(chosen(frames, bus, str(path)))
     dbc = load_dbc(dbc_path or OURS)
     theirs = [message for message in dbc.messages.values() if not message.own and not message.broken]

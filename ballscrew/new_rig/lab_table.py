@@ -14,11 +14,11 @@ from ballscrew.new_rig.words import measure, tokens, unit_in_tail
 from drivers.budget import Budget
 from drivers.frames import Array, Tally
 from drivers.lab import counting
+from drivers.lab.columns import kind_in
 from drivers.lab.lab import Table
-from drivers.lab.names import unit_of
 from drivers.lab.numerals import decimal_mark, numbers
 from drivers.lab.sheet import Sheet, read_sheet
-from drivers.lab.stamps import kind_of
+from drivers.units import unit_of
 from estimator.errors import InputError
 from estimator.rig import Channel, Csv, Log, Rig
 
@@ -93,21 +93,15 @@ def _told(path: Path, time: str, table: Table, units: dict[str, str], csv: Csv, 
 
 def _rig(sheet: Sheet, time: str, csv: Csv, tick_s: float) -> Rig:
     """A rig that reads every column but the times, in whatever unit."""
-    free = [name for k, name in enumerate(sheet.names) if name and name != time and not _kind(sheet, k)]
+    free = [name for k, name in enumerate(sheet.names) if name and name != time and not kind_in(sheet, k)]
     return Rig("new", tick_s, {name: Channel(unit="") for name in free}, {}, log=Log(time_column=time, csv=csv))
-
-
-def _kind(sheet: Sheet, place: int) -> str:
-    """ "date", "clock" or "stamp" where a column's first cells are that."""
-    kinds = [kind_of(row[place].strip()) for row in sheet.rows[:_FIRST]]
-    return max(set(kinds), key=kinds.count)
 
 
 def _time_column(sheet: Sheet) -> str:
     """The column of the times: a stamp, else a clock or date, else what is called so, else the first that rises."""
     for kind in ("stamp", "clock", "date"):
         for k, name in enumerate(sheet.names):
-            if _kind(sheet, k) == kind:
+            if kind_in(sheet, k) == kind:
                 return name
     rising = list(_rising(sheet))
     named = [name for name in rising if {*tokens(name)} & _TIMES]
@@ -136,16 +130,15 @@ def _counted(sheet: Sheet, name: str, rule: Csv) -> Array:
 
 def _timing(sheet: Sheet, time: str, rule: Csv) -> tuple[Csv, float, str]:
     """What the reader has to be told of the times, how far rows are apart in s, and what of it is guessed."""
-    if _kind(sheet, sheet.names.index(time)):
+    if kind_in(sheet, sheet.names.index(time)):
         return rule, 1.0, ""
     count = _counted(sheet, time, rule)
     known = count[np.isfinite(count)]
     step = counting.usual_step(known)
     if not step:
         return rule, 1.0, ""
-    for unit, (low, high) in counting.SINCE_1970.items():
-        if low <= known.min() and known.max() < high:
-            return rule, step * counting.SECONDS[unit], ""
+    for _, _, size in counting.dated(known.min(), known.max()):
+        return rule, step * size, ""
     named = unit_of(unit_in_tail(time)) or counting.unit_in_name(time)
     if named in counting.SECONDS and named != "s":
         return rule, step * counting.SECONDS[named], ""

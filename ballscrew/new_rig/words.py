@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Collection
 from typing import NamedTuple
 
-from drivers.lab.names import unit_of
+from drivers.units import unit_of
 
 LEAD_MM = 12.0  # of a thread, where no recording tells it
 
@@ -36,14 +35,16 @@ UNITS = {
     "m/s": Unit("feed", "rpm", 60000.0),
     "mm": Unit("length", "mm"),
     "um": Unit("length", "mm", 1e-3),
+    "nm": Unit("length", "mm", 1e-6),
     "m": Unit("length", "mm", 1000.0),
+    "inch": Unit("length", "mm", 25.4),
     "A": Unit("current", "A"),
+    "mA": Unit("current", "A", 1e-3),
     "W": Unit("power", "W"),
     "kW": Unit("power", "W", 1000.0),
     "mW": Unit("power", "W", 1e-3),
     "%": Unit("power", "%"),
 }
-_WRITTEN = {"°/s": "deg/s", "rps": "1/s", "u/s": "1/s", "percent": "%"}
 
 _BRACKETS = re.compile(r"[\[(<{].*?[\])>}]")  # around a unit
 
@@ -118,10 +119,7 @@ def number_in(name: str) -> tuple[int, ...]:
 
 def measure(unit: str) -> Unit | None:
     """What a unit as a DBC or CSV writes it measures; None for what no rig has."""
-    plain = unit.strip().strip("[]()").casefold().replace(" ", "")
-    known: Collection[str] = UNITS
-    written = _WRITTEN.get(plain) or unit_of(unit) or (plain if plain in known else None)
-    return UNITS.get(written) if written else None
+    return UNITS.get(unit_of(unit) or "")
 
 
 def unit_in_tail(name: str) -> str:

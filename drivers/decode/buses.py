@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from drivers.frames import Array, Frames, Index, Mask, Tally, falls_again_and_again
+from drivers.frames import Array, Frames, Index, Mask, Tally, falls_again_and_again, words_of
 from estimator.errors import InputError
 
 _TOLERATED_S = 0.05  # by which clocks may differ, and what one may drift by inside a block
@@ -103,6 +103,20 @@ def _lead(time: Array, is_other: Mask, what: str) -> Array | None:
     if np.ptp(middle) < _TOLERATED_S:
         middle[:] = np.median(middle)
     return np.interp(np.flatnonzero(is_other), at, middle)
+
+
+def told_once(frames: Frames, tick_s: float, tally: Tally) -> Index:
+    """Indices of the frames without those that an earlier part of the log has, where its parts overlap."""
+    part = np.cumsum(np.diff(frames.time, prepend=np.inf) < -tick_s / 2)
+    if not len(part) or part[-1] == 1:
+        return np.arange(len(frames))
+    columns = (words_of(frames.data)[0], frames.dlc, frames.key, frames.bus, frames.time)
+    order = np.lexsort(columns)
+    alike = np.logical_and.reduce([np.diff(column[order]) == 0 for column in columns])
+    again = order[1:][alike & (np.diff(part[order]) > 0)]
+    if len(again):
+        tally.note(f"{len(again)} frames are there twice: read once")
+    return np.setdiff1d(np.arange(len(frames)), again)
 
 
 def in_order(frames: Frames, tick_s: float, name: str, tally: Tally) -> Index:

@@ -6,7 +6,8 @@ Time stamps of a bus are wall clock: they jump, stand still and are sometimes ru
   - A jump back, or a jump ahead in which the scan number did not move as far, is a jump of the clock: the rig's clock
     goes on as if it had not been. A number may have started again meanwhile, as often as the jump has room for: then
     it is a jump only if the frames on both sides make up one whole scan.
-  - Any other jump ahead is silence and takes its time; one of over an hour ends the recording.
+  - Any other jump ahead is silence and takes its time; one of over an hour ends the recording, one of over a year is
+    a clock that was set.
   - Where the stamps stand still over whole scans, each scan counts as one tick.
 """
 
@@ -22,6 +23,7 @@ from drivers.decode.scans import GAP, Item, Scans
 from drivers.frames import Array, Index, Mask, Tally, Whole
 
 _MOST_WAITING = 100_000  # frames whose stamps stand still after a jump
+_YEAR_S = 3.15e7
 _UNCONFIRMED = 60.0  # ticks of silence that are believed of the last frames of a log
 
 
@@ -30,13 +32,23 @@ class RigClock:
 
     modulus  after how many scans their number starts again
     where    says of a frame where it stands in the log
+    step_s   that is between frames where a jump of their stamps hides it
     """
 
-    def __init__(self, tick_s: float, modulus: int, tally: Tally, where: Callable[[Any], str], budget: Budget) -> None:
+    def __init__(
+        self,
+        tick_s: float,
+        modulus: int,
+        tally: Tally,
+        where: Callable[[Any], str],
+        budget: Budget,
+        step_s: float = 0.0,
+    ) -> None:
         self.tick_s = tick_s
         self.tally = tally
         self.where = where
         self.budget = budget
+        self.step_s = step_s
         self.ended = False
         self.now = 0.0
         self._stamp = np.nan  # latest stamp of this stretch
@@ -180,9 +192,10 @@ class RigClock:
         expected = self._scans.after_jump(waiting, jump)
         if expected is not None:
             return max(self.now, expected)
-        # A first frame that is years off is a stamp that was not set.
+        # A first frame that is hours off, or any that is years off, is a stamp that was not set.
         started = self.now > 2 * self.tick_s
-        return self.now if jump < 0 or (jump > self.budget.gap_s and not started) else None
+        set_now = jump > self.budget.gap_s and (jump > _YEAR_S or not started)
+        return self.now + self.step_s if jump < 0 or set_now else None
 
 
 def _irregular(stamps: Array, closing: Index, tick_s: float) -> Index:

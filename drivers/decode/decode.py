@@ -13,6 +13,7 @@ from drivers.decode.dbc import Bits, Layout, find_dbc, load_dbc
 from drivers.decode.scan import Scan
 from drivers.decode.sources import Source, sources
 from drivers.frames import Array, Frames, Index, Mask, Tally, Whole, words_of
+from drivers.units import contradicts, unit_of
 from estimator.errors import SetupError
 from estimator.record import Recording
 from estimator.rig import Rig
@@ -45,7 +46,22 @@ class Decoder:
                 tally.note(f"{self.dbc.path.name}: message '{message.name}' is not read: {message.broken}")
         for name, why in self.dbc.left_out.items():
             tally.note(f"{self.dbc.path.name}: '{name}' is not read: {why}")
+        for (said, unit), names in self._in_other_units().items():
+            few = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+            tally.note(
+                f"{few}: in {said} by {self.dbc.path.name}, in {unit} by rig.toml: convert there, scale and offset"
+            )
         self.used = [m for m in self.dbc.messages.values() if m.name in used or m == self.scan.closing]
+
+    def _in_other_units(self) -> dict[tuple[str, str], list[str]]:
+        """Channels and inputs of which the DBC says another unit than a rig file that does not convert, by both."""
+        found: dict[tuple[str, str], list[str]] = {}
+        for source in chain.from_iterable(self.sources.values()):
+            rule, unit = source.rule, source.parts[0].unit
+            plain = (rule.scale, rule.offset) in ((1.0, 0.0), (1.0 / len(source.parts), 0.0))
+            if plain and contradicts(unit_of(unit) or "", rule.unit):
+                found.setdefault((unit, rule.unit), []).append(source.name)
+        return found
 
     @cached_property
     def own(self) -> frozenset[tuple[int, bool]]:
@@ -71,6 +87,9 @@ class Decoder:
             if message.length in sizes:
                 continue
             why = f"has {sizes[-1]} bytes, {message.length} in {self.dbc.path.name}" if len(sizes) else "never came"
+            if message.key ^ 1 in there:
+                bits = 29 if message.extended else 11
+                why += f", but {_id(message.key ^ 1)} did: {self.dbc.path.name} has it with {bits} bits"
             lost = ", ".join(source.name for source in self.sources.get(message.name, ()))
             self.tally.notes.insert(0, f"{message.name} (0x{message.id:X}) {why}{f': no {lost}' if lost else ''}")
 

@@ -8,6 +8,7 @@ from drivers.frames import Array, Index, Mask, Tally
 from estimator.errors import InputError
 
 TOO_SOON = "closing message too soon (used)"
+_FEW, _OTHER_UNIT = 20, 100.0  # closing messages that show nothing; ticks that no rig's clock is off by
 _PATIENCE = 1.5  # ticks without a closing message, after which the timer closes one
 
 
@@ -49,6 +50,17 @@ class Ticks:
         self.last += self.tick_s
         self.closed += 1
         return [(now, self.last)]
+
+
+def at_the_pace(name: str, closed: Array, tick_s: float) -> None:
+    """Closing messages, (n,) s, that come far faster or slower than ticks have stamps in another unit: InputError."""
+    steps = np.diff(closed)
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).sum() > _FEW else tick_s
+    if not 1 / _OTHER_UNIT < usual / tick_s < _OTHER_UNIT:
+        raise InputError(
+            f"{name}: the message that closes a tick comes each {usual:.3g} s, rig.toml's tick_s is {tick_s:g}: "
+            "its times count something else than seconds; export them as seconds"
+        )
 
 
 def split(

@@ -1,1 +1,4 @@
-"""Tables into ticks: lab, sheet, names, columns, numerals, stamps, counting, order, doubts; frame_table, estimates."""
+"""Tables into ticks: lab, sheet, names, columns, numerals, stamps, counting, order, doubts, signals.
+
+CSVs that are none of a lab: frame_table, estimates.
+"""

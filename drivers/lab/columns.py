@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Collection
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from drivers.frames import Array, Tally
-from drivers.lab.names import contradicts, nearest_name, unit_in, unit_of
-from drivers.lab.numerals import is_numeric
+from drivers.lab.names import nearest_name, unit_in
+from drivers.lab.numerals import is_numeric, without_unit
 from drivers.lab.sheet import Sheet, place_of
 from drivers.lab.stamps import kind_of
+from drivers.units import contradicts, unit_of
 from estimator.errors import InputError
 from estimator.rig import Rig, Signal
 
@@ -33,8 +36,11 @@ class Columns:
     units: dict[int, str]
 
     def stamps(self, sheet: Sheet) -> list[str]:
-        """The cells of the times, a date and its clock together, (n,)."""
-        return [" ".join(row[k].strip() for k in self.time).strip() for row in sheet.rows]
+        """The cells of the times, a date and its clock together, (n,): a date counts until the next is written."""
+        cells = [[_text(row[k]) for k in self.time] for row in sheet.rows]
+        for before, row in pairwise(cells if len(self.time) > 1 else []):
+            row[0] = row[0] or before[0]
+        return [" ".join(row).strip() for row in cells]
 
 
 def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
@@ -48,10 +54,11 @@ def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
         near = next(((found, names[name]) for name in rig.channels if (found := nearest_name(names[name], free))), None)
         hint = f"; is '{near[0]}' {near[1]}?" if near else ""
         raise InputError(
-            f"{sheet.path}: no column of any channel; expected {_some(names.values())}, found {_found(sheet)}{hint}"
+            f"{sheet.path}: no column of any channel; expected {some(names.values())}, found {_found(sheet)}{hint}"
         )
     time = _times(sheet, rig.log.time_column, {*of.values()})
     units = {k: unit for k, name in enumerate(sheet.names) if (unit := unit_in(name))}
+    units |= _out_of_cells(sheet, {*of.values(), *time})
     columns = Columns(of, time, units | _without_head(sheet, {*of.values()}, time))
     free = [name for k, name in enumerate(sheet.names) if k not in {*of.values(), *time} and name]
     if missing := [column for name, column in names.items() if name not in of]:
@@ -66,7 +73,7 @@ def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
 def _times(sheet: Sheet, name: str, taken: set[int]) -> tuple[int, ...]:
     place = place_of(sheet, name, taken)
     free = [k for k in range(len(sheet.names)) if k not in taken]
-    kinds = {k: _kind(sheet, k) for k in free}
+    kinds = {k: kind_in(sheet, k) for k in free}
     dates, clocks, whole = ([k for k in free if kinds[k] == kind] for kind in ("date", "clock", "stamp"))
     if place in clocks and len(dates) == 1:
         return dates[0], clocks[clocks.index(place)]
@@ -85,10 +92,28 @@ def _times(sheet: Sheet, name: str, taken: set[int]) -> tuple[int, ...]:
     )
 
 
-def _kind(sheet: Sheet, place: int) -> str:
+def kind_in(sheet: Sheet, place: int) -> str:
     """What most of a column's first cells are: "date", "clock" or "stamp", "" for numbers and the like."""
-    kinds = Counter(kind_of(row[place].strip()) for row in sheet.rows[:_SAMPLE])
+    kinds = Counter(kind_of(cell) for row in sheet.rows[:_SAMPLE] if (cell := _text(row[place])))
     return max(kinds, key=kinds.__getitem__, default="")
+
+
+def _text(cell: str) -> str:
+    """A cell without brackets, and the mark by which spreadsheets keep it a text."""
+    return cell.strip().strip("'[]")
+
+
+def _out_of_cells(sheet: Sheet, places: Collection[int]) -> dict[int, str]:
+    """Take units that stand behind the numbers of a column, such as "22.1 °C", from its cells; which they are."""
+    units: dict[int, str] = {}
+    for k in places:
+        found = [tail for row in sheet.rows[:_SAMPLE] if (tail := without_unit(row[k].strip())[1])]
+        tail, count = Counter(found).most_common(1)[0] if found else ("", 0)
+        if 2 * count > len(sheet.rows[:_SAMPLE]) and (unit := unit_of(tail)):
+            units[k] = unit
+            for row in sheet.rows:
+                row[k] = row[k].strip().removesuffix(tail)
+    return units
 
 
 def _without_head(sheet: Sheet, measured: set[int], time: tuple[int, ...]) -> dict[int, str]:
@@ -134,9 +159,10 @@ def to_the_unit(values: Array, sheet: Sheet, columns: Columns, name: str, rule: 
 
 
 def _found(sheet: Sheet) -> str:
-    return _some([name for name in sheet.names if name]) or "empty"
+    return some([name for name in sheet.names if name]) or "empty"
 
 
-def _some(names: Any) -> str:
+def some(names: Any) -> str:
+    """The first of these names, in words."""
     names = list(names)
     return (", ".join(names[:6]) + (" ..." if len(names) > 6 else ""))[:200]

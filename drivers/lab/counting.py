@@ -7,19 +7,29 @@ What may be two of these is refused and never guessed.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 import numpy as np
 
 from drivers.frames import Array
-from drivers.lab.names import unit_of
 from drivers.lab.stamps import DAY_S
+from drivers.units import unit_of
 from estimator.errors import InputError
 
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": DAY_S}
 WORDS = {"ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds", "min": "minutes", "h": "hours", "d": "days"}
-SINCE_1970 = {"s": (1e9, 4.2e9), "ms": (1e12, 4.2e12), "us": (1e15, 4.2e15), "ns": (1e18, 4.2e18)}
 _SHEET_DAYS = (20_000.0, 80_000.0)  # since 1900: from 1954 to 2119
 _SHEET_ZERO = 25_569.0  # 1970-01-01 in days of a spreadsheet
+_ZEROS = {  # what 1970-01-01 is counted as, and s of one count
+    "": (0.0, 1.0),
+    "milliseconds since 1970": (0.0, 1e-3),
+    "microseconds since 1970": (0.0, 1e-6),
+    "nanoseconds since 1970": (0.0, 1e-9),
+    "days since the year 0, as Matlab has them": (719_529.0, DAY_S),
+    "100 ns since 1601, as Windows has them": (116_444_736e9, 1e-7),
+    "100 ns since the year 1, as .NET has them": (621_355_968e9, 1e-7),
+}
+_DATES_S = (1e9, 4.2e9)  # from 2001 to 2103
 _CLOSE = 0.02
 _MOST, _LEAST = 30.0, 1e-3  # ticks: rows that are further apart, or closer, are more likely counted in another unit
 
@@ -38,14 +48,21 @@ def seconds(count: Array, tick_s: float, told: str | None, of_file: str | None, 
     if not len(known) or not step:
         return count, ""
     low, high = float(known.min()), float(known.max())
-    for unit, (first, last) in SINCE_1970.items():
-        if first <= low and high < last and _LEAST <= step * SECONDS[unit] / tick_s < _MOST:
-            return count * SECONDS[unit], "" if unit == "s" else f"times in {WORDS[unit]} since 1970"
+    for said, zero, size in dated(low, high):
+        if _LEAST <= step * size / tick_s < _MOST:
+            return (count - zero) * size, f"times in {said}" if said else ""
     in_days = _SHEET_DAYS[0] < low and high < _SHEET_DAYS[1] and step < 0.5 and not _round(step)
     if in_days and step / tick_s < _LEAST:
         return (count - _SHEET_ZERO) * DAY_S, "times in days of a spreadsheet"
     unit = _by_step(step, tick_s, in_days, place)
     return count * SECONDS[unit], "" if unit == "s" else f"times in {WORDS[unit]}: their step is the rig's tick"
+
+
+def dated(low: float, high: float) -> Iterator[tuple[str, float, float]]:
+    """In words, the zero and the s of a count by which all numbers from low to high are dates of this century."""
+    for said, (zero, size) in _ZEROS.items():
+        if _DATES_S[0] <= (low - zero) * size and (high - zero) * size < _DATES_S[1]:
+            yield said, zero, size
 
 
 def unit_in_name(name: str) -> str | None:

@@ -1,6 +1,6 @@
 """CAN frames as a CSV: of SavvyCAN (GVRET) and of a CANedge. A lab CSV holds none, whatever its columns are called.
 
-SavvyCAN, microseconds: Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8
+SavvyCAN, us, ms or s:  Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8
 CANedge, seconds:       TimestampEpoch;BusChannel;ID;IDE;DLC;DataLength;Dir;EDL;BRS;DataBytes
 """
 
@@ -13,9 +13,11 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivers.budget import Budget
-from drivers.frames import FRAME, PACKED, Frames, Tally
+from drivers.frames import FRAME, LATEST_S, PACKED, Array, Frames, Tally
+from drivers.lab.counting import SECONDS, WORDS
 from drivers.lab.names import bare
 from drivers.lab.sheet import SEPARATORS, encoding_of, whole_lines
 from estimator.errors import InputError
@@ -23,8 +25,25 @@ from estimator.errors import InputError
 _HEAD = 30  # lines among which the names are
 _IDS = {"id", "canid", "arbitrationid", "identifier", "msgid", "messageid", "frameid"}
 _DATA = re.compile(r"data(bytes?|hex)?\d*|[db]\d|byte\d")
-_ABOUT = {"dlc", "len", "length", "datalength", "ide", "extended", "ext", "bus", "buschannel", "chn", "dir", "type"}
+_ABOUT = {
+    "format",
+    "flags",
+    "dlc",
+    "len",
+    "length",
+    "datalength",
+    "ide",
+    "extended",
+    "ext",
+    "bus",
+    "buschannel",
+    "chn",
+    "dir",
+    "type",
+}
 PYTHON_CAN = ["timestamp", "arbitrationid"]
+_SHORTEST_US = 40.0  # from frame to frame on a bus of 1 Mbit/s
+_SILENT_S = 1.5  # more than nineteen in twenty frames of a bus come after
 _SAVVY, _EDGE = {"timestamp", "id", "extended", "len"}, {"timestampepoch", "id", "databytes"}
 
 
@@ -65,8 +84,27 @@ def read_frame_table(
                 number = buses.setdefault(bus, len(buses))
                 line = rows.line_num + at + 1
                 packed.append(PACKED.pack(time_s, can_id, extended, len(data), data, line, min(number, 255)))
-    table = np.frombuffer(b"".join(packed), FRAME)
+    table = np.frombuffer(b"".join(packed), FRAME).copy()
+    if take is _savvy:
+        table["time"] *= _count_s(table["time"], table["bus"], tally)
     return Frames.of(table, "line", tuple(buses) or ("can0",)), f"{len(packed)} lines with frames"
+
+
+def _count_s(time: Array, bus: NDArray[np.uint8], tally: Tally) -> float:
+    """What one count of SavvyCAN's stamps, (n,), is, s: a bus takes 50 us for a frame and is not silent for seconds."""
+    time = time[np.isfinite(time) & (bus == np.bincount(bus, minlength=1).argmax())]
+    if len(time) < 2:
+        return SECONDS["us"]
+    steps, whole = np.abs(np.diff(time)), bool((time % 1 == 0).all())
+    if whole and time.max() > LATEST_S * 1e6:
+        unit = "ns"
+    elif whole:
+        unit = "ms" if np.quantile(steps, 0.25) < _SHORTEST_US else "us"
+    else:
+        unit = "ms" if np.quantile(steps, 0.95) > _SILENT_S else "s"
+    if unit in ("ns", "ms"):
+        tally.note(f"its times count {WORDS[unit]}")
+    return SECONDS[unit]
 
 
 Frame = tuple[float, int, bool, bytes, str]
@@ -94,14 +132,13 @@ def _savvy(row: Sequence[str], column: Mapping[str, int]) -> Frame:
     data = bytes(int(cell, 16) for cell in row[first : first + size])
     if len(data) < size:
         raise ValueError
-    stamp = row[column["timestamp"]]
-    time_s = float(stamp) if "." in stamp else int(stamp) / 1e6
+    time = float(row[column["timestamp"]].replace(",", "."))
     bus = f"can{int(row[column['bus']])}" if "bus" in column else "can0"
-    return time_s, int(row[column["id"]], 16), row[column["extended"]].strip().lower() in ("true", "1"), data, bus
+    return time, int(row[column["id"]], 16), row[column["extended"]].strip().lower() in ("true", "1"), data, bus
 
 
 def _edge(row: Sequence[str], column: Mapping[str, int]) -> Frame:
     can_id, data = int(row[column["id"]], 16), bytes.fromhex(row[column["databytes"]])
     extended = row[column["ide"]].strip() == "1" if "ide" in column else can_id > 0x7FF
     bus = f"can{int(row[column['buschannel']]) - 1}" if "buschannel" in column else "can0"
-    return float(row[column["timestampepoch"]]), can_id, extended, data, bus
+    return float(row[column["timestampepoch"]].replace(",", ".")), can_id, extended, data, bus

@@ -24,6 +24,7 @@ from estimator.record import Recording
 from estimator.rig import Rig, Signal
 
 _SAMPLE = 5000  # rows that tell the decimal mark
+_COARSEST_S = 90.0  # of a clock of hours and minutes
 
 
 class Table:
@@ -69,6 +70,8 @@ class Table:
         """Seconds of each row, (n,), and whether they are times of a day in no zone."""
         rule = self.rig.log.csv
         count = numbers(texts, self.mark)
+        if rule.decimal is None and np.isfinite(count).sum() * 2 <= len(count):
+            count = numbers(texts, decimal_mark(_sample({}, texts), sheet.separator, self.path))
         if rule.time_format is None and np.isfinite(count).sum() * 2 > len(count):
             if len(found.time) > 1:
                 raise InputError(f"{self.path}: dates and times are numbers; name one column as log.time_column")
@@ -106,6 +109,8 @@ class Table:
             self.time, changes = order.summer_time(self.time)
             for row, to in changes:
                 self.tally.note(f"the clock was put {to} an hour at line {self.line[row]}: no time passes there")
+        self.time, begun = order.going_on(self.time)
+        self.said += [begun] if begun else []
         again = order.told_again(self.time, np.array(list(self.columns.values())))
         if len(again):
             self._take(np.setdiff1d(np.arange(len(self.time)), again))
@@ -121,6 +126,11 @@ class Table:
         if len(self.time) > 1 and np.ptp(self.time) == 0:
             raise InputError(
                 f"{self.path}: time stands still: all {len(self.time)} rows have the same; is it another column?"
+            )
+        if (shared := order.coarse(self.time)) > _COARSEST_S:
+            raise InputError(
+                f"{self.path}: times have a resolution of {shared:.6g} s, several rows share each: digits were lost; "
+                "export them with all of them"
             )
         last, together = order.lasts(self.time, np.array(list(self.columns.values())))
         if len(last) < len(self.time):
@@ -138,13 +148,18 @@ def _sample(cells: dict[str, list[str]], texts: list[str]) -> list[str]:
 
 
 def read_lab(path: Path, rig: Rig, tally: Tally, budget: Budget) -> Recording:
+    """The rows of a lab CSV as ticks."""
+    return ticks_of(Table(path, rig, tally, budget), budget)
+
+
+def ticks_of(table: Table, budget: Budget) -> Recording:
     """Rows as ticks. Where rows are further apart than ticks, channels are not measured in between and inputs hold."""
-    table = Table(path, rig, tally, budget)
+    path, rig, tally = table.path, table.rig, table.tally
     steps = np.diff(table.time)
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else rig.tick_s
     coarse = step >= rig.tick_s / 2
     _tell(table, step, rig.tick_s)
-    clock = RigClock(max(rig.tick_s, step), 1, tally, lambda row: f"line {int(table.line[row])}", budget)
+    clock = RigClock(max(rig.tick_s, step), 1, tally, lambda row: f"line {int(table.line[row])}", budget, step)
     none = np.full(len(table.time), -1, np.int64)
     now = clock.run(table.time, np.zeros(len(none), bool), none)
     kept = np.flatnonzero(np.isfinite(now))

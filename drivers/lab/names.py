@@ -1,4 +1,4 @@
-"""Names of columns and their units, as people and loggers write them."""
+"""Names of columns, as people and loggers write them, and the units in them."""
 
 from __future__ import annotations
 
@@ -6,40 +6,17 @@ import difflib
 import re
 from collections.abc import Collection
 
-_UNIT = re.compile(r"[\[(<{](.*?)[\])>}]")
-_FILLING = re.compile(r"[\s_\-.#%:\"']")
+from drivers.units import MEASURED, unit_of
 
-_SAME = {  # what is meant, and how it is written
-    "degC": "c °c ºc degc celsius ℃ degree_c deg_c",
-    "K": "k kelvin",
-    "degF": "f °f ºf degf fahrenheit",
-    "mK": "mk",
-    "mV": "mv",
-    "V": "v",
-    "W": "w watt",
-    "kW": "kw",
-    "mW": "mw",
-    "mm": "mm",
-    "um": "um µm μm micron",
-    "m": "m",
-    "rpm": "rpm 1/min min-1 u/min r/min",
-    "rad/s": "rad/s",
-    "A": "a",
-    "s": "s sec secs second seconds sek sekunden",
-    "ms": "ms msec millisecond milliseconds",
-    "us": "us µs μs usec microsecond microseconds",
-    "ns": "ns nanosecond nanoseconds",
-    "min": "min mins minute minutes minuten",
-    "h": "h hr hour hours stunden std",
-    "d": "d day days tage",
-}
-UNITS = {word: unit for unit, words in _SAME.items() for word in words.split()}
-_KINDS = ("degC K degF mK mV V", "W kW mW", "mm um m", "rpm rad/s")
+_UNIT = re.compile(r"[\[(<{](.*?)[\])>}]")
+_TAIL = re.compile(r"(\s+in\s+|\s*/\s*|,?\s+)(\S+)$")  # a unit without brackets: "T1 / °C", "T1 in K", "T1 °C"
+_FILLING = re.compile(r"[\s_\-.#%:\"']")
 
 
 def bare(name: str) -> str:
     """A name without its unit, blanks and case."""
-    return _FILLING.sub("", _UNIT.sub("", name)).casefold()
+    name = _UNIT.sub("", name).strip()
+    return _FILLING.sub("", _TAIL.sub("", name) if _in_tail(name) else name).casefold()
 
 
 def known_as(name: str, wanted: str) -> bool:
@@ -48,20 +25,15 @@ def known_as(name: str, wanted: str) -> bool:
 
 
 def unit_in(name: str) -> str | None:
-    """The unit in brackets, as `UNITS` has it, or behind the last underscore of a name of a time."""
-    match = _UNIT.search(name)
-    return unit_of(match[1]) if match else None
+    """The unit in brackets or at the end, as `UNITS` has it; of several the last."""
+    return next(filter(None, map(unit_of, reversed(_UNIT.findall(name)))), None) or _in_tail(name.strip())
 
 
-def unit_of(text: str) -> str | None:
-    """A unit as it is meant; None for what is none."""
-    return UNITS.get(text.strip().strip("[]()").replace(" ", "_").casefold())
-
-
-def contradicts(said: str, expected: str) -> bool:
-    """Whether both are units of one kind of quantity, and not the same."""
-    meant = UNITS.get(expected.casefold(), expected)
-    return said != meant and any(said in kind.split() and meant in kind.split() for kind in _KINDS)
+def _in_tail(name: str) -> str | None:
+    """The unit that a name ends with: not one of times, for "T1 min" is the lowest, and no "Sensor C"."""
+    tail = _TAIL.search(name) if " " in name or "/" in name else None  # most cells that are asked for have neither
+    unit = unit_of(tail[2]) if tail else None
+    return unit if tail and unit in MEASURED and (len(tail[2]) > 1 or tail[1].strip(" ,")) else None
 
 
 def nearest_name(name: str, names: Collection[str]) -> str:

@@ -8,17 +8,27 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from drivers.frames import Array
+from drivers.units import unit_of
 from estimator.errors import InputError
 
 NOTHING = frozenset({"", "nan", "null", "none", "n/a", "na", "#n/a", "-", "--", "---"})  # not measured
-_MARKED = re.compile(r"[+-]?\d[\d.,]*(?:[eE][+-]?\d+)?")
-_BLANK = re.compile(r"(?<=\d)[\s'’](?=\d{3})")  # between thousands, as in French and Swiss numbers
+_WITH_UNIT = re.compile(r"[+−-]? ?\d[\d.,]*(?:[eE][+-]?\d+)?(\s*[^\s\d.,:/-]\S*)")  # "22.1 °C"
+_MARKED = re.compile(r"[+-]? ?\d[\d.,]*(?:[eE][+-]?\d+)?")
+_BLANK = re.compile(r"(?<=\d)[\s'’](?=\d{3})|(?<=^[+-])\s+")  # between thousands, as in French and Swiss numbers
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+")
 
 
 def is_numeric(cell: str) -> bool:
     """Whether a cell holds a number, with whatever marks."""
-    return bool(cell.strip()) and cell.strip().lower() not in NOTHING and not cell.strip("0123456789.,+-eE \t'")
+    plain = without_unit(cell.strip())[0]
+    return bool(plain) and plain.lower() not in NOTHING and not plain.strip("0123456789.,+-eE \t'")
+
+
+def without_unit(cell: str) -> tuple[str, str]:
+    """A cell and what stands behind its number, if that is a unit: "22.1 °C"."""
+    match = _WITH_UNIT.fullmatch(cell)
+    tail = match[1] if match and unit_of(match[1]) else ""
+    return cell.removesuffix(tail), tail
 
 
 def decimal_mark(cells: Iterable[str], separator: str, path: object) -> str:

@@ -9,10 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from drivers.frames import Array, Index
-from drivers.lab.stamps import HOUR_S
+from drivers.lab.stamps import DAY_S, HOUR_S
 
 _PART = 3  # rows that are alike to the last digit by no accident
-_ROOM = 0.5  # of a usual step: rows closer than this are two clocks rather than one out of order
+_ROOM = 0.5  # of a usual step: rows closer than this share a time
+_OF_ONE_CLOCK = 0.6  # of a usual step: rows out of order are as far apart, those of two clocks are closer somewhere
+_PERIODS_S = (DAY_S, DAY_S / 2, HOUR_S, 7 * DAY_S, 2**32 * 1e-6, 2**31 * 1e-6, 2**32 * 1e-3, 2**31 * 1e-3, 2.0**16)
+_YEAR_S = 3.15e7  # parts of one run are not years apart: a clock that lost its date
 
 
 def newest_first(time: Array) -> bool:
@@ -24,7 +27,11 @@ def newest_first(time: Array) -> bool:
 def out_of_order(time: Array) -> int:
     """How many times are out of order and can be sorted; 0 where there are none, or the clock was set back."""
     back = int((np.diff(time) < 0).sum())
-    return back if back and (_apart(time) or _blocks(time)) else 0
+    return back if back and _runs_on(time) and (_apart(time) or _blocks(time)) else 0
+
+
+def _runs_on(time: Array) -> bool:
+    return bool(np.diff(np.sort(time)).max() < _YEAR_S)
 
 
 def told_again(time: Array, columns: Array) -> Index:
@@ -39,7 +46,7 @@ def told_again(time: Array, columns: Array) -> Index:
 def _apart(time: Array) -> bool:
     """Whether all rows, once sorted, are as far apart as rows usually are."""
     steps, usual = np.diff(np.sort(time)), np.diff(time)
-    return bool((steps >= _ROOM * np.median(usual[usual > 0])).all()) if (usual > 0).any() else False
+    return bool((steps >= _OF_ONE_CLOCK * np.median(usual[usual > 0])).all()) if (usual > 0).any() else False
 
 
 def _blocks(time: Array) -> bool:
@@ -66,10 +73,31 @@ def summer_time(time: Array) -> tuple[Array, list[tuple[int, str]]]:
     return time, [(int(row) + 1, "forward" if hours[row] > 0 else "back") for row in np.flatnonzero(hours)]
 
 
+def going_on(time: Array) -> tuple[Array, str]:
+    """Times that begin again after a day, half a day, an hour, or where a counter is full, going on, (n,) s; in words.
+
+    Each fall that is a whole period less a usual step.
+    """
+    steps = np.diff(time)
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    for period in _PERIODS_S:
+        again = (steps < -usual) & (np.abs(steps + period - usual) < _OF_ONE_CLOCK * usual)
+        if again.any():
+            time = time + period * np.concatenate(([0], np.cumsum(again)))
+            return time, f"times begin again after {period:.10g} s: going on"
+    return time, ""
+
+
 def shared(time: Array) -> tuple[Index, Index]:
     """First row of each run of equal times, (g,), and how many rows it has, (g,)."""
     first = np.flatnonzero(np.diff(time, prepend=np.nan) != 0)
     return first, np.diff(np.append(first, len(time)))
+
+
+def coarse(time: Array) -> float:
+    """How far times are apart that are most often shared by several rows, s; 0 where they are not."""
+    first, count = shared(time)
+    return float(np.median(np.abs(np.diff(time[first])))) if len(first) > 1 and np.median(count) > 1 else 0.0
 
 
 def lasts(time: Array, columns: Array) -> tuple[Index, Array]:

@@ -24,7 +24,8 @@ SEPARATORS = {",": "','", ";": "';'", "\t": "tabs", "|": "'|'", " ": "spaces"}
 _WORDS = {"tab": "\t", "space": " "}
 _HEAD = 100  # lines among which the one with the names is looked for
 _BELOW = 12  # lines from the names on that show what the columns hold
-_BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+_BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32"}  # this begins as one of UTF-16 does
+_BOMS |= {codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
 
 @dataclass
@@ -56,7 +57,7 @@ def read_sheet(path: Path, rule: Csv, wanted: Collection[str], tally: Tally, bud
             head = list(islice(lines, max(_HEAD, rule.skip + 1)))
             separator, at = _names_at(head, rule, wanted)
             reader = csv.reader(chain(head[at:], lines), delimiter=separator, skipinitialspace=True)
-            names = [cell.strip().lstrip("#").strip() for cell in next(reader, [])]
+            names = [" ".join(cell.splitlines()).strip().lstrip("#").strip() for cell in next(reader, [])]
             while names and not names[-1]:
                 names.pop()
             sheet = Sheet(path, separator, names, [], [], _said(separator, encoding, at))
@@ -77,8 +78,16 @@ def _said(separator: str, encoding: str, at: int) -> list[str]:
 def _fill(sheet: Sheet, reader: Iterator[list[str]], at: int, most: int, tally: Tally) -> None:
     width = len(sheet.names)
     odd: list[int] = []
+    known = {*sheet.names} - {""}
     for row in islice(reader, most):
-        if any(row[:width]) and len(row) >= width and not any(map(str.strip, row[width:])):
+        if not known.isdisjoint(row) and not any(map(is_numeric, row)) and 2 * len(known & {*row}) > len(known):
+            if row[:width] != sheet.names or any(row[width:]):
+                raise InputError(
+                    f"{sheet.path}: line {reader.line_num + at} has other names than line {at + 1}: "  # type: ignore[attr-defined]
+                    "split the file there"
+                )
+            tally.skip("line of names, again")
+        elif any(row[:width]) and len(row) >= width and not any(map(str.strip, row[width:])):
             sheet.rows.append(row[:width])
             sheet.line.append(reader.line_num + at)  # type: ignore[attr-defined]
         elif any(map(str.strip, row)):

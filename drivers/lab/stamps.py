@@ -18,13 +18,16 @@ from estimator.errors import InputError
 
 _DATE = r"(?P<date>(?P<a>\d{1,4})(?P<mark>[./-])(?P<b>\d{1,2})(?P=mark)(?P<c>\d{1,4})\.?)"
 _CLOCK = (
-    r"(?P<hour>\d{1,3}):(?P<minute>\d{1,2})(?::(?P<second>\d{1,2}(?:[.,:]\d{1,9})?))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
+    r"(?:(?P<days>\d+) days? )?(?P<hour>\d{1,3}):(?P<minute>\d{1,2})(?::(?P<second>\d{1,2}(?:[.,:]\d{1,9})?))?"
+    r"\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
 )
+_WEEKDAY = r"(?:[^\W\d_]{2,10}[.,]?\s+)?"
 _ZONE = r"\s*(?P<zone>Z|UTC|GMT|[+-]\d{2}(?::?\d{2})?)"
 _STAMP = re.compile(
-    rf"(?:{_DATE})?(?: - |[ T,;_]*)(?:{_CLOCK})?(?:{_ZONE}| [A-Z]{{3,5}})?"
+    rf"{_WEEKDAY}(?:{_DATE})?(?: - |[ T,;_]*)(?:{_CLOCK})?(?:{_ZONE}| [A-Z]{{3,5}}| Uhr)?"
 )  # letters as CEST: local time
-_WORDS = re.compile(r"(?=.*\d)(?=.*[A-Za-z]{3}).*|\d{8}[T ]\d{4,}.*")  # a month in letters, or ISO without marks
+_WORDS = re.compile(r"(?=.*\d)(?=.*[A-Za-z]{3}).*|\d{8}[T _-]\d{4,}.*")  # a month in letters, or ISO without marks
+_MINUTES = re.compile(r"\d{1,3}:\d{2}[.,]\d{1,6}")  # 59:05.0, as Excel shows and saves times
 _EPOCH = date(1970, 1, 1).toordinal()
 DAY_S, HOUR_S = 86400.0, 3600.0
 _ORDERS = {"ymd": "year first", "dmy": "day first", "mdy": "month first"}
@@ -42,7 +45,7 @@ class Stamps:
 
 def kind_of(cell: str) -> str:
     """ "date", "clock" or "stamp" (both), "" for what is none of them."""
-    match = _STAMP.fullmatch(cell)
+    match = _matched(cell)
     if match and (match["date"] or match["hour"]):
         return "stamp" if match["date"] and match["hour"] else "date" if match["date"] else "clock"
     return "stamp" if _WORDS.fullmatch(cell) and not np.isnan(_by_words(cell)) else ""
@@ -52,7 +55,7 @@ def stamps(cells: Sequence[str], time_format: str | None, tick_s: float, where: 
     """Read the cells of a time column as text, a row about each `tick_s`; `where` names a cell's place in an error."""
     if time_format:
         return _in_format(cells, time_format)
-    found = [_STAMP.fullmatch(cell) for cell in cells]
+    found = map(_matched, cells)
     matches = [match if match and (match["date"] or match["hour"]) else None for match in found]
     days, order = _days(matches, cells, where)
     clock = np.array([np.nan if match is None else _clock(match) for match in matches])
@@ -63,7 +66,7 @@ def stamps(cells: Sequence[str], time_format: str | None, tick_s: float, where: 
     shown = next((m[0] for m in matches if m), "")
     zoned = any(match and match["zone"] for match in matches)
     if not order:
-        short = not any(match and match["second"] for match in matches)
+        short = any(matches) and not any(match and match["second"] for match in matches)
         known = np.isfinite(time)
         what = f"{where(0)}: '{cells[0]}'" if cells else ""
         time[known], form = _over_midnight(time[known], tick_s if short else 0.0, what)
@@ -89,6 +92,10 @@ def _over_midnight(time: Array, tick_s: float, what: str) -> tuple[Array, str]:
     raise InputError(
         f'{what} is of hours or of minutes? Say time_format = "%H:%M" or "%M:%S" in csv of [log] in rig.toml'
     )
+
+
+def _matched(cell: str) -> re.Match[str] | None:
+    return _STAMP.fullmatch(f"0:{cell}" if _MINUTES.fullmatch(cell) else cell)
 
 
 def _in_format(cells: Sequence[str], time_format: str) -> Stamps:
@@ -130,6 +137,7 @@ def _clock(match: re.Match[str]) -> float:
         else 0
     )
     valid = minute < 60 and second < 61 and (hour < 25 or not match["date"])
+    hour += 24 * int(match["days"] or 0)
     return hour * 3600 + minute * 60 + second - (-ahead if sign == "-" else ahead) if valid else np.nan
 
 

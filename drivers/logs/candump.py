@@ -7,6 +7,7 @@ that matches nothing is counted, and a last line without its line end is never a
 
 from __future__ import annotations
 
+import codecs
 import re
 import time
 from collections.abc import Callable
@@ -48,6 +49,7 @@ def read_candump(
     size = max(path.stat().st_size, 1)
     with path.open("rb") as file:
         rest = b""
+        file.seek(len(codecs.BOM_UTF8) if file.read(3) == codecs.BOM_UTF8 else 0)
         while block := file.read(_CHUNK):
             rest = reader.feed(rest + block)
             if progress:

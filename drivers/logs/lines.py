@@ -18,6 +18,12 @@ _ASC_TIME = re.compile(r"\s*(-?\d+\.\d+)(?=\s+(\S+))")
 _RELATIVE = re.compile(r"\s*base\s+\w+\s+timestamps\s+relative", re.IGNORECASE)
 _ASC_HEAD = re.compile(r"\s*(date\s|base\s|//)", re.IGNORECASE)
 _ASC_EVENTS = re.compile(r"\s*(no)?\s*internal\s+events\s+logged", re.IGNORECASE)
+_FD_LINE = re.compile(
+    r"(\s*-?\d+\.\d+ +)CANFD +(\d+) +(Rx|Tx) +(\w+) +(?:[^\d\s]\S* +)?[01] +[01] +([0-8]) +\d "
+    r"((?: *[0-9A-Fa-f]{2}\b){0,8}) +\d+ +\d+ +([0-9A-Fa-f]+) .*",
+    re.DOTALL,
+)
+_FD = 0x1000  # in its flags
 _PEEK, _FEW = 2000, 20  # lines that show whether times are what the head of an .asc says; times that show nothing
 
 
@@ -91,6 +97,9 @@ class AscLines(WholeLines):
             if not _ASC_EVENTS.match(text):  # python-can takes the first line after the head for this one
                 self._waiting = text
                 return "no internal events logged\n"
+        fd = _FD_LINE.fullmatch(text) if " CANFD " in text else None
+        if fd and not int(fd[7], 16) & _FD:  # a classic frame on a bus that can have others
+            text = f"{fd[1]}{fd[2]}  {fd[4]}  {fd[3]}   d {fd[5]} {fd[6].strip()}\n"
         match = _ASC_TIME.match(text) if self.relative or self.shift_s else None
         if match is None:
             return text

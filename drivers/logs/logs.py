@@ -8,9 +8,11 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from drivers.budget import Budget
+from drivers.foreign import begins_as, way_out
 from drivers.frames import Frames, Tally, plausible
 from drivers.lab.frame_table import PYTHON_CAN, frame_names
 from drivers.lab.sheet import encoding_of
+from drivers.lab.signals import is_decoded
 from estimator.errors import InputError, nearest
 
 # What a file of each suffix must be, and what reads it.
@@ -19,25 +21,28 @@ _READERS = {
     ".asc": ("drivers.logs.outside:read_outside", "a Vector ASC log"),
     ".blf": ("drivers.logs.outside:read_outside", "a Vector BLF log"),
     ".trc": ("drivers.logs.outside:read_outside", "a PEAK TRC log"),
-    ".mf4": ("drivers.logs.outside:read_outside", "an ASAM MDF 4 file with CAN bus logging"),
+    ".mf4": ("drivers.logs.outside:read_outside", "an ASAM MDF 4 file with frames of a CAN bus"),
     ".csv": ("drivers.logs.outside:read_outside", "python-can's CSV of frames"),
 }
 SUFFIXES = frozenset(_READERS)
 _PLAIN = {".log", ".asc", ".trc"}
+_TEXT = {*_PLAIN, ".csv"}
 _TABLE = "drivers.lab.frame_table:read_frame_table", "a CSV of frames by SavvyCAN or a CANedge"
 
 
 def regular(path: Path) -> Path:
     """The path itself; what is no readable regular file with a known suffix is an InputError."""
     if path.suffix.lower() not in _READERS:
-        raise InputError(f"{path}: no known kind of log '{path.suffix}'; {nearest(path.suffix.lower(), _READERS)}")
+        fix = way_out(path.suffix) or nearest(path.suffix.lower(), _READERS)
+        raise InputError(f"{path}: no known kind of log '{path.suffix}'; {fix}")
     try:
         if not path.is_file():
             raise InputError(f"{path}: {'not a regular file' if path.exists() else 'no such file'}")
-        with path.open("rb") as file:
-            file.read(1)
+        other = begins_as(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if other and path.suffix.lower() in _TEXT:
+        raise InputError(f"{path}: {other}")
     if path.suffix.lower() in _PLAIN and encoding_of(path).startswith("utf-16"):
         raise InputError(f"{path}: is UTF-16 text; convert it: iconv -f UTF-16 -t UTF-8 {path.name} > NEW{path.suffix}")
     if path.suffix.lower() == ".mf4" and find_spec("asammdf") is None:
@@ -58,6 +63,10 @@ def is_frame_table(path: Path) -> bool:
 
 def read_log(path: Path, tally: Tally, budget: Budget, progress: Callable[[float], None] | None = None) -> Frames:
     """All usable frames of a log; none at all is an InputError that says what was found and expected."""
+    if is_decoded(path):
+        raise InputError(
+            f"{path}: holds decoded signals, no frames; what needs none, such as review, reads them by names"
+        )
     reader, expected = _TABLE if is_frame_table(path) else _READERS[path.suffix.lower()]
     module, function = reader.split(":")
     frames, found = getattr(import_module(module), function)(path, tally, budget, progress)

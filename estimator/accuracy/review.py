@@ -105,7 +105,7 @@ def review(
     replayed = Replay(model, rig, recording, mute, each, table_mm)
     track, smoothed = replayed.track, replayed.smoothed()
     if (track.mode == Mode.INIT).all():
-        raise InputError(f"{recording.name}: no thermometer was ever read; nothing to estimate from")
+        raise _never_read(recording)
     used = list(channels or rig.thermometers)
     began_um = replayed.run.began_um if replayed.run else 0.0
     line = polyline.elongation(recording, rig, used)
@@ -135,6 +135,14 @@ def review(
         _misfit_K(track, track.predicted, rig), _misfit_K(track, track.open_loop, rig),
         off, use, warmth(replayed.run) if replayed.run else None, replayed.table,
     )  # fmt: skip
+
+
+def _never_read(recording: Recording) -> InputError:
+    """No thermometer was: with what the recording's notes and counts say first."""
+    skipped = sorted(recording.skipped.items(), key=lambda one: -one[1])[:2]
+    said = "; ".join([*recording.notes[:1], *(f"{count} x {reason}" for reason, count in skipped)])
+    what = f"no thermometer was ever read; nothing to estimate from{f' ({said})' if said else ''}"
+    return InputError(f"{recording.name}: {what}; `ballscrew check` says more")
 
 
 def _misfit_K(track: Track, expected: Array, rig: Rig) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import tomllib
 from contextlib import nullcontext
@@ -14,10 +15,12 @@ import pytest
 
 from ballscrew.terminal import Terminal
 from estimator.rig_folder.model_toml import load_model, save_model
+from tests import log_fake
 from tests.conftest import ballscrew as run
 
 PAPER = Path(__file__).parents[2] / "recordings"
-ROD = Path(__file__).parents[2] / "examples" / "heated_rod"
+ROOT = Path(__file__).parents[2]
+ROD = ROOT / "examples" / "heated_rod"
 FREE = {"nut_friction.power", "anchor_friction.power"}
 
 
@@ -84,7 +87,7 @@ def test_a_recording_without_a_temperature_is_told_and_the_others_are_reviewed(t
     (rod / "blind.csv").write_text("\n".join([head, *blank, ""]))
     status, out, err = run("review", rod / "blind.csv", good)
     assert status == 1
-    assert "error: blind.csv: no thermometer was ever read" in err
+    assert "error: blind.csv: no thermometer was ever read; nothing to estimate from" in err
     assert good.name in out
     assert run("review", rod / "blind.csv")[0] == 1
 
@@ -359,3 +362,17 @@ def test_show_as_json_is_the_model_file(full):
             entry = table[name][key]
             assert parameter["value"] == pytest.approx(entry["value"] if isinstance(entry, dict) else entry)
             assert parameter["unit"] == full.param(f"{name}.{key}").unit
+
+
+def test_thermometers_that_are_all_out_of_range_are_told_with_what_the_dbc_says(tmp_path):
+    text = (ROOT / "drivers" / "rig.dbc").read_text()
+    (tmp_path / "rig.dbc").write_text(
+        re.sub(r'(SG_ T\d\d : \S+ )\(0.01,0\)( \S+ )"degC"', r'\1(0.01,273.15)\2"K"', text)
+    )
+    for name in ("rig.toml", "model.toml"):
+        shutil.copy(ROOT / "recordings" / name, tmp_path)
+    log_fake.write(tmp_path / "a.log", log_fake.log(12))
+    status, _, err = run("review", tmp_path / "a.log")
+    assert status == 1
+    assert "in K by rig.dbc, in degC by rig.toml: convert there, scale and offset; 12 x out of range T01" in err
+    assert err.count("\n") == 1

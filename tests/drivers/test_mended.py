@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.mended import read_dbc
 from drivers.recordings import read_recording
 from estimator.errors import SetupError
 from estimator.rig import Rig
@@ -75,3 +77,27 @@ def test_what_is_no_dbc_is_refused(tmp_path: Path, rig: Rig) -> None:
     (tmp_path / "plant.dbc").write_text("MZ\0\1 not at all\n" * 50)
     with pytest.raises(SetupError, match="cannot be read as a DBC"):
         read_recording(log_fake.write(tmp_path / "a.log", ROWS), rig)
+
+
+def test_a_dbc_in_utf_16(tmp_path: Path, rig: Rig) -> None:
+    (tmp_path / "plant.dbc").write_text((ROOT / "drivers/rig.dbc").read_text(), encoding="utf-16")
+    assert not any("plant.dbc" in note for note in read_recording(log_fake.write(tmp_path / "a.log", ROWS), rig).notes)
+
+
+def test_what_is_not_a_dbc_is_told_by_how_it_begins(tmp_path: Path) -> None:
+    path = tmp_path / "plant.dbc"
+    path.write_text("(1.0) can0 210#00\n" * 9)
+    with pytest.raises(ValueError, match=r"no line begins with BO_, where .*; it begins with '\(1.0\) can0 210#00'"):
+        read_dbc(path)
+    with pytest.raises(ValueError, match=r"no file of messages by its suffix; expected .dbc, .arxml"):
+        read_dbc(path.rename(tmp_path / "plant.log"))
+
+
+def test_units_of_a_dbc_that_are_not_those_of_the_rig_are_said_once(tmp_path: Path, rig: Rig) -> None:
+    text = re.sub(r'(SG_ T\d\d : .*)"degC"', r'\1"degF"', (ROOT / "drivers/rig.dbc").read_text())
+    (tmp_path / "plant.dbc").write_text(text)
+    path = log_fake.write(tmp_path / "a.log", ROWS)
+    said = "T01, T02, T03 and 12 more: in degF by plant.dbc, in degC by rig.toml: convert there, scale and offset"
+    assert [note for note in read_recording(path, rig).notes if "plant.dbc" in note] == [said]
+    converts = {name: replace(one, scale=5 / 9, offset=-160 / 9) for name, one in rig.channels.items()}
+    assert not any("plant.dbc" in note for note in read_recording(path, replace(rig, channels=converts)).notes)

@@ -265,3 +265,14 @@ def test_logs_whose_clocks_overlap_are_two_recordings(tmp_path: Path) -> None:
     other_bus = tmp_path / "can1.log"
     other_bus.write_text(two.read_text().replace("can0", "can1"))
     assert run("export", one, other_bus, "-o", tmp_path / "buses.log")[0] == 0
+
+
+def test_logs_that_overlap_by_the_same_frames_are_one(tmp_path: Path) -> None:
+    rows = log_fake.log(20)
+    middle = rows[0].time + 10
+    one = log_fake.write(tmp_path / "one.log", [row for row in rows if row.time < middle])
+    two = log_fake.write(tmp_path / "two.log", [row for row in rows if row.time > middle - 3])
+    status, _, said = run("export", one, two, "-o", tmp_path / "whole.log")
+    assert status == 0
+    assert "frame that the log before has too" in said
+    assert (tmp_path / "whole.log").read_text() == log_fake.write(tmp_path / "same.log", rows).read_text()

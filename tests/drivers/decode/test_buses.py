@@ -159,3 +159,24 @@ def test_buses_that_begin_and_end_apart_by_the_same_are_doubted(tmp_path: Path) 
     (tmp_path / "a.log").write_text("".join(lines))
     notes = read_recording(tmp_path / "a.log", RIG).notes
     assert any("can1 begins and ends +7.0 s from can0: are their clocks apart" in note for note in notes)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("again_s", [2.0, 100.0])
+def test_parts_of_a_log_that_overlap_are_read_once(tmp_path: Path, turned: bool, again_s: float) -> None:
+    rows = log_fake.log(20)
+    middle = rows[0].time + 10.0
+    parts = [[r for r in rows if r.time < middle], [r for r in rows if r.time >= middle - again_s]]
+    path = log_fake.write(tmp_path / "a.log", [row for part in parts[:: -1 if turned else 1] for row in part])
+    record, same = read_recording(path, RIG), read_recording(log_fake.write(tmp_path / "b.log", rows), RIG)
+    np.testing.assert_array_equal(record.channels, same.channels)
+    np.testing.assert_allclose(record.time_s, same.time_s)
+    assert any(note.endswith("frames are there twice: read once") for note in record.notes)
+
+
+@pytest.mark.parametrize("times", [1e-3, 1e3])
+def test_stamps_that_count_something_else_than_seconds_are_refused(tmp_path: Path, times: float) -> None:
+    rows = log_fake.log(40)
+    slow = [row._replace(time=rows[0].time + times * (row.time - rows[0].time)) for row in rows]
+    with pytest.raises(InputError, match=r"closes a tick comes each \S+ s, .* count something else than second"):
+        read_recording(log_fake.write(tmp_path / "a.log", slow), RIG)

@@ -316,3 +316,11 @@ def test_seven_channels_on_another_dbc(tmp_path: Path) -> None:
     assert record.skipped == {"n/a C7": 40}
     np.testing.assert_allclose(record.omega[1:], 50)
     np.testing.assert_allclose(record.coverage[1:].sum(axis=1), 80 / 800 * record.coverage.shape[1])
+
+
+def test_a_message_that_came_with_29_bits_is_told_from_one_that_never_came(tmp_path: Path) -> None:
+    rows = [row._replace(extended=row.id == 0x211) for row in log_fake.log(8)]
+    record = read_recording(log_fake.write(tmp_path / "a.log", rows), load_rig(RECORDINGS))
+    assert record.notes[0] == (
+        "Telemeter2 (0x211) never came, but 0x00000211 did: rig.dbc has it with 11 bits: no T05, T06, T07, T08"
+    )

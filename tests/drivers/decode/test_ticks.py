@@ -359,3 +359,11 @@ def test_a_silence_is_one_though_the_narrow_number_has_started_again_in_it(modul
     end, (note,) = clocked(modulus, 2.0 * modulus, 61 * 11 - 2, lost)
     assert note.startswith(f"silent for {2 * modulus + lost // 11}.")
     assert end == pytest.approx(119.9 + 2 * modulus, abs=0.1)
+
+
+def test_a_clock_that_finds_its_date_is_no_silence_of_decades() -> None:
+    stamps = np.concatenate([np.arange(20.0), 1.7e9 + np.arange(20.0, 60.0)])
+    tally, none = Tally(), np.full(60, -1, np.int64)
+    clock = RigClock(1.0, 1, tally, lambda row: f"line {row}", Budget(), step_s=1.0)
+    np.testing.assert_allclose(clock.run(stamps, np.zeros(60, bool), none), np.arange(60.0), atol=1e-6)
+    assert tally.notes == ["clock jumps ahead 1700000001.000 s at 19.000 s (line 20): ticks go on"]

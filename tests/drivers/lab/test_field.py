@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from drivers.recordings import read_recording
 from estimator.errors import InputError
 from estimator.record import Recording
-from estimator.rig import Csv, Rig
+from estimator.rig import Csv, Rig, Signal
 from estimator.rig_folder.rig_folder import load_rig
 from tests.drivers.lab.test_lab import rod
 
@@ -99,7 +99,7 @@ def test_a_comma_between_cells_and_in_numbers_without_quotes(tmp_path: Path, rig
     ],
 )
 def test_marks_between_thousands(tmp_path: Path, rig: Rig, cell: str, decimal: str, value: float) -> None:
-    heater = replace(rig.inputs["heater"], scale=1.0, hi=1e6)
+    heater = replace(rig.inputs["heater"], unit="kW", scale=1.0, hi=1e6)
     rig = replace(rig, inputs={**rig.inputs, "heater": heater})
     cells = [
         [f'"{c}"' for c in [r[0], r[1].replace(".", decimal), r[2].replace(".", decimal), cell, "21"]] for r in rows()
@@ -342,12 +342,183 @@ def test_temperatures_in_another_unit_are_said(tmp_path: Path, rig: Rig) -> None
     wide = replace(rig, channels={**rig.channels, "B": replace(rig.channels["B"], hi=200.0)})
     hot = read_recording(converted(lambda c: 1.8 * c + 32), wide)
     assert any("all temperatures begin at" in note and "in degF?" in note for note in hot.notes)
-    cells = [[row[0], f"{row[1]} °C", f"{row[2]} °C", *row[3:]] for row in rows()]
+    cells = [[row[0], f"{row[1]} ohm", f"{row[2]} ohm", *row[3:]] for row in rows()]
     said = complaint(write(tmp_path / "a.csv", cells), rig)
-    assert said == f"no thermometer was ever read: A is '{rows()[0][1]} °C' in line 2, no number"
+    assert said == f"no thermometer was ever read: A is '{rows()[0][1]} ohm' in line 2, no number"
 
 
 def test_a_column_of_another_unit_that_rig_toml_calls_the_times_counts_seconds(tmp_path, rig):
     rig = replace(rig, log=replace(rig.log, time_column="Weg [mm]"))
     record = read_recording(write(tmp_path / "a.csv", rows(), ["Weg [mm]", *NAMES[1:]]), rig)
     assert len(record) == ROWS
+
+
+@pytest.mark.parametrize("unit", [" °C", " / °C", "/°C", " in °C", ", degC", " [Â°C]", " <101> (C)"])
+def test_units_that_stand_in_names(tmp_path: Path, rig: Rig, unit: str) -> None:
+    names = ["t", f"left{unit}", f"B{unit}", *NAMES[3:]]
+    assert_as_plain(write(tmp_path / "a.csv", rows(), names, sep=";"), rig)
+    other = [name.replace("C", "F") for name in names[:2]]
+    if "Â" not in unit:
+        said = complaint(write(tmp_path / "a.csv", rows(), [*other, *names[2:]], sep=";"), rig)
+        assert said.endswith("is in degF, rig.toml has A in degC: convert it there with scale and offset")
+
+
+def test_a_name_whose_end_only_looks_like_a_unit_is_another_name(tmp_path: Path, rig: Rig) -> None:
+    cells = [[*row, "3", "99"] for row in rows()]
+    assert_as_plain(write(tmp_path / "a.csv", cells, [*NAMES, "left min", "left c"]), rig)
+
+
+@pytest.mark.parametrize(
+    ("unit", "said"),
+    [("mm/min", "mm/min"), ("Hz", "1/s"), ("1/s", "1/s"), ("m/min", "m/min"), ("rad/s", "rad/s"), ("1/min", "")],
+)
+def test_a_speed_in_another_unit_is_refused(tmp_path: Path, rig: Rig, unit: str, said: str) -> None:
+    rig = replace(rig, inputs={**rig.inputs, "speed": Signal(unit="rpm", lo=-100.0, column="n")})
+    path = write(tmp_path / "a.csv", [[*row, "8"] for row in rows()], [*NAMES, f"n [{unit}]"])
+    if said:
+        assert complaint(path, rig).startswith(f"column 'n [{unit}]' is in {said}, rig.toml has speed in rpm: ")
+    else:
+        assert_as_plain(path, rig)
+
+
+def test_units_that_stand_in_cells(tmp_path: Path, rig: Rig) -> None:
+    cells = [[f"{row[0]} s", f"{row[1]} °C", f"{row[2]}°C", row[3], f"{row[4]} °C"] for row in rows()]
+    cells[7][1] = "open"
+    cells[8][1] = "71.8 °F"
+    record = read_recording(write(tmp_path / "a.csv", cells), rig)
+    assert record.skipped["no number A"] == 2
+    np.testing.assert_allclose(record.channels[:, 1], [float(row[2]) for row in rows()])
+    fahrenheit = [[row[0], f"{row[1]} °F", *row[2:]] for row in rows()]
+    assert "column 'left' is in degF" in complaint(write(tmp_path / "a.csv", fahrenheit), rig)
+
+
+def test_signs_before_blanks(tmp_path: Path, rig: Rig) -> None:
+    assert_as_plain(write(tmp_path / "a.csv", [[r[0], *(f"+ {c}" for c in r[1:])] for r in rows()]), rig)
+
+
+@pytest.mark.parametrize("commas", [range(1), range(1, 5)])
+def test_times_with_another_decimal_mark_than_the_values(tmp_path: Path, rig: Rig, commas: range) -> None:
+    cells = [
+        [cell.replace(".", ",") if k in commas else cell for k, cell in enumerate(row)] for row in rows("{:.1f}".format)
+    ]
+    assert_as_plain(write(tmp_path / "a.csv", cells, sep=";"), rig)
+
+
+@pytest.mark.parametrize("per_s", [1, 1000, 1 / 60])
+@pytest.mark.parametrize("period", [86400, 604800, 43200, 2**16, 2**32 / 1e6, 2**32 / 1e3])
+def test_times_that_begin_again_go_on(tmp_path: Path, rig: Rig, per_s: float, period: float) -> None:
+    cells = rows(lambda s: f"{(period - 100 + s) % period * per_s:.6f}")
+    said = f"times begin again after {period:.10g} s"
+    assert_as_plain(write(tmp_path / "a.csv", cells), rig, said)
+    assert_as_plain(write(tmp_path / "a.csv", cells[::-1]), rig, said, "newest row first")
+
+
+def test_a_clock_of_twelve_hours_that_does_not_say_which(tmp_path: Path, rig: Rig) -> None:
+    for form in ("%I:%M:%S", "%d.%m.%Y %I:%M:%S"):
+        cells = rows(clock(form, "2026-03-13 12:58:00"))
+        assert_as_plain(write(tmp_path / "a.csv", cells), rig, "times begin again after 43200 s")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (lambda s: f"{740_000.5 + s / 86400:.9f}", "days since the year 0"),
+        (lambda s: f"{134_200_000_000_000_000 + int(s * 1e7)}", "100 ns since 1601"),
+        (lambda s: f"{639_000_000_000_000_000 + int(s * 1e7)}", "100 ns since the year 1"),
+    ],
+)
+def test_times_that_other_programs_count(tmp_path: Path, rig: Rig, text: Callable[[float], str], said: str) -> None:
+    record = read_recording(write(tmp_path / "a.csv", rows(text)), rig)
+    np.testing.assert_allclose(record.time_s, np.arange(ROWS) * STEP, atol=0.1)
+    assert any(said in note for note in record.notes)
+
+
+@pytest.mark.parametrize("lost", ["1970-01-01", "2000-01-01"])
+@pytest.mark.parametrize("first", [True, False])
+def test_a_clock_that_loses_its_date_or_finds_it(tmp_path: Path, rig: Rig, lost: str, first: bool) -> None:
+    form = "%Y-%m-%d %H:%M:%S"
+    good, bad = rows(clock(form)), rows(clock(form, f"{lost} 00:00:00"))
+    cells = [*bad[:20], *good[20:]] if first else [*good[:20], *bad[20:]]
+    assert_as_plain(write(tmp_path / "a.csv", cells), rig, "clock jumps")
+
+
+def test_a_logger_that_began_again_is_not_sorted_in(tmp_path: Path, rig: Rig) -> None:
+    cells = rows(lambda s: f"{s if s < 150 else s - 147.5:g}")  # half a step from the rows before
+    assert_as_plain(write(tmp_path / "a.csv", cells), rig, "clock jumps back")
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        "Fr %d.%m.%Y %H:%M:%S",
+        "'%d.%m.%Y %H:%M:%S'",
+        "%Y%m%d-%H%M%S",
+        "0 days %H:%M:%S",
+        "%d.%m.%Y, %H:%M:%S Uhr",
+        "[%Y-%m-%d %H:%M:%S]",
+    ],
+)
+def test_more_times_as_text(tmp_path: Path, rig: Rig, form: str) -> None:
+    assert_as_plain(write(tmp_path / "a.csv", rows(clock(form, "2026-03-13 12:00:00")), sep=";"), rig)
+
+
+def test_a_date_that_is_written_where_it_changes(tmp_path: Path, rig: Rig) -> None:
+    cells = [row[0].split("|") + row[1:] for row in rows(clock("%d.%m.%y|%H:%M:%S", "2026-03-13 23:58:00"))]
+    for k, row in enumerate(cells):
+        row[0] = row[0] if k in (0, 24) else ""
+    assert_as_plain(write(tmp_path / "a.csv", cells, ["DATUM:", "ZEIT:", *NAMES[1:]], sep=";"), rig)
+
+
+def test_times_that_lost_their_digits_are_refused(tmp_path: Path, rig: Rig) -> None:
+    cells = rows(lambda s: f"{1.7734032e12 + s * 1000:.7E}")
+    said = complaint(write(tmp_path / "a.csv", cells), rig)
+    assert said.startswith("times have a resolution of 100 s, several rows share each: digits were lost")
+
+
+def test_tenths_of_a_degree_are_told(tmp_path: Path, rig: Rig) -> None:
+    wide = {name: replace(rig.channels[name], hi=200.0) for name in "AB"}
+    cells = [[row[0], *(f"{10 * float(c):.0f}" for c in row[1:3]), *row[3:]] for row in rows()]
+    said = complaint(write(tmp_path / "a.csv", cells), replace(rig, channels={**rig.channels, **wide}))
+    assert said.startswith("most thermometers are too hot: A has ")
+    assert "in tenths of a degree? Say scale = 0.1" in said
+
+
+def test_a_name_over_two_lines_is_told_in_one(tmp_path: Path, rig: Rig) -> None:
+    path = write(tmp_path / "a.csv", rows(), [*NAMES[:4], '"ambient\n[°C]"'])
+    assert_as_plain(path, rig, "'ambient [°C]' as ambient")
+
+
+@pytest.mark.parametrize("mark", [".", ","])
+def test_minutes_and_seconds_as_excel_saves_them(tmp_path: Path, rig: Rig, mark: str) -> None:
+    cells = rows(clock("%M:%S" + mark + "0", "2026-03-13 12:58:00"))
+    assert_as_plain(write(tmp_path / "a.csv", cells, sep=";"), rig, "the clock was put back an hour at line 26")
+
+
+def test_names_that_stand_again_in_the_middle(tmp_path: Path, rig: Rig) -> None:
+    plain = rows()
+    record = assert_as_plain(write(tmp_path / "a.csv", [*plain[:20], NAMES, *plain[20:]]), rig)
+    assert record.skipped == {"line of names, again": 1}
+    for names in ([*NAMES[:1], *NAMES[2:0:-1], *NAMES[3:]], [*NAMES, "C"]):
+        path = write(tmp_path / "a.csv", [*plain[:20], names, *plain[20:]])
+        assert complaint(path, rig) == "line 22 has other names than line 1: split the file there"
+
+
+@pytest.mark.parametrize("encoding", ["cp850", "mac-roman"])
+def test_degrees_of_other_encodings(tmp_path: Path, rig: Rig, encoding: str) -> None:
+    for unit in "CF":
+        path = write(tmp_path / "a.csv", rows(), ["t", f"left [°{unit}]", *NAMES[2:]], encoding=encoding)
+        if unit == "C":
+            assert_as_plain(path, rig)
+        else:
+            assert "is in degF" in complaint(path, rig)
+
+
+def test_thermometers_alone_in_degrees_fahrenheit_are_asked_about(tmp_path: Path, rig: Rig) -> None:
+    names = [*NAMES, "C"]
+    wide = {name: replace(rig.channels["B"], column=name, hi=200.0) for name in ("left", "B", "C")}
+    cells = [[r[0], *("71.6", "71.8"), *r[3:], "71.7"] for r in rows()]
+    notes = read_recording(write(tmp_path / "a.csv", cells, names), replace(rig, channels=wide)).notes
+    assert any(note.startswith("all thermometers begin at 72 degC or more: in degF?") for note in notes)
+    warm = [[r[0], *("61.6", "91.8"), *r[3:], "71.7"] for r in rows()]
+    notes = read_recording(write(tmp_path / "a.csv", warm, names), replace(rig, channels=wide)).notes
+    assert not any("degF" in note for note in notes)

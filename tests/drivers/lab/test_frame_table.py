@@ -78,3 +78,46 @@ def test_what_candump_shows_on_the_screen_is_refused_with_the_way_to_record(tmp_
         InputError, match=f"{len(ROWS)} x line as candump shows it on the screen: record with `candump -L`"
     ):
         read_recording(path, RIG)
+
+
+@pytest.mark.parametrize("start", [0.0, 1_700_000_000.0])
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (lambda s: f"{s * 1e3:.0f}", "milliseconds"),
+        (lambda s: f"{s * 1e3:.3f}", "milliseconds"),
+        (lambda s: f"{s * 1e6:.0f}", ""),
+        (lambda s: f"{s:.6f}", ""),
+    ],
+)
+def test_what_the_stamps_of_savvycan_count(tmp_path: Path, start: float, text, said: str) -> None:
+    first = ROWS[0].time
+    rows = [row._replace(time=row.time - first + start) for row in ROWS]
+    path = tmp_path / "a.csv"
+    lines = [f"{text(row.time)},{savvy(row).partition(',')[2]}" for row in rows]
+    path.write_text("\n".join([SAVVY, *lines, ""]))
+    record, same = read_recording(path, RIG), read_recording(log_fake.write(tmp_path / "b.log", rows), RIG)
+    np.testing.assert_array_equal(record.channels, same.channels)
+    np.testing.assert_allclose(record.time_s, same.time_s, atol=2e-3)
+    assert any(said in note for note in record.notes) == bool(said)
+
+
+def test_stamps_of_several_busy_buses_count_us(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    lines = [f"{k * 20},00000100,false,Rx,{k % 7},0," for k in range(700)]
+    path.write_text("\n".join([SAVVY, *lines, ""]))
+    assert max(frame.time_s for frame in every_frame(path, Tally())) == pytest.approx(699 * 20e-6)
+
+
+def test_stamps_that_are_none_do_not_tell_the_unit(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    odd = ["inf" + savvy(ROWS[0])[savvy(ROWS[0]).index(",") :], "nan" + savvy(ROWS[1])[savvy(ROWS[1]).index(",") :]]
+    path.write_text("\n".join([SAVVY, *odd, *map(savvy, ROWS), ""]))
+    record = read_recording(path, RIG)
+    assert (record.frames, record.skipped["time stamp is no number"]) == (len(ROWS), 2)
+
+
+def test_a_canedge_with_commas_in_its_times(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([EDGE, *(edge(row).replace(".", ",", 1) for row in ROWS), ""]))
+    assert read_recording(path, RIG).frames == len(ROWS)

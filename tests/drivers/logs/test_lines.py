@@ -99,3 +99,18 @@ def test_blanks_before_and_between_what_a_candump_line_says(tmp_path: Path) -> N
     path.write_text("".join(f"  {line}\n" for line in log_fake.text(ROWS).replace(") ", ")   ").splitlines()))
     assert_as_written(path, tmp_path / "b.log")
     assert len(list(every_frame(path, Tally()))) == len(ROWS)
+
+
+@pytest.mark.parametrize("name", ["", "Telemeter "])
+def test_classic_frames_on_lines_of_can_fd(tmp_path: Path, since: np.ndarray, name: str) -> None:
+    def line(time: float, row: log_fake.Row, flags: int) -> str:
+        data = row.data.hex(" ").upper()
+        return f"{time:11.6f} CANFD   1 Rx {row.id:>10X} {name} 0 0 {len(row.data):x} {len(row.data):2} {data} 1000  125 {flags:8x} 0 0 0 0 0\n"  # noqa: E501
+
+    path = tmp_path / "a.asc"
+    head = f"date {DATE}\nbase hex  timestamps absolute\ninternal events logged\nBegin Triggerblock {DATE}\n"
+    path.write_text(
+        head + "".join(line(time, row, 0x200000) for time, row in zip(since, ROWS)) + line(99.0, ROWS[0], 0x1000)
+    )
+    assert_as_written(path, tmp_path / "b.log")
+    assert read_recording(path, RIG).skipped["CAN FD frame"] == 1

@@ -159,10 +159,8 @@ def test_files_that_are_no_log(tmp_path: Path) -> None:
 
     assert complaint(tmp_path / "no.log") == f"{tmp_path / 'no.log'}: no such file"
     assert complaint(tmp_path).startswith(f"{tmp_path}: no known kind of log ''; known: .asc, .blf")
-    assert (
-        complaint(path := file("a.txt", b""))
-        == f"{path}: no known kind of log '.txt'; known: .asc, .blf, .csv, .log, .mf4, .trc"
-    )
+    known = "known: .asc, .blf, .csv, .log, .mf4, .trc"
+    assert complaint(path := file("a.xyz", b"")) == f"{path}: no known kind of log '.xyz'; {known}"
     assert complaint(path := file("a.log", b"")) == f"{path}: 0 usable frames (0 lines read); expected {CANDUMP}"
     assert complaint(path := file("b.log", b"Jan 1 kernel: hello\n" * 12)) == (
         f"{path}: 0 usable frames (12 lines read; 12 x torn or foreign line; line 1 is no frame (the first of 12)); "
@@ -332,3 +330,11 @@ def test_a_long_log_is_read_in_bulk(tmp_path: Path) -> None:
         sys.setprofile(None)
     assert len(record) == 720
     assert len(events) < record.frames / 2  # calls and returns, of C too
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_line(tmp_path: Path) -> None:
+    path = tmp_path / "a.log"
+    path.write_text(log_fake.text(ROWS), encoding="utf-8-sig")
+    record = read_recording(path, RIG)
+    assert_same(record, read_recording(log_fake.write(tmp_path / "b.log", ROWS), RIG))
+    assert "torn or foreign line" not in record.skipped
