@@ -20,7 +20,8 @@ from drivers.lab.numerals import decimal_mark, numbers
 from drivers.lab.sheet import Sheet, read_sheet
 from drivers.units import unit_of
 from estimator.errors import InputError
-from estimator.rig import Channel, Csv, Log, Rig
+from estimator.rig import Channel, Rig
+from estimator.rig_log import Csv, Log
 
 _TIMES = {"t", "time", "times", "timestamp", "zeit", "zeitstempel", "elapsed", "datetime", "datum", "date", "uhrzeit"}
 _STEADY = 0.95  # share of the steps of times that go one way

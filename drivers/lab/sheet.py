@@ -18,7 +18,7 @@ from drivers.frames import Tally
 from drivers.lab.names import bare, known_as
 from drivers.lab.numerals import is_numeric
 from estimator.errors import InputError
-from estimator.rig import Csv
+from estimator.rig_log import Csv
 
 SEPARATORS = {",": "','", ";": "';'", "\t": "tabs", "|": "'|'", " ": "spaces"}
 _WORDS = {"tab": "\t", "space": " "}

@@ -8,7 +8,8 @@ from typing import Any
 
 from estimator.errors import SetupError
 from estimator.model import Prior, Value
-from estimator.rig import RAD_S, Bed, Channel, Csv, Nut, Rig, Screw, Signal, Support
+from estimator.rig import RAD_S, Bed, Channel, Nut, Rig, Screw, Signal, Support
+from estimator.rig_log import Csv
 
 
 @dataclass(frozen=True)

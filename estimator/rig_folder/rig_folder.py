@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from estimator.errors import SetupError, nearest
-from estimator.rig import Bed, Channel, Log, Nut, Rig, Screw, Signal, Support
+from estimator.rig import Bed, Channel, Nut, Rig, Screw, Signal, Support
 from estimator.rig_folder import fields
 from estimator.rig_folder.bounds import BOUNDS, brief
 from estimator.rig_folder.contradictions import contradictions
+from estimator.rig_log import Log
 
 MOST = {"channels": 200, "inputs": 200, "supports": 20}  # tables of a kind
 ZERO_C_IN_K = 273.15

@@ -19,8 +19,9 @@ from drivers.logs.logs import read_log
 from drivers.recordings import read_recording
 from drivers.ticker import Ticker
 from estimator.record import Recording, collect
-from estimator.rig import Log, Rig
+from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.rig_log import Log
 from tests import log_fake
 from tests.log_fake import START, Row
 

@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 from drivers.recordings import read_recording
 from estimator.errors import InputError
 from estimator.record import Recording
-from estimator.rig import Csv, Rig, Signal
+from estimator.rig import Rig, Signal
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.rig_log import Csv
 from tests.drivers.lab.test_lab import rod
 
 __all__ = ["rod"]
