@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from estimator import model, rig
+from estimator import model, rig, rig_log
 from estimator.rig_folder.rig_folder import load_rig
 
 ROOT = Path(__file__).parents[3]
@@ -21,11 +21,12 @@ SECTIONS = {
     "### Top of the file": (rig.Rig, {"folder"}),
     "### `[screw]`": (rig.Screw, set()),
     "### `[nut]`": (rig.Nut, set()),
+    "### `[bed]`": (rig.Bed, set()),
     "### `[supports]`": (rig.Support, set()),
     "### `[channels]`": (rig.Channel, {f.name for f in dataclasses.fields(rig.Signal)}),
     "### A signal": (rig.Signal, set()),
-    "### `[log]`": (rig.Log, set()),
-    "### `csv`": (rig.Csv, set()),
+    "### `[log]`": (rig_log.Log, set()),
+    "### `csv`": (rig_log.Csv, set()),
     "### A parameter": (model.Value, set()),
 }
 
@@ -48,7 +49,7 @@ def test_every_key_is_on_the_page_with_its_default(title):
             continue  # their defaults are the reader's, not the record's
         if field.default is dataclasses.MISSING:
             assert rows[key] == "required", key
-        elif field.default in (None, (), rig.Csv()):
+        elif field.default in (None, (), rig_log.Csv()):
             assert rows[key].startswith("none") or rows[key] == "[]", key
         else:
             assert tomllib.loads(f"x = {rows[key]}")["x"] == field.default, key
