@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations, pairwise
 
-import colour
 import numpy as np
 import pytest
+
+with np.printoptions():  # it changes how numpy prints, for all tests after it
+    import colour
 
 from viz.drawing import paths
 from viz.drawing.paths import LANES
