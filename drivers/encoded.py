@@ -65,7 +65,7 @@ class Encoded:
         self.thermometers: dict[str, int] = {}
         if refused := [key for key in NOT_MADE if getattr(rig.log, key)]:
             raise self._error(f"log.{refused[0]}", "no frames are made with that; leave it out to simulate")
-        dbc: Any = cantools.database.load_file(find_dbc(rig.log.dbc or "", rig.folder), strict=False)
+        dbc: Any = cantools.database.load_file(find_dbc(rig.log.dbc, rig.folder), strict=False)
         found: dict[tuple[str, int | None], Sent] = {}
         for name, signal in {**rig.channels, **rig.inputs}.items():
             time_s, values = self._column(name, signal)

@@ -18,7 +18,6 @@ from drivers.decode.dbc import find_dbc
 from drivers.frames import Tally
 from drivers.logs.logs import is_lab_csv
 from drivers.recordings import read_recording
-from estimator.errors import SetupError
 from estimator.model import Model
 from estimator.rig import Rig
 
@@ -52,8 +51,6 @@ def of_recording(path: Path, rig: Rig, model: Model) -> Iterator[Doubt]:
     if is_lab_csv(path):
         case = Case(rig, model, recording, read_lab_table(path, Tally(), rig.log.csv))
     else:
-        if rig.log.dbc is None:
-            raise SetupError(f"{rig.folder / 'rig.toml'}: log.dbc is missing: CAN frames need a DBC file")
         dbc = find_dbc(rig.log.dbc, rig.folder)
         case = Case(rig, model, recording, read_bus_log(path, dbc, Tally(), bus=rig.log.bus))
     guessed = PLACES_GUESSED in (rig.folder / "rig.toml").read_text(encoding="utf-8-sig")

@@ -22,6 +22,8 @@ def load_rig(folder: Path | str) -> Rig:
     """Read `folder/rig.toml`."""
     folder = Path(folder)
     path = folder / "rig.toml"
+    if folder.is_file():
+        raise SetupError(f"{folder} is a file; name the folder that holds rig.toml")
     table = fields.load(path)
     known = {f.name for f in dataclasses.fields(Rig)} - {"folder"}
     for key in table:

@@ -54,6 +54,7 @@ def test_every_signal_arrives_and_the_truth_is_on_the_log_s_clock(seven, lived, 
     ("change", "said"),
     [
         ({"log": {"checksums": ("BoreMotor.Count",)}}, "log.checksums: no frames are made with that"),
+        ({"log": {"dbc": None}}, "log.dbc is missing: CAN frames need a DBC file"),
         ({"inputs": {"oil": Signal("Hall.Air")}}, "oil: the simulated rig has no such thing; it has position, "),
         ({"inputs": {"position": Signal("Hall.Bed"), "base": Signal("Hall.Air")}}, "signals that come at different"),
     ],

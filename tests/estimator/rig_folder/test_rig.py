@@ -167,6 +167,10 @@ def test_a_missing_rig_and_an_unknown_channel_are_named(tmp_path, rig):
     with pytest.raises(SetupError) as caught:
         load_rig(tmp_path)
     assert str(caught.value) == f"{tmp_path / 'rig.toml'}: no such file"
+    (tmp_path / "rig.toml").touch()
+    with pytest.raises(SetupError) as caught:
+        load_rig(tmp_path / "rig.toml")
+    assert str(caught.value) == f"{tmp_path / 'rig.toml'} is a file; name the folder that holds rig.toml"
     with pytest.raises(SetupError) as caught:
         rig.index("T7")
     assert str(caught.value) == f"{rig.folder / 'rig.toml'}: no channel 'T7'; did you mean 'T07'?"
