@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -74,7 +75,11 @@ def test_a_thermometer_where_the_simulated_screw_has_none_is_said(seven, lived):
 
 def test_the_command_writes_the_recording_of_a_rig_folder(tmp_path):
     words = ("simulate", "FS-20", "--seconds", "30", "-o")
-    for rig in (SEVEN, SEVEN.parents[1] / "recordings"):
+    paper, copied = SEVEN.parents[1] / "recordings", tmp_path / "copied"
+    copied.mkdir()
+    shutil.copy(paper / "rig.toml", copied)
+    shutil.copy(SEVEN.parents[1] / "drivers" / "rig.dbc", copied)
+    for rig in (SEVEN, paper, copied):
         out = tmp_path / f"{rig.name}.blf"
         assert ballscrew(*words, out, "--rig", rig)[0] == 0
         assert len(read_recording(out, load_rig(rig))) >= 30
