@@ -127,10 +127,11 @@ class Encoded:
         sent.values[name] = values
 
     def _count(self) -> None:
-        """The counters of the log, one more with each frame."""
-        for path in self._rig.log.counters:
+        """The counters of the log, and what tells new readings by counting them: one more with each frame."""
+        rules = {**self._rig.channels, **self._rig.inputs}.values()
+        for path in {*self._rig.log.counters, *(rule.fresh for rule in rules if rule.fresh)}:
             message, _, name = path.partition(".")
-            for sent in (each for each in self._sent if each.message.name == message):
+            for sent in (each for each in self._sent if each.message.name == message and name not in each.values):
                 sent.values[name] = np.arange(len(sent.time_s)) % 2 ** sent.message.get_signal_by_name(name).length
 
     def _error(self, what: str, why: str) -> SetupError:

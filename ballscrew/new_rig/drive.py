@@ -13,6 +13,7 @@ from drivers.frames import Array
 from estimator.rig import RAD_S, Signal
 
 _TRAVEL_MM = 5.0  # a position moves by more
+_FASTER = 3  # times the usual speed: another recording may be of faster drives
 _PEAK = 10  # times the usual current, when the table is accelerated
 _MOST_W = 30.0  # without a unit: what gets higher is in %
 EVEN = 0.05  # of the mean: what moves as evenly tells nothing of what it moves with
@@ -97,7 +98,7 @@ def _speed(speed: Seen, lead: float, others: Sequence[Seen], place: Seen | None)
         why += f", a feed: rpm by a lead of {lead:g} mm"
     if place is not None and fit_of(speed, place) > FITS:
         why += f"; it is how fast {place.label} changes"
-    most = round_up(1.2 * scale * float(np.abs(speed.usual).max()) or 3000.0)
+    most = round_up(_FASTER * scale * float(np.abs(speed.usual).max()) or 3000.0)
     return Guess("speed", "speed", (speed,), rule_of(speed, unit.unit, scale, -most, most), why, tuple(others))
 
 

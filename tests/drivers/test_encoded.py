@@ -67,6 +67,19 @@ def test_what_cannot_be_sent_is_said_with_its_place(seven, lived, change, said):
         Encoded(lived, replace(seven, log=log, inputs=change.get("inputs", seven.inputs)))
 
 
+@pytest.mark.parametrize("fresh", ["Growth.New", "Growth.Centre"], ids=["a count", "the reading itself"])
+def test_what_tells_a_new_reading_changes_with_each(fresh, lived, tmp_path):
+    dbc, rig = (SEVEN / "plant.dbc").read_text(), (SEVEN / "rig.toml").read_text().splitlines()
+    dbc = dbc.replace("Growth: 5 Gauge", 'Growth: 6 Gauge\n SG_ New : 40|8@1+ (1,0) [0|255] "" Filter')
+    (tmp_path / "plant.dbc").write_text(dbc)
+    rig = [line.replace('"Growth.Centre"', f'"Growth.Centre", fresh = "{fresh}"') for line in rig]
+    (tmp_path / "rig.toml").write_text("\n".join(line for line in rig if "displacement_direct" not in line))
+    path, counted = tmp_path / "run.log", load_rig(tmp_path)
+    Encoded(lived, counted).write(path)
+    read = np.isfinite(read_recording(path, counted).channels[:, counted.index("displacement")])
+    assert read.sum() == len(lived.holds.frozen_s) > 3
+
+
 def test_a_thermometer_where_the_simulated_screw_has_none_is_said(seven, lived):
     channels = {**seven.channels, "left": replace(seven.channels["left"], at_mm=300.0)}
     with pytest.raises(SetupError, match=r"left: at_mm = 300: the simulated screw has its thermometers at 0, 72.5, "):
