@@ -80,6 +80,15 @@ def test_what_tells_a_new_reading_changes_with_each(fresh, lived, tmp_path):
     assert read.sum() == len(lived.holds.frozen_s) > 3
 
 
+@pytest.mark.parametrize("tick_s", [1.0, 2.0])
+def test_ticks_that_are_not_as_far_apart_as_the_rig_says_are_told(tick_s, seven, lived, tmp_path):
+    path = tmp_path / "run.log"
+    Encoded(lived, seven).write(path)
+    notes = read_recording(path, replace(seven, tick_s=tick_s)).notes
+    told = "ticks come each 1 s, and each counts as 2 s; in rig.toml say tick_s = 1"
+    assert [note for note in notes if "ticks come" in note] == [told] * (tick_s == 2.0)
+
+
 def test_a_thermometer_where_the_simulated_screw_has_none_is_said(seven, lived):
     channels = {**seven.channels, "left": replace(seven.channels["left"], at_mm=300.0)}
     with pytest.raises(SetupError, match=r"left: at_mm = 300: the simulated screw has its thermometers at 0, 72.5, "):
