@@ -148,7 +148,7 @@ def open_workspace(
 def open_rig(logs: Sequence[Path], rig_path: Path | None, terminal: Terminal) -> Rig:
     """The rig of --rig; else of the nearest folder at or above the first log; else the one that ships with us."""
     if rig_path is not None:
-        return _looked_at(load_rig(rig_path.parent if rig_path.name == "rig.toml" else rig_path), terminal)
+        return _looked_at(load_rig(rig_path), terminal)
     first = (logs[0] if logs else Path()).resolve()
     for folder in (first, *first.parents):
         if (folder / "rig.toml").is_file():

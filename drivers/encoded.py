@@ -65,7 +65,7 @@ class Encoded:
         self.thermometers: dict[str, int] = {}
         if refused := [key for key in NOT_MADE if getattr(rig.log, key)]:
             raise self._error(f"log.{refused[0]}", "no frames are made with that; leave it out to simulate")
-        dbc: Any = cantools.database.load_file(find_dbc(rig.log.dbc or "", rig.folder), strict=False)
+        dbc: Any = cantools.database.load_file(find_dbc(rig.log.dbc, rig.folder), strict=False)
         found: dict[tuple[str, int | None], Sent] = {}
         for name, signal in {**rig.channels, **rig.inputs}.items():
             time_s, values = self._column(name, signal)
@@ -127,10 +127,11 @@ class Encoded:
         sent.values[name] = values
 
     def _count(self) -> None:
-        """The counters of the log, one more with each frame."""
-        for path in self._rig.log.counters:
+        """The counters of the log, and what tells new readings by counting them: one more with each frame."""
+        rules = {**self._rig.channels, **self._rig.inputs}.values()
+        for path in {*self._rig.log.counters, *(rule.fresh for rule in rules if rule.fresh)}:
             message, _, name = path.partition(".")
-            for sent in (each for each in self._sent if each.message.name == message):
+            for sent in (each for each in self._sent if each.message.name == message and name not in each.values):
                 sent.values[name] = np.arange(len(sent.time_s)) % 2 ** sent.message.get_signal_by_name(name).length
 
     def _error(self, what: str, why: str) -> SetupError:

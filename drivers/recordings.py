@@ -14,7 +14,7 @@ from drivers.decode.addresses import addressed
 from drivers.decode.buses import chosen, in_order, of_the_rig, on_one_clock, together, told_once
 from drivers.decode.clock import RigClock
 from drivers.decode.decode import Decoder
-from drivers.decode.ticks import Ticks, at_the_pace, split
+from drivers.decode.ticks import Ticks, at_the_pace, split, told_step
 from drivers.frames import Frames, Tally
 from drivers.lab.estimates import is_estimates
 from drivers.lab.lab import read_lab
@@ -123,6 +123,7 @@ def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tal
         frames, now, closes = frames.take(kept), now[kept], closes[kept]
     ticks = Ticks(rig.tick_s, rig.log.closes is not None)
     row, date = split(f"{name}: {len(frames)} frames", now, closes, ticks, budget.ticks, tally)
+    told_step(date, rig.tick_s, tally)
     inside = slice(len(row))
     began_s = float(frames.time[0]) if len(frames) and frames.time[0] > A_DATE else None
     rows = decoder.rows(frames.take(inside), 0, now[inside], row, date)

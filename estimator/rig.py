@@ -29,7 +29,7 @@ class Signal:
     """One measured value: where it comes from and what it may physically be.
 
     value = scale * (sum of the CAN signals, or the CSV column) + offset, in `unit`; outside lo..hi it counts as
-    not measured. `fresh` names a CAN signal that changes with each new reading (else every message is a reading);
+    not measured. `fresh` names a CAN signal or CSV column that changes with each new reading (else each is one);
     `valid` is a condition such as "Message.Signal = 0".
     """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -13,6 +14,7 @@ from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_rig
 from estimator.battery.admitted import admit
 from estimator.errors import SetupError
+from estimator.model import Model
 from estimator.rig_folder.model_toml import load_model, save_model
 
 
@@ -23,7 +25,7 @@ from estimator.rig_folder.model_toml import load_model, save_model
 @rig_option("Rig folder that it must fit; else the nearest one at or above MODEL, else the built-in rig.")
 @terminal_options
 def command(terminal: Terminal, effect: str, model_path: Path, out: Path, rig_path: Path | None) -> None:
-    """Add EFFECT to MODEL, at its default values.
+    """Add EFFECT to MODEL, at its default values, each with the standard deviation that its source leaves.
 
     EFFECT is an effect of the catalogue, or your own: FILE.py:Class. That file is Python, and runs.
     """
@@ -31,7 +33,7 @@ def command(terminal: Terminal, effect: str, model_path: Path, out: Path, rig_pa
     name = one.effect.name
     if name in model.effects:
         raise SetupError(f"{model_path} has the effect '{name}' already; change its values in the file, or fit them")
-    added = one.used_by(model + one.effect)
+    added = _in_doubt(one.used_by(model + one.effect), name)
     rig = open_rig([model_path], rig_path, terminal)
     with patience(one.use):
         admit(added, rig)
@@ -42,3 +44,10 @@ def command(terminal: Terminal, effect: str, model_path: Path, out: Path, rig_pa
     terminal.say(f"next: ballscrew fit LOG... --model {out} -o MODEL")
     parameters = {key: added[f"{name}.{key}"] for key in one.effect.params}
     terminal.json({"model": str(out), "effect": name, "parameters": parameters, "missing": missing})
+
+
+def _in_doubt(model: Model, name: str) -> Model:
+    """The model with the parameters of an effect that nobody has fitted known as well as their sources say."""
+    params = {f"{name}.{key}": param for key, param in model.effects[name].params.items() if not param.fixed}
+    told = {path: replace(model.values[path], sd=param.sd) for path, param in params.items()}
+    return replace(model, values={**model.values, **told})

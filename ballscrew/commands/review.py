@@ -30,13 +30,13 @@ def command(work: Workspace, asked: Asked, table: Path | None, rrd: Path | None,
     if found is None:
         return work.status
     reviews, verdict = found.reviews, found.verdict
-    print_reviews(work.terminal, reviews, found.fitted, work.rig, verdict.sentence)
-    work.terminal.json(as_json(reviews, found.fitted, found.seconds) | {"machine": verdict.as_json()})
-    if table is not None:
+    if table is not None:  # before anything is printed: who reads that may leave after a line
         from ballscrew.table.columns import table as ticks  # pyarrow takes a while to import
         from ballscrew.table.file import write
 
         write(ticks(reviews, work.rig, len(reviews) + len(found.failed) > 1), table)
+    print_reviews(work.terminal, reviews, found.fitted, work.rig, verdict.sentence)
+    work.terminal.json(as_json(reviews, found.fitted, found.seconds) | {"machine": verdict.as_json()})
     if rrd is not None:
         from ballscrew.report.review_views import save_views  # rerun takes half a second to import
 

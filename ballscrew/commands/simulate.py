@@ -130,11 +130,14 @@ def _simulate(terminal: Terminal, name: str, **options: Any) -> Run:
 
 def _encoded(run: Run, rig_path: Path) -> Encoded | None:
     """How the run looks on another bus; None where that is the one of the rig that ships."""
+    from ballscrew.workspace import BUILT_IN
+    from drivers.decode.dbc import find_dbc
     from drivers.encoded import Encoded
     from estimator.rig_folder.rig_folder import load_rig
 
     rig = load_rig(rig_path)
-    return None if rig.log.dbc == OWN_DBC and not (rig.folder / OWN_DBC).is_file() else Encoded(run, rig)
+    own = find_dbc(OWN_DBC, BUILT_IN)
+    return None if find_dbc(rig.log.dbc, rig.folder).read_bytes() == own.read_bytes() else Encoded(run, rig)
 
 
 def _strength(word: str) -> tuple[str, float]:

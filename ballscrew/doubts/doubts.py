@@ -19,7 +19,6 @@ from drivers.decode.dbc import find_dbc
 from drivers.frames import Tally
 from drivers.logs.logs import is_lab_csv, read_log
 from drivers.recordings import read_recording, recording_of
-from estimator.errors import SetupError
 from estimator.model import Model
 from estimator.rig import Rig
 
@@ -54,8 +53,6 @@ def of_recording(path: Path, rig: Rig, model: Model) -> Iterator[Doubt]:
     else:
         tally, budget = Tally(), Budget()
         frames = read_log(path, tally, budget)
-        if rig.log.dbc is None:
-            raise SetupError(f"{rig.folder / 'rig.toml'}: log.dbc is missing: CAN frames need a DBC file")
         dbc = find_dbc(rig.log.dbc, rig.folder)
         recording = recording_of(path, frames, rig, tally, budget)
         case = Case(rig, model, recording, bus_log_of(path, frames, dbc, Tally(), rig.log.bus))

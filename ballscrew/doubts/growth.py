@@ -1,4 +1,4 @@
-"""Doubts about the displacement: of the other sign than the warming, or of another size than the screw can grow."""
+"""Doubts about the displacement: repeated, or of another sign or size than the screw can grow by its warming."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ballscrew.doubts.doubt import Case, Doubt
+from ballscrew.new_rig.growth import held
 
 _CLEAR = 0.8  # correlation with the warming
 _WARMED_K, _FEW = 1.0, 10
@@ -28,12 +29,23 @@ def growth(case: Case) -> Iterator[Doubt]:
         fit = float(np.corrcoef(case.warmth[known], value[known])[0, 1])
         slope = float(np.polyfit(case.warmth[known], value[known], 1)[0])
         place = case.place(in_table, name)
+        if held(value[known], case.warmth[known]):
+            what = "stays the same to the last digit while the screw warms or cools: a repeated value is no reading"
+            yield Doubt(
+                place, what, f"say by `fresh` what changes with a new one: {_itself(case, name)}, if nothing does"
+            )
         if fit < -_CLEAR:
             what = f"falls by {-slope:.2g} um/K as the screw warms"
             yield Doubt(place, what, "turn its scale round: longer is positive")
         elif fit > _CLEAR and not 1 / _TIMES < slope / expected < _TIMES:
             what = f"grows by {slope:.2g} um/K, the span of {np.ptp(screw.span_mm):g} mm can by {expected:.2g}"
             yield Doubt(place, what, "correct its unit and scale, or the span")
+
+
+def _itself(case: Case, name: str) -> str:
+    """`fresh` as the reading's own signal or column."""
+    rule = case.rig.channels.get(name) or case.rig.inputs[name]
+    return f'fresh = "{case.of(name, rule)[0].source}"'
 
 
 def _reading(case: Case, name: str) -> np.ndarray:

@@ -13,6 +13,8 @@ from drivers.frames import Array
 from estimator.rig import RAD_S, Signal
 
 _TRAVEL_MM = 5.0  # a position moves by more
+_FASTER = 3  # times the usual speed: another recording may be of faster drives
+_PEAK = 10  # times the usual current, when the table is accelerated
 _MOST_W = 30.0  # without a unit: what gets higher is in %
 EVEN = 0.05  # of the mean: what moves as evenly tells nothing of what it moves with
 FITS = 0.9  # correlation of two that measure one thing
@@ -96,7 +98,7 @@ def _speed(speed: Seen, lead: float, others: Sequence[Seen], place: Seen | None)
         why += f", a feed: rpm by a lead of {lead:g} mm"
     if place is not None and fit_of(speed, place) > FITS:
         why += f"; it is how fast {place.label} changes"
-    most = round_up(1.2 * scale * float(np.abs(speed.usual).max()) or 3000.0)
+    most = round_up(_FASTER * scale * float(np.abs(speed.usual).max()) or 3000.0)
     return Guess("speed", "speed", (speed,), rule_of(speed, unit.unit, scale, -most, most), why, tuple(others))
 
 
@@ -127,7 +129,7 @@ def _levels(seen: Sequence[Seen], driven: bool) -> Iterator[Guess]:
         kind, unit = _kind(one), words.measure(one.unit)
         heats = words.says(one.label, words.HEATER)
         if kind == "current" or (bare(one) and words.says(one.label, words.CURRENT)):
-            most = round_up(1.5 * float(np.abs(one.usual).max()) or 10.0)
+            most = round_up(_PEAK * float(np.abs(one.usual).max()) or 10.0)
             yield Guess("current", "current", (one,), rule_of(one, "A", 1.0, -most, most), _why(one))
         elif (
             heats

@@ -17,6 +17,7 @@ STEEL_UM_K = 12.0  # a metre of steel
 _WARM_K, _FEW = 1.0, 10  # a warming, and readings, that tell something
 _GROWTH_MM = 2.0  # a growth is less, and a position moves by more
 _COUNTS, _FEWEST = 0.95, 3  # share of the steps of a counter that are one; numbers that are no mere switch
+_CLEAR_UM, _STEPS = 1.0, 20  # a growth that no reading misses, in um and in steps of its resolution
 _VALID = ("ok", "valid", "good", "normal", "gueltig")
 
 
@@ -37,9 +38,9 @@ def growth(seen: Sequence[Seen], drive: Sequence[Guess], warmth: tuple[Array, Ar
     direct = direct or (rest[0] if rest and speed else None)
     left = tuple(one for group in rest if group is not direct for one in group)
     way = _way(first, warmth)
-    yield _growth("displacement", first, seen, way, left)
+    yield _growth("displacement", first, seen, way, left, warmth)
     if direct is not None:
-        yield _growth("displacement_direct", direct, seen, way if len(direct) == len(first) else _Way(), ())
+        yield _growth("displacement_direct", direct, seen, way if len(direct) == len(first) else _Way(), (), warmth)
 
 
 class _Way(NamedTuple):
@@ -115,21 +116,45 @@ def _share_driving(one: Seen, speed: Guess | None) -> float:
     return float(np.mean(np.abs(np.interp(one.time, speed.time, speed.value)) > 0.01 * np.abs(speed.value).max()))
 
 
-def _growth(name: str, group: tuple[Seen, ...], seen: Sequence[Seen], way: _Way, left: tuple[Seen, ...]) -> Guess:
+def _growth(
+    name: str,
+    group: tuple[Seen, ...],
+    seen: Sequence[Seen],
+    way: _Way,
+    left: tuple[Seen, ...],
+    warmth: tuple[Array, Array],
+) -> Guess:
     unit = words.measure(group[0].unit)
     used = tuple(group[k] for k in way.which)
     scale = way.scale * (unit.scale * 1e3 if unit else 1.0)
     said = f"unit {group[0].unit}" if unit else "by its name, no unit: um"
     most = max(1000.0, round_up(10 * abs(scale) * max(float(np.abs(one.usual).max()) for one in used)))
     beside = [one for one in seen if one.message and one.message == group[0].message and one not in group]
+    counter = next((one.source for one in beside if counts_up(one.raw)), None)
+    repeats = counter is None and held(scale * used[0].value, np.interp(used[0].time, *warmth))
     rule = replace(
         rule_of(used[0], "um", scale, -most, most),
-        fresh=next((one.source for one in beside if counts_up(one.raw)), None),
+        fresh=used[0].source if repeats else counter,
         valid=next((f"{one.source} = {text}" for one in beside if (text := ok_text(one))), None),
     )
     rule = replace(rule, signal=tuple(one.source for one in used) if len(used) > 1 else rule.signal)
     also = (*(one for one in group if one not in used), *left)
-    return Guess(name, name, used, rule, ", ".join(filter(None, (said, way.why))), also)
+    repeated = "the last reading is repeated until there is a new one" if repeats else ""
+    return Guess(name, name, used, rule, ", ".join(filter(None, (said, way.why, repeated))), also)
+
+
+def held(growth_um: Array, warm: Array) -> bool:
+    """Whether a growth is repeated until there is a new reading: it stays while the screw grows by many of its steps.
+
+    growth_um  (n,) readings     warm  (n,) K, mean rise of the thermometers with them
+    """
+    if not len(steps := np.abs(np.diff(growth_um))) or not steps.any():
+        return False
+    least = max(_CLEAR_UM, _STEPS * float(steps[steps > 0].min()))
+    first = np.flatnonzero(np.concatenate(([True], steps > 0)))
+    last = np.append(first[1:], len(growth_um)) - 1
+    grown = STEEL_UM_K * np.abs(warm[last] - warm[first])
+    return bool(np.any(grown[last - first >= _FEW] > least))
 
 
 def counts_up(raw: Array) -> bool:

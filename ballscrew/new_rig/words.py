@@ -52,8 +52,8 @@ _BRACKETS = re.compile(r"[\[(<{].*?[\])>}]")  # around a unit
 ROLES = {
     "ambient": "ambient air luft umgebung umgeb hall halle raum room outside aussen umgebungsluft",
     "base": "base bed bett frame gestell maschinenbett basis fundament foundation",
-    "anchor_bracket": "festlager anchor fixedbearing bracketanchor festlagerbock",
-    "free_bracket": "loslager bracketfree loslagerbock",
+    "anchor_bracket": "festlager anchor fixedbearing bearingfix bracketanchor festlagerbock",
+    "free_bracket": "loslager freebearing loosebearing bearingfree bearingloose bracketfree loslagerbock",
     "nut": "nut mutter kgm ballnut spindelmutter",
     "probe": "probe taster messtaster",
     "bar": "bar invar stange holder halter messstange",

@@ -15,6 +15,7 @@ from contextlib import ExitStack, contextmanager
 from itertools import cycle
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from threading import Lock
 from typing import Any
 
 from ballscrew.workers.by_value import dumps, loads
@@ -56,9 +57,10 @@ class Keepers:
 
 
 class Home:
-    """One process and what it keeps. It is started with the first job, and anew where it is lost."""
+    """One process and what it keeps. It is started with the first job, and anew where it is lost before the end."""
 
     def __init__(self) -> None:
+        self._over, self._starting = False, Lock()
         self._line = ThreadPoolExecutor(1)
         self._kept: OrderedDict[int, Any] = OrderedDict()
         self._process: Any = None
@@ -68,7 +70,11 @@ class Home:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._line.shutdown(wait=False, cancel_futures=True)
+        with self._starting:
+            self._over = True
+            if self._process is not None:
+                self._process.kill()  # who waits for its answer is told so by that
+        self._line.shutdown(cancel_futures=True)
         self._end()
 
     def ask(self, job: bytes, item: Any) -> Any:
@@ -98,11 +104,14 @@ class Home:
         return loads(self._pipe.recv_bytes())
 
     def _begin(self) -> None:
-        context = get_context("spawn")
-        self._pipe, other = context.Pipe()
-        self._process = context.Process(target=serve, args=(other,), daemon=True)
-        self._process.start()
-        other.close()
+        with self._starting:
+            if self._over:
+                raise EOFError
+            context = get_context("spawn")
+            self._pipe, other = context.Pipe()
+            self._process = context.Process(target=serve, args=(other,), daemon=True)
+            self._process.start()
+            other.close()
 
     def _end(self) -> None:
         if self._process is not None:

@@ -45,7 +45,7 @@ class Publisher:
 
     def __init__(self, rig: Rig, opens: Callable[[], can.BusABC]) -> None:
         self.trouble, self.sent = "", 0
-        path = find_dbc(rig.log.dbc or "", rig.folder)
+        path = find_dbc(rig.log.dbc, rig.folder)
         database: Any = cantools.database.load_file(path, strict=False)  # others may be broken
         known = {message.name: message for message in database.messages}
         if missing := [name for name in (ESTIMATE, COMPENSATION) if name not in known]:

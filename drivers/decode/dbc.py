@@ -178,8 +178,10 @@ class Dbc:
         return Condition(message.name, bits, match[3], value)
 
 
-def find_dbc(name: str, folder: Path) -> Path:
-    """The DBC in the rig folder, else the one of the package."""
+def find_dbc(name: str | None, folder: Path) -> Path:
+    """The DBC in the rig folder, else the one of the package; a rig that names none is of lab CSVs: a SetupError."""
+    if name is None:
+        raise SetupError(f"{folder / 'rig.toml'}: log.dbc is missing: CAN frames need a DBC file")
     folders = [folder, Path(__file__).parents[1]]
     for one in folders:
         if (one / name).is_file():

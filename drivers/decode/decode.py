@@ -14,7 +14,6 @@ from drivers.decode.scan import Scan
 from drivers.decode.sources import Source, sources
 from drivers.frames import Array, Frames, Index, Mask, Tally, Whole, words_of
 from drivers.units import contradicts, unit_of
-from estimator.errors import SetupError
 from estimator.record import Recording
 from estimator.rig import Rig
 
@@ -25,8 +24,6 @@ class Decoder:
     """What a rig makes of CAN frames. Carries counters, held values and the drive's last position from call to call."""
 
     def __init__(self, rig: Rig, tally: Tally) -> None:
-        if rig.log.dbc is None:
-            raise SetupError(f"{rig.folder / 'rig.toml'}: log.dbc is missing: CAN frames need a DBC file")
         self.rig = rig
         self.tally = tally
         self.dbc = load_dbc(find_dbc(rig.log.dbc, rig.folder))

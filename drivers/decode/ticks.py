@@ -9,6 +9,7 @@ from estimator.errors import InputError
 
 TOO_SOON = "closing message too soon (used)"
 _FEW, _OTHER_UNIT = 20, 100.0  # closing messages that show nothing; ticks that no rig's clock is off by
+_EVEN = 0.1  # how far off a step may be, as a share
 _PATIENCE = 1.5  # ticks without a closing message, after which the timer closes one
 
 
@@ -96,3 +97,12 @@ def split(
         raise InputError(f"{name} over {now[-1]:.3g} s, less than one tick of {ticks.tick_s:g} s")
     tally.skip("after the last whole tick", len(now) - ends[:most][-1])
     return np.repeat(np.arange(len(ends[:most])), np.diff(ends[:most], prepend=0)), np.array(dates[:most])
+
+
+def told_step(date: Array, tick_s: float, tally: Tally) -> None:
+    """A note where ticks, dated (n,) s, are not as far apart as the rig says: each is one step of the model."""
+    step = float(np.median(np.diff(date))) if len(date) > _FEW else tick_s
+    if abs(step / tick_s - 1.0) > _EVEN:
+        tally.note(
+            f"ticks come each {step:.3g} s, and each counts as {tick_s:g} s; in rig.toml say tick_s = {step:.3g}"
+        )

@@ -43,9 +43,21 @@ class Columns:
         return [" ".join(row).strip() for row in cells]
 
 
+def column_names(rig: Rig) -> dict[str, str]:
+    """The column of each channel and input, and under its `fresh_key` the one that tells a new reading of it."""
+    rules = [*rig.channels.items(), *rig.inputs.items()]
+    told = {key: rule.fresh for name, rule in rules if (key := fresh_key(name, rule)) and rule.fresh}
+    return {name: rule.column or name for name, rule in rules} | told
+
+
+def fresh_key(name: str, rule: Signal) -> str:
+    """What the column that tells a new reading is known by; "" for none, or a signal on a bus."""
+    return f"{name}: new" if rule.fresh and not rule.signals else ""
+
+
 def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
     """Find them by name, times by what they look like too; takes lines of units and the like from the rows."""
-    names = {name: rule.column or name for name, rule in [*rig.channels.items(), *rig.inputs.items()]}
+    names = column_names(rig)
     taken = {k for k, name in enumerate(sheet.names) if name in names.values() or name == rig.log.time_column}
     places = {name: place_of(sheet, column, taken) for name, column in names.items()}
     of = {name: place for name, place in places.items() if place is not None}

@@ -15,7 +15,7 @@ from drivers.decode.condense import Condenser, Readings
 from drivers.decode.ticks import Ticks, split
 from drivers.frames import Array, Index, Tally
 from drivers.lab import counting, order, stamps
-from drivers.lab.columns import Columns, find_columns, to_the_unit
+from drivers.lab.columns import Columns, column_names, find_columns, fresh_key, to_the_unit
 from drivers.lab.doubts import admit, hot
 from drivers.lab.numerals import NOTHING, decimal_mark, numbers
 from drivers.lab.sheet import Sheet, read_sheet
@@ -36,7 +36,7 @@ class Table:
     def __init__(self, path: Path, rig: Rig, tally: Tally, budget: Budget) -> None:
         self.path, self.rig, self.tally = path, rig, tally
         signals = {**rig.channels, **rig.inputs}
-        wanted = [rig.log.time_column, *(rule.column or name for name, rule in signals.items())]
+        wanted = [rig.log.time_column, *column_names(rig).values()]
         sheet = read_sheet(path, rig.log.csv, wanted, tally, budget)
         found = find_columns(sheet, rig, tally)
         self.line = np.array(sheet.line, np.uint32)
@@ -51,7 +51,7 @@ class Table:
         self.never: dict[str, str] = {}
         for name in cells:
             values = self._measured(cells[name], name)
-            self.columns[name] = to_the_unit(values, sheet, found, name, signals[name])
+            self.columns[name] = to_the_unit(values, sheet, found, name, signals[name]) if name in signals else values
         self.time, local = self._timed(texts, sheet, found)
         self._only_timed(texts)
         self._put_in_order(local)
@@ -170,7 +170,8 @@ def ticks_of(table: Table, budget: Budget) -> Recording:
     readings = {}
     for name, rule in [*rig.channels.items(), *rig.inputs.items()]:
         if name in table.columns:
-            readings[name] = _readings(name, rule, table.columns[name][kept][: len(row)], row, now, tally)
+            cells = _fresh(table, name, rule)[kept][: len(row)]
+            readings[name] = _readings(name, rule, cells, row, now, tally)
     admit(path, rig, table.columns, table.never, readings)
     hot(rig, readings, tally)
     held = max(2, int(np.ceil(1.5 * step / rig.tick_s)))
@@ -187,6 +188,17 @@ def _tell(table: Table, step: float, tick_s: float) -> None:
         table.said.append(f"a row each {step:g} s, a tick each {tick_s:g} s: {how}")
     if table.said:
         table.tally.notes.insert(0, ", ".join(table.said))
+
+
+def _fresh(table: Table, name: str, rule: Signal) -> Array:
+    """A column's numbers, (n,): NaN in rows in which what tells a new reading has not changed."""
+    key, cells = fresh_key(name, rule), table.columns[name]
+    if not key:
+        return cells
+    told = table.columns.get(key, np.full(len(cells), np.nan))
+    known = np.flatnonzero(np.isfinite(told))
+    new = known[np.diff(told[known], prepend=np.nan) != 0]
+    return np.where(np.isin(np.arange(len(cells)), new), cells, np.nan)
 
 
 def _readings(name: str, rule: Signal, cells: Array, row: Index, now: Array, tally: Tally) -> Readings:

@@ -31,7 +31,8 @@ def _told(use: Use, rig: Rig) -> Iterator[str]:
         yield f"begun again at {use.begun_s:.0f} s: what was read before were no temperatures"
     for name in use.never:
         held = "the screw's temperature at the start" if rig.inputs[name].unit == "degC" else "0"
-        yield f"input {name} was never read: {held} stands for it"
+        table = ", and the error at the table is not known" if rig.bed and rig.bed.input == name else ""
+        yield f"input {name} was never read: {held} stands for it{table}"
     for one in use.suspects:
         yield broken(one, rig)
     yield from (suspected(one, each, rig) for one in use.channels for each in one.suspicions)

@@ -20,8 +20,9 @@ RESERVED = {"screw", "start", "elongation"}  # what terms of effects call so
 
 
 def load_rig(folder: Path | str) -> Rig:
-    """Read `folder/rig.toml`."""
+    """Read `folder/rig.toml`, which may be named itself."""
     folder = Path(folder)
+    folder = folder.parent if folder.name == "rig.toml" else folder
     path = folder / "rig.toml"
     table = fields.load(path)
     known = {f.name for f in dataclasses.fields(Rig)} - {"folder"}

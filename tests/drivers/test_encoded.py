@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -54,6 +55,7 @@ def test_every_signal_arrives_and_the_truth_is_on_the_log_s_clock(seven, lived, 
     ("change", "said"),
     [
         ({"log": {"checksums": ("BoreMotor.Count",)}}, "log.checksums: no frames are made with that"),
+        ({"log": {"dbc": None}}, "log.dbc is missing: CAN frames need a DBC file"),
         ({"inputs": {"oil": Signal("Hall.Air")}}, "oil: the simulated rig has no such thing; it has position, "),
         ({"inputs": {"position": Signal("Hall.Bed"), "base": Signal("Hall.Air")}}, "signals that come at different"),
     ],
@@ -65,6 +67,28 @@ def test_what_cannot_be_sent_is_said_with_its_place(seven, lived, change, said):
         Encoded(lived, replace(seven, log=log, inputs=change.get("inputs", seven.inputs)))
 
 
+@pytest.mark.parametrize("fresh", ["Growth.New", "Growth.Centre"], ids=["a count", "the reading itself"])
+def test_what_tells_a_new_reading_changes_with_each(fresh, lived, tmp_path):
+    dbc, rig = (SEVEN / "plant.dbc").read_text(), (SEVEN / "rig.toml").read_text().splitlines()
+    dbc = dbc.replace("Growth: 5 Gauge", 'Growth: 6 Gauge\n SG_ New : 40|8@1+ (1,0) [0|255] "" Filter')
+    (tmp_path / "plant.dbc").write_text(dbc)
+    rig = [line.replace('"Growth.Centre"', f'"Growth.Centre", fresh = "{fresh}"') for line in rig]
+    (tmp_path / "rig.toml").write_text("\n".join(line for line in rig if "displacement_direct" not in line))
+    path, counted = tmp_path / "run.log", load_rig(tmp_path)
+    Encoded(lived, counted).write(path)
+    read = np.isfinite(read_recording(path, counted).channels[:, counted.index("displacement")])
+    assert read.sum() == len(lived.holds.frozen_s) > 3
+
+
+@pytest.mark.parametrize("tick_s", [1.0, 2.0])
+def test_ticks_that_are_not_as_far_apart_as_the_rig_says_are_told(tick_s, seven, lived, tmp_path):
+    path = tmp_path / "run.log"
+    Encoded(lived, seven).write(path)
+    notes = read_recording(path, replace(seven, tick_s=tick_s)).notes
+    told = "ticks come each 1 s, and each counts as 2 s; in rig.toml say tick_s = 1"
+    assert [note for note in notes if "ticks come" in note] == [told] * (tick_s == 2.0)
+
+
 def test_a_thermometer_where_the_simulated_screw_has_none_is_said(seven, lived):
     channels = {**seven.channels, "left": replace(seven.channels["left"], at_mm=300.0)}
     with pytest.raises(SetupError, match=r"left: at_mm = 300: the simulated screw has its thermometers at 0, 72.5, "):
@@ -73,7 +97,11 @@ def test_a_thermometer_where_the_simulated_screw_has_none_is_said(seven, lived):
 
 def test_the_command_writes_the_recording_of_a_rig_folder(tmp_path):
     words = ("simulate", "FS-20", "--seconds", "30", "-o")
-    for rig in (SEVEN, SEVEN.parents[1] / "recordings"):
+    paper, copied = SEVEN.parents[1] / "recordings", tmp_path / "copied"
+    copied.mkdir()
+    shutil.copy(paper / "rig.toml", copied)
+    shutil.copy(SEVEN.parents[1] / "drivers" / "rig.dbc", copied)
+    for rig in (SEVEN, paper, copied):
         out = tmp_path / f"{rig.name}.blf"
         assert ballscrew(*words, out, "--rig", rig)[0] == 0
         assert len(read_recording(out, load_rig(rig))) >= 30

@@ -53,6 +53,7 @@ PLANTED = {
     "slow_soak": "3 W into 30 mm of screw at a place chosen by the seed at rest, coming with 1200 s",
     "drawn_heat": "heat or cold of a place, length, size and law that the seed draws",
 }
+NEVER_BELOW_0 = {"held_ends"}
 
 
 def strengths(plant: Mapping[str, float] | None, without: Collection[str]) -> dict[str, float]:
@@ -65,6 +66,8 @@ def strengths(plant: Mapping[str, float] | None, without: Collection[str]) -> di
     for name, strength in plant.items():
         if not math.isfinite(strength):
             raise ValueError(f"plant {name!r}: strength {strength} is not a finite number")
+        if name in NEVER_BELOW_0 and strength < 0.0:
+            raise ValueError(f"plant {name!r}: strength {strength:g} is below 0, and no bearing's stiffness is")
         if name in without:
             raise ValueError(f"effect {name!r} is both planted and taken away")
     return usual | {name: float(strength) for name, strength in plant.items()} | dict.fromkeys(without, 0.0)

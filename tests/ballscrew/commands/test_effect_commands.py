@@ -189,6 +189,17 @@ def test_an_effect_of_the_catalogue_is_added_at_its_defaults(folder):
     assert (folder / "model.toml").read_bytes() == before
 
 
+def test_what_nobody_has_fitted_is_as_uncertain_as_its_source_says(folder):
+    done("add", "held_ends", "model.toml", "-o", "better.toml")
+    model = load_model(folder / "better.toml")
+    assert {key: model.values[f"held_ends.{key}"].sd for key in ("k_anchor", "k_free", "E")} == {
+        "k_anchor": 400.0, "k_free": 400.0, "E": None,
+    }  # fmt: skip
+    assert {*model.doubts.paths} - {*load_model(folder / "model.toml").doubts.paths} == {
+        "held_ends.k_anchor", "held_ends.k_free",
+    }  # fmt: skip
+
+
 def test_an_effect_of_ones_own_is_kept_as_seen_from_the_new_model(folder):
     (folder / "deep" / "er").mkdir(parents=True)
     done("add", "effects.py:CoolantJet", "model.toml", "-o", "deep/er/m.toml")

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -95,6 +98,15 @@ def test_a_table_of_another_format_is_refused_before_the_work(short_log, tmp_pat
     status, out, _ = ballscrew("review", short_log, "--rig", PAPER, "--table", tmp_path / "ticks.csv", "--json")
     assert status == 0
     assert json.loads(out)["recordings"][0]["ticks"] == len(csv.read_csv(tmp_path / "ticks.csv"))
+
+
+def test_who_reads_what_is_printed_may_leave_before_the_end(tmp_path):
+    table, (end, pipe) = tmp_path / "rods.csv", os.pipe()
+    os.close(end)
+    words = [sys.executable, "-m", "ballscrew", "review", str(ROD / "check.csv"), "--table", str(table)]
+    subprocess.run(words, stdout=pipe, stderr=subprocess.PIPE, check=False)
+    os.close(pipe)
+    assert len(csv.read_csv(table)) > 10
 
 
 def test_a_table_beside_its_recording_is_no_recording_the_next_time(short_log, tmp_path):

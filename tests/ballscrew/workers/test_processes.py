@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -112,6 +113,20 @@ def test_a_process_that_is_lost_costs_its_job_once_more(tmp_path):
 def test_one_that_is_lost_again_and_again_is_one_line():
     with Home() as home, pytest.raises(InputError, match=rf"lost {MOST_LOST} times .*--workers 1$"):
         home.ask(dumps(lambda item: os._exit(9)), "x").result()
+
+
+def test_who_leaves_while_it_works_waits_for_no_answer_and_it_does_not_begin_again(tmp_path):
+    def job(folder: Path) -> None:
+        (folder / str(os.getpid())).touch()
+        time.sleep(20.0)
+
+    with Home() as home:
+        answer = home.ask(dumps(job), tmp_path)
+        while not (begun := list(tmp_path.iterdir())):
+            time.sleep(0.01)
+    assert answer.done()
+    assert isinstance(answer.exception(), InputError)
+    assert list(tmp_path.iterdir()) == begun
 
 
 def test_a_class_comes_back_as_itself_and_one_of_the_catalogue_by_its_name(rubbing, small_model):

@@ -70,6 +70,24 @@ def test_a_row_a_tick(tmp_path: Path, rod: Rig, iso: bool) -> None:
     assert record.skipped == {"column not in the rig file remark": 1}
 
 
+@pytest.mark.parametrize(("fresh", "kept"), [("left", [0, 3, 4]), ("n", [0, 2, 4])])
+def test_a_repeated_value_is_no_reading(tmp_path: Path, fresh: str, kept: list[int]) -> None:
+    (tmp_path / "rig.toml").write_text(ROD.replace('column = "left"', f'column = "left", fresh = "{fresh}"'))
+    rows = [(0, 20, 1), (1, 20, 1), (2, 20, 2), (3, 21, 2), (4, 20, 3), (5, 20, 3)]
+    text = "\n".join(["t,left,n,B", *(f"{t},{left},{n},30" for t, left, n in rows), ""])
+    (tmp_path / "a.csv").write_text(text)
+    record = read_recording(tmp_path / "a.csv", load_rig(tmp_path))
+    assert np.flatnonzero(np.isfinite(record.channels[:, 0])).tolist() == kept
+    assert np.isfinite(record.channels[:, 1]).all()
+
+
+def test_what_should_tell_a_new_reading_and_is_not_there_is_named_and_no_row_is_one(tmp_path: Path) -> None:
+    (tmp_path / "rig.toml").write_text(ROD.replace('column = "left"', 'column = "left", fresh = "count"'))
+    record = read_recording(table(tmp_path / "a.csv", 1.0, 30), load_rig(tmp_path))
+    assert not np.isfinite(record.channels[:, 0]).any()
+    assert any("no column count" in note for note in record.notes)
+
+
 def test_faster_rows_give_the_last_of_each_tick(tmp_path: Path, rod: Rig) -> None:
     record = read_recording(table(tmp_path / "a.csv", 0.1, 155), rod)
     np.testing.assert_allclose(np.diff(record.time_s), 1)

@@ -163,6 +163,10 @@ def test_what_a_rig_file_gets_wrong_is_named(tmp_path, text, message):
     assert str(caught.value) == f"{tmp_path / 'rig.toml'}{message}"
 
 
+def test_the_file_stands_for_its_folder(rig):
+    assert load_rig(rig.folder / "rig.toml") == rig
+
+
 def test_a_missing_rig_and_an_unknown_channel_are_named(tmp_path, rig):
     with pytest.raises(SetupError) as caught:
         load_rig(tmp_path)

@@ -61,6 +61,7 @@ def test_planted_places_are_told_and_depend_on_the_seed_alone():
     [
         ({"plant": {"friction_thining": 1.0}}, "unknown effect 'friction_thining'; did you mean 'friction_thinning'?"),
         ({"without": {"still-air"}}, "unknown effect 'still-air'; did you mean 'still_air'?"),
+        ({"plant": {"held_ends": -1.0}}, "plant 'held_ends': strength -1 is below 0, and no bearing's stiffness is"),
         ({"plant": {"radiation": math.nan}}, "plant 'radiation': strength nan is not a finite number"),
         ({"plant": {"radiation": 1.0}, "without": {"radiation"}}, "effect 'radiation' is both planted and taken away"),
     ],

@@ -1,0 +1,18 @@
+"""What is said of readings that were not used."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from estimator.faults.sentences import sentences
+from estimator.faults.use import Use
+from estimator.rig import Bed
+
+
+def test_a_bed_that_nobody_read_leaves_no_error_at_the_table_and_that_is_said(rig):
+    use = Use("a.log", 0.0, False, (), (), {}, {}, ("base", "ambient"), ())
+    usual = "was never read: the screw's temperature at the start stands for it"
+    assert sentences([use], rig) == [f"a.log: input base {usual}", f"a.log: input ambient {usual}"]
+    assert sentences([use], replace(rig, bed=Bed("base"))) == [
+        f"a.log: input base {usual}, and the error at the table is not known", f"a.log: input ambient {usual}",
+    ]  # fmt: skip
