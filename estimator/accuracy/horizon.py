@@ -5,7 +5,7 @@ One-step error alone flatters: a filter that trusts its readings hides what its 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -124,7 +124,7 @@ def overall(found: Sequence[Horizons], horizon: str) -> Error:
     return Error(*(rms(np.concatenate([errors(each, horizon).ravel() for each in found])) for errors in families))
 
 
-def errors(trials: Iterable[Trial], model: Model) -> dict[str, Error]:
+def errors(trials: Trials, model: Model) -> dict[str, Error]:
     """Error of each horizon over several recordings together."""
-    found = [horizons(trial, model) for trial in trials]
+    found = trials.each(lambda trial: horizons(trial, model))
     return {name: overall(found, name) for name in HORIZONS}

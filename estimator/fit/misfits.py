@@ -12,7 +12,7 @@ what a model at hand leaves of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import scipy
@@ -30,7 +30,9 @@ from estimator.work import Runs
 
 MEMORY_S = 120.0
 
-Parts = Sequence[tuple[Array, Array]]  # of each recording, (T, m) of the channels and (T, bodies), NaN: not measured
+Part = tuple[
+    Array, Array, Array
+]  # of a recording: lasting and quick, (T, m) of the channels, and (T, bodies), NaN: none
 
 
 class Misfits:
@@ -41,9 +43,9 @@ class Misfits:
         tick_s, weight = self.trials[0].rig.tick_s, weights(self.trials[0].rig)
         self._lasting = np.sqrt(weight) / good(runs.rig)
         self._quick = np.sqrt(weight * BLOCK_S / max(MEMORY_S, tick_s))  # no reading counts more than one
-        self._steps, self._keep = BLOCK_S / tick_s, np.exp(-tick_s / MEMORY_S)
+        self._steps = BLOCK_S / tick_s
         self._weight = sum(float((weight * measured(trial)).sum()) for trial in self.trials)
-        self._shown = np.vstack([shown(trial, trial.pose(model)) for trial in self.trials])
+        self._shown = np.vstack(self.trials.each(lambda trial: shown(trial, trial.pose(model))))
         self._scatter, self._lumps = np.ones(len(weight)), Lumps(self._shown, np.zeros_like(self._shown), self._steps)
         self.weigh(model)
 
@@ -52,8 +54,8 @@ class Misfits:
 
         Returns the largest share by which one of them has changed.
         """
-        channels, bodies = zip(*self._parts(model), strict=True)
-        quick, heat = self._each_quick(channels), self.trials[0].rig.is_thermometer
+        _, each_quick, bodies = zip(*self._parts(model), strict=True)
+        quick, heat = np.vstack(each_quick), self.trials[0].rig.is_thermometer
         before = np.append(self._scatter, self._lumps.sd_K)
         self._scatter = np.array([_rms(quick[:, heat if alike else i]) for i, alike in enumerate(heat)])
         self._lumps = Lumps(self._shown, np.vstack(bodies), self._steps)
@@ -65,7 +67,7 @@ class Misfits:
 
     def slopes(self, model: Model, paths: Sequence[str]) -> tuple[Array, Array]:
         """How these move with each parameter, (misfits, p) each."""
-        of_trials = [_slopes(trial, trial.pose(model), model, paths) for trial in self.trials]
+        of_trials = self.trials.each(lambda trial: _slopes(trial, trial.pose(model), model, paths))
         lasting, others = zip(*(self._rows(parts) for parts in zip(*of_trials, strict=True)), strict=True)
         return np.array(lasting).T, np.array(others).T
 
@@ -73,34 +75,37 @@ class Misfits:
         """Of lasting misfits, over what a good model leaves."""
         return float(lasting @ lasting / self._weight)
 
-    def _parts(self, model: Model) -> Parts:
-        posed = [(trial, trial.pose(model)) for trial in self.trials]
-        return [(open_loop_misfit(*each), body_misfit(*each)) for each in posed]
+    def _parts(self, model: Model) -> list[Part]:
+        return self.trials.each(lambda trial: _misfits(trial, trial.pose(model)))
 
-    def _rows(self, parts: Parts) -> tuple[Array, Array]:
-        channels, bodies = zip(*parts, strict=True)
-        quick = self._each_quick(channels) * (self._quick / self._scatter)
-        others = np.append(_known(quick), self._lumps.white(np.vstack(bodies)))
-        return _known(np.vstack(channels) * self._lasting), others
-
-    def _each_quick(self, channels: Sequence[Array]) -> Array:
-        """What a running mean leaves of the misfits of each recording, one after the other."""
-        return np.vstack([each - _running_mean(each, self._keep) for each in channels])
+    def _rows(self, parts: Sequence[Part]) -> tuple[Array, Array]:
+        lasting, quick, bodies = map(np.vstack, zip(*parts, strict=True))
+        others = np.append(_known(quick * (self._quick / self._scatter)), self._lumps.white(bodies))
+        return _known(lasting * self._lasting), others
 
 
-def _slopes(trial: Trial, posed: Posed, model: Model, paths: Sequence[str]) -> Iterator[tuple[Array, Array]]:
+def _misfits(trial: Trial, posed: Posed) -> Part:
+    """Those of a recording."""
+    lasting = open_loop_misfit(trial, posed)
+    return lasting, _quick(lasting, trial), body_misfit(trial, posed)
+
+
+def _slopes(trial: Trial, posed: Posed, model: Model, paths: Sequence[str]) -> list[Part]:
     """What a step of each parameter takes off the misfits of a recording."""
+    found = []
     for column in nominal_columns(posed, (tangent(trial, posed, model, path) for path in paths)):
-        yield -where_measured(column.reading, trial), -body_slope(column.z, trial, posed)
+        lasting = -where_measured(column.reading, trial)
+        found.append((lasting, _quick(lasting, trial), -body_slope(column.z, trial, posed)))
+    return found
 
 
-def _running_mean(values: Array, keep: float) -> Array:
-    """Of each column's finite values up to each row, every row before weighing less by `keep`; 0 before the first."""
-    known = np.isfinite(values)
+def _quick(values: Array, trial: Trial) -> Array:
+    """What a running mean leaves of each column's finite values: every row before weighs less; 0 before the first."""
+    known, keep = np.isfinite(values), np.exp(-trial.rig.tick_s / MEMORY_S)
     total, count = (
         scipy.signal.lfilter([1.0], [1.0, -keep], each, axis=0) for each in (np.nan_to_num(values), known.astype(float))
     )
-    return np.asarray(total / np.where(count > 0.0, count, 1.0))
+    return np.asarray(values - total / np.where(count > 0.0, count, 1.0))
 
 
 def _known(values: Array) -> Array:

@@ -21,6 +21,7 @@ from estimator.accuracy.horizon import errors
 from estimator.accuracy.quality import overall, quality
 from estimator.batch.replay import replay
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.inputs.phase import cooling
 from estimator.model import Model
 from estimator.record import Recording
@@ -72,7 +73,7 @@ class Folder:
         for channel, figure, value in _channels(trial, model):
             yield (name, channel, figure), value
         if recording.fingerprint not in model.about.get("fitted_on", {}).values():
-            for horizon, error in errors([trial], model).items():
+            for horizon, error in errors(Trials([trial]), model).items():
                 yield (name, "thermometers", f"{horizon}_K"), error.temperature_K
                 yield (name, "displacement", f"{horizon}_um"), error.elongation_um
         for figure, value in self._truth(name, model):

@@ -11,6 +11,7 @@ import pytest
 from estimator.accuracy.horizon import HORIZONS, errors, horizons, overall
 from estimator.batch.coarse import coarse
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.filter import Filter
 from tests.conftest import stepped
 
@@ -132,15 +133,15 @@ def test_errors_are_roots_of_mean_squares_over_all_recordings(found, trial, smal
     both = overall([found, worse], "one_step")
     squares = np.nansum(heat**2) + 400 * 4.0
     assert both.temperature_K == pytest.approx(np.sqrt(squares / (np.isfinite(heat).sum() + 400)))
-    told = errors([trial], small_model)
+    told = errors(Trials([trial]), small_model)
     assert set(told) == set(HORIZONS)
     assert told["one_step"] == once
     assert told["ahead"] == overall([found], "ahead")
 
 
 def test_a_wrong_model_is_worse_the_longer_it_is_alone(trial, small_model):
-    right = errors([trial], small_model)
-    wrong = errors([trial], small_model.with_values({"nut_friction.power": 100.0}))
+    right = errors(Trials([trial]), small_model)
+    wrong = errors(Trials([trial]), small_model.with_values({"nut_friction.power": 100.0}))
     worse = [wrong[name].temperature_K / right[name].temperature_K for name in HORIZONS]
     assert worse[0] < worse[1] < worse[2]
     assert worse[1] > 3
@@ -148,7 +149,7 @@ def test_a_wrong_model_is_worse_the_longer_it_is_alone(trial, small_model):
 
 def test_a_recording_shorter_than_ten_minutes_says_nothing_of_what_is_ahead(lived, small_model):
     rig, run = lived
-    found = errors([Trial(small_model, rig, run.rows(slice(0, AHEAD)))], small_model)
+    found = errors(Trials([Trial(small_model, rig, run.rows(slice(0, AHEAD)))]), small_model)
     assert np.isnan([found["ahead"].temperature_K, found["ahead"].elongation_um]).all()
     assert np.isfinite([found["one_step"].temperature_K, found["open_loop"].elongation_um]).all()
 
@@ -156,7 +157,7 @@ def test_a_recording_shorter_than_ten_minutes_says_nothing_of_what_is_ahead(live
 def test_a_model_that_reads_no_displacement_foretells_none_but_its_growth_is_judged_by_it(lived, trial, small_model):
     rig, run = lived
     bare = small_model - "displacement"
-    found, own = errors([Trial(bare, rig, run)], bare), errors([trial], small_model)
+    found, own = errors(Trials([Trial(bare, rig, run)]), bare), errors(Trials([trial]), small_model)
     assert np.isfinite([error.temperature_K for error in found.values()]).all()
     assert np.isnan([found["one_step"].elongation_um, found["ahead"].elongation_um]).all()
     assert found["open_loop"].elongation_um == pytest.approx(own["open_loop"].elongation_um, rel=0.1)

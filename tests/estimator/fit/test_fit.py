@@ -14,6 +14,7 @@ from estimator.accuracy.horizon import errors
 from estimator.accuracy.noise_floor import Error
 from estimator.batch.coarse import coarse
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.effect import Effect, Param
 from estimator.errors import InputError, SetupError
 from estimator.fit.fit import fit
@@ -72,7 +73,7 @@ def test_the_error_left_is_the_sensors_scatter(found, rig, lived, full):
     before, after = found.before["open_loop"], found.after["open_loop"]
     assert before.temperature_K > 5 * after.temperature_K
     assert before.elongation_um > 3 * after.elongation_um
-    true = errors([Trial(full, rig, lived)], full.with_values(TRUE))["open_loop"]
+    true = errors(Trials([Trial(full, rig, lived)]), full.with_values(TRUE))["open_loop"]
     assert after.temperature_K == pytest.approx(true.temperature_K, rel=0.05)
     assert after.temperature_K == pytest.approx(0.022, rel=0.1)
     assert after.elongation_um == pytest.approx(0.15, rel=0.1)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from estimator.batch.open_loop import open_loop_misfit
-from estimator.fit.misfits import MEMORY_S, Misfits
+from estimator.fit.misfits import MEMORY_S, Misfits, _quick
 from estimator.fit.open_loop_fit import follow
 from estimator.work import Runs
 
@@ -38,7 +38,7 @@ def test_what_is_quick_is_what_a_mean_of_older_misfits_leaves(misfits, full):
     trial = misfits.trials[0]
     off, tick_s = open_loop_misfit(trial, trial.pose(full)), trial.rig.tick_s
     off[10:30, 3] = np.nan
-    values, left = off[:, 3], misfits._each_quick([off])[:, 3]
+    values, left = off[:, 3], _quick(off, trial)[:, 3]
     for k in (0, 5, 40, len(values) - 1):
         known = [i for i in range(k + 1) if np.isfinite(values[i])]
         weight = np.exp(-(k - np.array(known)) * tick_s / MEMORY_S)
