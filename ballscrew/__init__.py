@@ -10,7 +10,7 @@
     class CoolantJet(Effect): ...              physics of your own, its numbers each a Param
 
 Each name is imported when it is used. The command begins in cli, and shares workspace, reviewing, search, machine,
-began, glance, options, muting and terminal; then commands/, report/, page/, table/, monitor/, fleet/, workers/,
+began, at_a_glance, options, muting and terminal; then commands/, report/, page/, table/, monitor/, fleet/, workers/,
 new_rig/, doubts/ and own_effect/.
 """
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ballscrew.glance import glance
+from ballscrew.at_a_glance import glance
 from ballscrew.report.review_report import TITLES, error_rows
 from ballscrew.report.sections import table
 from ballscrew.report.use_report import left_out

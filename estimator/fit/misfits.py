@@ -30,9 +30,7 @@ from estimator.work import Runs
 
 MEMORY_S = 120.0
 
-Part = tuple[
-    Array, Array, Array
-]  # of a recording: lasting and quick, (T, m) of the channels, and (T, bodies), NaN: none
+Part = tuple[Array, Array, Array]  # lasting and quick, (T, m), and bodies, (T, bodies), of a recording; NaN: none
 
 
 class Misfits:

@@ -16,6 +16,7 @@ from estimator.rig import Rig
 from estimator.terms import SCREW, Hold, Term
 
 PLACES = 99
+UNSEEN_K_PER_H = 1.0  # that a bed goes while its thermometer is silent: air in a shop goes about as fast
 
 
 class View:
@@ -95,11 +96,14 @@ class BedGrowth:
 
         um = expansion (T - T_0) |x_nut - x_anchor|,      T_0 at the first tick, or the rig's zero_C
 
-    Its thermometer is read in order of time; what it showed last holds while it is silent or broken.
+    Its thermometer is read in order of time; what it showed last holds while it is silent or broken, and is the less
+    sure the longer that lasts.
     """
 
     def __init__(self, rig: Rig) -> None:
-        self._rig, self._rise, self._last, self._zero = rig, np.zeros(1), np.nan, rig.zero_C
+        self._rig, self._zero = rig, rig.zero_C
+        self._last, self._last_s = np.nan, 0.0
+        self._rise = self._unseen_K = np.zeros(1)
 
     def read(self, rows: Recording, fault: Array) -> None:
         """The next ticks, with why each input was held, (K, p), a Fault each."""
@@ -107,11 +111,14 @@ class BedGrowth:
             return
         name = self._rig.bed.input
         well = np.where(fault[:, list(self._rig.inputs).index(name)] == Fault.NONE, rows.inputs[name], np.nan)
-        known = np.isfinite(series := np.append(self._last, well))
-        shown = series[np.maximum.accumulate(np.where(known, np.arange(len(series)), 0))][1:]
+        series, time_s = np.append(self._last, well), np.append(self._last_s, rows.time_s)
+        known = np.isfinite(series)
+        at = np.maximum.accumulate(np.where(known, np.arange(len(series)), 0))
         if self._zero is None and known.any():
             self._zero = float(series[np.argmax(known)])
-        self._last, self._rise = shown[-1], shown - (np.nan if self._zero is None else self._zero)
+        self._last, self._last_s = series[at[-1]], time_s[at[-1]]
+        self._rise = series[at][1:] - (np.nan if self._zero is None else self._zero)
+        self._unseen_K = (time_s - time_s[at])[1:] / 3600.0 * UNSEEN_K_PER_H
 
     def um(self, at_mm: Array) -> tuple[Array, Array]:
         """Growth with the table at places (p,), or (K, p), mm, and its sd: (K, p) each, of the ticks read last."""
@@ -119,5 +126,6 @@ class BedGrowth:
         if rig.bed is None or rig.nut is None:
             return np.zeros((1, 1)), np.zeros((1, 1))
         reach_mm = abs(rig.nut.centre(at_mm) - rig.supports["anchor"].at_mm)
-        um = rig.bed.expansion * 1e3 * self._rise[:, None] * reach_mm
-        return um, abs(um) * rig.bed.tolerance
+        um_per_K = rig.bed.expansion * 1e3 * reach_mm
+        um = um_per_K * self._rise[:, None]
+        return um, np.hypot(um * rig.bed.tolerance, um_per_K * self._unseen_K[:, None])

@@ -15,6 +15,7 @@ from estimator.batch.replay import Replay
 from estimator.effects.held import HeldEnds
 from estimator.filter import Filter
 from estimator.rig import Bed
+from estimator.state.view import UNSEEN_K_PER_H
 from tests.conftest import stepped
 
 STIFFNESSES = ("held_ends.k_anchor", "held_ends.k_free")
@@ -84,7 +85,9 @@ def test_the_bed_s_own_growth_comes_off_the_error_at_the_table_live_as_in_review
     bed_um = 11.0 * (rise_K - rise_K[first])[:, None] * reach_m
     np.testing.assert_allclose((usual.table.error_um - less.table.error_um)[first:], bed_um[first:], atol=1e-9)
     own = np.sqrt(less.table.sd_um**2 - usual.table.sd_um**2)
-    np.testing.assert_allclose(own[first:], 0.1 * abs(bed_um)[first:], atol=1e-6)
+    silent_h = np.where((np.arange(300) >= 200) & (np.arange(300) < 205), np.arange(300) - 199.0, 0.0) / 3600.0
+    unseen_um = 11.0 * UNSEEN_K_PER_H * silent_h[:, None] * reach_m
+    np.testing.assert_allclose(own[first:], np.hypot(0.1 * bed_um, unseen_um)[first:], atol=1e-6)
     np.testing.assert_allclose(live.error_at_table_um, less.track.error_at_table_um, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(live.error_at_table_sd_um, less.track.error_at_table_sd_um, rtol=1e-9, atol=1e-9)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ballscrew.glance import glance
+from ballscrew.at_a_glance import glance
 from ballscrew.monitor.monitor import Monitor
 from estimator.accuracy.review import Review, review
 from estimator.faults.fault import Fault
