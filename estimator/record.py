@@ -27,6 +27,8 @@ class Sample:
               angle turned in the tick
     unevenness  mean of speed^2 over the square of the mean speed, 1: even. Friction that is not proportional to speed
               makes another heat in short strokes, whose ends count more
+    apart_s  longest time from one reading of the speed to the next, of those that ended in the tick, s; 0: short beside
+             a tick, inf: too long to know what was between, NaN: none was read
     """
 
     time_s: float
@@ -36,6 +38,7 @@ class Sample:
     omega: float
     coverage: Array
     unevenness: float = 1.0
+    apart_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -58,11 +61,13 @@ class Recording:
     skipped: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     unevenness: Array = field(default_factory=lambda: np.ones(1))
+    apart_s: Array = field(default_factory=lambda: np.zeros(1))
     began_s: float | None = None
 
     def __post_init__(self) -> None:
-        if len(self.unevenness) != len(self.time_s):
-            object.__setattr__(self, "unevenness", np.ones(len(self.time_s)))
+        for name, usual in (("unevenness", 1.0), ("apart_s", 0.0)):
+            if len(getattr(self, name)) != len(self.time_s):
+                object.__setattr__(self, name, np.full(len(self.time_s), usual))
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -83,13 +88,16 @@ class Recording:
             omega=self.omega[which],
             coverage=self.coverage[which],
             unevenness=self.unevenness[which],
+            apart_s=self.apart_s[which],
         )
 
     def sample(self, k: int) -> Sample:
         """Tick k."""
         inputs = {name: float(column[k]) for name, column in self.inputs.items()}
-        time_s, omega, unevenness = (float(column[k]) for column in (self.time_s, self.omega, self.unevenness))
-        return Sample(time_s, self.channels[k], self.ages_s[k], inputs, omega, self.coverage[k], unevenness)
+        return Sample(
+            float(self.time_s[k]), self.channels[k], self.ages_s[k], inputs, float(self.omega[k]), self.coverage[k],
+            float(self.unevenness[k]), float(self.apart_s[k]),
+        )  # fmt: skip
 
     def __iter__(self) -> Iterator[Sample]:
         return (self.sample(k) for k in range(len(self)))
@@ -109,5 +117,6 @@ def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
         omega=np.array([s.omega for s in rows]),
         coverage=np.array([s.coverage for s in rows]),
         unevenness=np.array([s.unevenness for s in rows]),
+        apart_s=np.array([s.apart_s for s in rows]),
         **about,  # type: ignore[arg-type]
     )

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivers.decode.drive import DriveCondenser
+from drivers.decode.drive import Drive, DriveCondenser
 from drivers.frames import Array, Index, Mask, Tally, Whole
 from estimator.record import Recording
 from estimator.rig import RAD_S, Rig
@@ -55,10 +55,10 @@ class Condenser:
         for name in self.rig.inputs:
             inputs[name] = np.full(rows, np.nan)
             inputs[name][readings.get(name, NONE).row] = readings.get(name, NONE).value
-        omega, coverage, uneven = self._drive(readings.get("position", NONE), readings.get("speed", NONE), rows)
-        return Recording("", date, channels, ages, inputs, omega, coverage, unevenness=uneven)
+        drive = self._drive(readings.get("position", NONE), readings.get("speed", NONE), rows)
+        return Recording("", date, channels, ages, inputs, **drive._asdict())
 
-    def _drive(self, position: Readings, speed: Readings, rows: int) -> tuple[Array, Array, Array]:
+    def _drive(self, position: Readings, speed: Readings, rows: int) -> Drive:
         position = position.after(self._position)
         self._position = position._replace(row=position.row - rows).where(slice(-1, None))
         return self.drive.rows(speed.now, _at(position, speed), speed.value * self.rad_s, speed.row, rows)

@@ -7,6 +7,8 @@ position to the next.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from drivers.frames import Array, Index, Tally
@@ -14,6 +16,15 @@ from estimator.rig import Rig, Screw
 
 AT_ONCE = 1024  # ticks, of which every sum over the cells takes 2 MB
 _STANDS = 1e-3  # cells: a shorter way is a stand
+
+
+class Drive(NamedTuple):
+    """Of each tick, as in Recording: (rows,) rad/s, (rows, cells), (rows,), (rows,) s."""
+
+    omega: Array
+    coverage: Array
+    unevenness: Array
+    apart_s: Array
 
 
 class DriveCondenser:
@@ -28,23 +39,26 @@ class DriveCondenser:
         self._last = (-np.inf, np.nan, np.nan)  # s, mm, rad/s
         self._row = -(1 << 40)
 
-    def rows(self, now: Array, position: Array, speed: Array, row: Index, rows: int) -> tuple[Array, Array, Array]:
-        """Mean |speed| (rows,) rad/s, cover of the cells (rows, cells), unevenness (rows,), from frames in order.
+    def rows(self, now: Array, position: Array, speed: Array, row: Index, rows: int) -> Drive:
+        """From frames in order.
 
         now    (n,) s       position  (n,) mm, NaN where unknown
         speed  (n,) rad/s   row       (n,) tick of each frame, rising
         """
         cover = np.zeros((rows, self.screw.cells if self.screw else 0))
         if not self.turns:
-            return np.zeros(rows), cover, np.ones(rows)
+            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows))
         columns = zip(self._last, (now, position, speed), strict=True)
         now, position, speed = (np.concatenate(([last], column)) for last, column in columns)
         row = np.concatenate(([self._row], row))
         latest = np.searchsorted(row, np.arange(rows), side="right") - 1
         silent = np.arange(rows) - row[latest] > self.held_ticks
         self.tally.skip("tick without drive", np.count_nonzero(silent))
-        joined = np.flatnonzero(np.diff(now) <= (self.held_ticks + 0.5) * self.tick_s)
-        passed, into = np.diff(now)[joined], row[joined + 1]
+        steps = np.diff(now)
+        steps[steps > (self.held_ticks + 0.5) * self.tick_s] = np.inf  # nobody knows what was between
+        joined, apart = np.flatnonzero(np.isfinite(steps)), np.full(rows, np.nan)
+        np.fmax.at(apart, row[1:], steps)
+        passed, into = steps[joined], row[joined + 1]
         turned = _mean_speed(speed[joined], speed[joined + 1]) * passed
         squared = _mean_square(speed[joined], speed[joined + 1]) * passed
         time, angle, squares = (np.bincount(into, amount, rows) for amount in (passed, turned, squared))
@@ -55,7 +69,7 @@ class DriveCondenser:
             cover = self._cover(position, joined, weight, into, latest)
         omega[silent] = cover[silent] = np.nan
         self._last, self._row = (float(now[-1]), float(position[-1]), float(speed[-1])), int(row[-1]) - rows
-        return omega, cover, uneven
+        return Drive(omega, cover, uneven, apart)
 
     def _cover(self, position: Array, joined: Index, weight: Array, row: Index, latest: Index) -> Array:
         """Cover of the cells by the nut, on its way between frames; where it has no way, where the latest one was."""

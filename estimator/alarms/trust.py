@@ -42,7 +42,7 @@ class Watch:
         """A tick has closed."""
         self._started, self._diverged = step.mode != Mode.INIT, diverged
         self._moving = bool(turns(sample.omega))
-        self._travel.step(sample.inputs.get("position", np.nan), sample.omega)
+        self._travel.step(sample)
         if step.fused[self._heat].sum() >= self.least:
             self._enough = step.time_s
         if step.fused[~self._heat].any():

@@ -43,6 +43,8 @@ def _told(use: Use, rig: Rig) -> Iterator[str]:
         yield f"input {name} is not read since {from_s:.0f} s: its last value is held"
     for from_s, why in use.travel[:FEW]:
         yield f"{why}, at {from_s:.0f} s: heat may be in the wrong place, the error at the table is not to be trusted"
+    if use.too_slow:
+        yield use.too_slow
     for jump in use.jumps:
         yield _jumped(jump, rig)
     if counts := list(_counts(use, rig)):

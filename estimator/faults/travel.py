@@ -1,9 +1,18 @@
 """Whether position and speed go together: a table moves no further than the screw turns, and moves while it turns.
 
-    path  speed x time x lead of this tick or the one before, the longer: the most that the position can change by
+    path  mean speed x time x lead of this tick or the one before, the longer: the most that the position can change by;
+          the time is that of the tick and at most of the last reading before it
 
 A table that turns back within a tick moves less: a jump that is shorter than the path of a tick is not seen. Where a
 drive begins or ends the mean speed of the tick hangs on when in it that was: on a fast bus nobody knows.
+
+Where speeds are as far apart as ticks, or further, the axis can have started, stopped or turned between two of them:
+
+    path  fastest speed read so far x time between the two x lead
+
+and none as long as few speeds of a drive have been read. A drive that sends seldom at rest and often while it turns
+would have told of a motion. What stood for ten readings, is elsewhere at the next and stands again has jumped or made
+one move between two: which of both, nobody can say.
 """
 
 from __future__ import annotations
@@ -12,32 +21,55 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from estimator.record import Recording
-from estimator.rig import Rig
+from estimator.record import Recording, Sample
+from estimator.rig import RAD_S, Rig
 
 SLACK_MM, SLACK = 5.0, 0.1  # of the path: both are read at slightly other times
 STANDS_MM = 1e-3  # less is no motion
 IN_A_ROW = 3  # ticks
 
 
+LONG = 10  # readings
+FEW = 20  # ticks that turn, whose speeds do not tell how fast the axis is
+QUICK = 0.5  # ticks: further apart, speeds do not tell how far the table moves between two
+
+
 def disagreements(recording: Recording, rig: Rig) -> Iterator[tuple[float, str]]:
     """What is wrong with position and speed of a recording, and since when, s."""
     travel, before = Travel(rig), ""
-    position = recording.inputs.get("position", np.full(len(recording), np.nan))
-    for time_s, place, omega in zip(recording.time_s, position, recording.omega):
-        travel.step(place, omega)
+    for sample in recording:
+        travel.step(sample)
         if travel.why and travel.why != before:
-            yield float(time_s), travel.why
+            yield sample.time_s, travel.why
         before = travel.why
+
+
+def too_slow(recording: Recording, rig: Rig) -> str:
+    """Which jumps of the position are not seen for speeds that are too far apart; empty: none that matter."""
+    turning, speed = recording.omega > 0, np.abs(recording.inputs.get("speed", np.empty(0)))
+    read = turning & np.isfinite(recording.apart_s)
+    if not {"position", "speed"} <= set(rig.inputs) or rig.screw is None or not read.any():
+        return ""
+    apart_s = float(np.median(recording.apart_s[read]))
+    if apart_s < QUICK * rig.tick_s:
+        return ""
+    way_mm = apart_s * rig.screw.lead_mm / (2 * np.pi) * RAD_S[rig.inputs["speed"].unit] * float(np.nanmax(speed))
+    return (
+        f"speeds {apart_s:.3g} s apart are too slow to check the position: the table moves by up to {way_mm:.0f} mm "
+        "between two, a jump that is shorter is not seen"
+    )
 
 
 class Travel:
     """Takes position and speed tick by tick; `why` says what is wrong with them, empty: nothing."""
 
     def __init__(self, rig: Rig) -> None:
-        given = rig.screw is not None and "position" in rig.inputs and "speed" in rig.inputs
-        self._path = rig.screw.lead_mm / (2 * np.pi) * rig.tick_s if given and rig.screw else np.nan
+        self._given = rig.screw is not None and "position" in rig.inputs and "speed" in rig.inputs
+        self._lead = rig.screw.lead_mm / (2 * np.pi) if rig.screw else np.nan
+        self._rad_s, self._tick_s = RAD_S[rig.inputs["speed"].unit] if self._given else np.nan, rig.tick_s
         self._last, self._before, self._offset, self._slips, self._stands = np.nan, 0.0, 0.0, 0, 0
+        self._fastest, self._turned, self._apart_s = 0.0, 0, np.inf
+        self._stood, self._unseen = 0, 0.0
 
     @property
     def why(self) -> str:
@@ -46,18 +78,52 @@ class Travel:
             return "the position moves further than the speed says"
         if self._stands >= IN_A_ROW:
             return "the position stands still though the speed says that the screw turns"
-        return f"the position jumped by {self._offset:+.1f} mm" if self._offset else ""
+        if self._offset:
+            return f"the position jumped by {self._offset:+.1f} mm"
+        unseen = self._unseen and self._stood >= IN_A_ROW
+        return f"the position moved by {self._unseen:+.1f} mm though the screw stood at every reading" if unseen else ""
 
-    def step(self, position_mm: float, omega: float) -> None:
-        """One tick: the position at its close, and the mean of |speed| over it, rad/s."""
-        path, moved = self._path * omega, position_mm - self._last
-        before, self._before, self._last = self._before, path, position_mm
+    def step(self, sample: Sample) -> None:
+        """One tick."""
+        if not self._given or np.isnan(sample.apart_s):
+            return
+        place = sample.inputs["position"]
+        path, moved = self._lead * sample.omega * (self._tick_s + sample.apart_s), place - self._last
+        before, self._before, self._last = self._before, path, place
+        self._learn(sample, turned=path > 0 and before > 0)
         if not np.isfinite(path + moved):
             return
-        most = (1.0 + SLACK) * max(path, before) + abs(path - before) + SLACK_MM
+        usual = (1.0 + SLACK) * max(path, before) + abs(path - before) + SLACK_MM
+        slow = self._slow(sample.apart_s)
+        most = self._between(sample.apart_s) if slow else usual
+        self._rest(moved, turns=path > 0 or not slow)
         slips = abs(moved) > most
         self._slips = self._slips + 1 if slips else 0
         if slips:
             offset = self._offset + moved
             self._offset = offset if abs(offset) > most else 0.0
         self._stands = self._stands + 1 if path > SLACK_MM and abs(moved) < STANDS_MM else 0
+
+    def _learn(self, sample: Sample, turned: bool) -> None:
+        """How fast the axis has been, and how often its speed is read while it turns."""
+        self._fastest = np.fmax(self._fastest, abs(self._rad_s * sample.inputs["speed"]))
+        if turned:
+            self._turned, self._apart_s = self._turned + 1, min(self._apart_s, sample.apart_s)
+
+    def _rest(self, moved: float, turns: bool) -> None:
+        """How long the table has stood, and how far it moved in one step between two such times, mm."""
+        if turns:
+            self._stood, self._unseen = 0, 0.0
+        elif abs(moved) <= SLACK_MM:
+            self._stood += 1
+        else:
+            unseen = self._unseen + moved if self._stood >= LONG else 0.0
+            self._stood, self._unseen = 0, unseen if abs(unseen) > SLACK_MM else 0.0
+
+    def _slow(self, apart_s: float) -> bool:
+        """Whether the axis can have moved between two speeds that are so far apart, and none told of it."""
+        return min(apart_s, self._apart_s) >= QUICK * self._tick_s
+
+    def _between(self, apart_s: float) -> float:
+        """The most that the table can move between two such speeds, mm."""
+        return (1.0 + SLACK) * self._lead * self._fastest * apart_s + SLACK_MM if self._turned > FEW else np.inf

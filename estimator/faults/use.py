@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from estimator.faults.fault import POWER_ON_C, Fault, Spell, Suspicion, spells, suspicions
-from estimator.faults.travel import disagreements
+from estimator.faults.travel import disagreements, too_slow
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import Track
@@ -101,6 +101,7 @@ class Use:
     inputs  when those that were broken were so
     silent  since when, s, inputs were not read any more;   never  inputs that were not read at all
     travel  what was wrong with position and speed, and since when, s
+    too_slow  which jumps of the position speeds are too far apart to show; empty: none that matter
     """
 
     name: str
@@ -112,6 +113,7 @@ class Use:
     silent: Mapping[str, float]
     never: tuple[str, ...]
     travel: tuple[tuple[float, str], ...]
+    too_slow: str = ""
 
     @property
     def suspects(self) -> tuple[ChannelUse, ...]:
@@ -139,6 +141,7 @@ def use_of(recording: Recording, rig: Rig, told: Told) -> Use:
     return Use(
         recording.name, float(told.time_s[begin]), again, tuple(found), tuple(jumps), broken, _silent(recording),
         tuple(name for name in rig.inputs if not np.isfinite(recording.inputs[name]).any()), travel,
+        too_slow(recording, rig),
     )  # fmt: skip
 
 

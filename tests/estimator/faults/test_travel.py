@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from estimator.faults.travel import Travel
+from drivers.decode.condense import Condenser, Readings
+from drivers.frames import Tally
+from estimator.faults.travel import Travel, disagreements, too_slow
+from estimator.record import Sample
 
 
 def told(rig, position, omega) -> list[str]:
     travel, whys = Travel(rig), []
-    for each in zip(position, omega, strict=True):
-        travel.step(*each)
+    for place, turns in zip(position, omega, strict=True):
+        inputs = {"position": place, "speed": turns * 30 / np.pi}
+        travel.step(Sample(0.0, np.empty(0), np.empty(0), inputs, turns, np.empty(0)))
         whys.append(travel.why)
     return whys
 
@@ -57,3 +63,105 @@ def test_a_position_that_stands_and_a_speed_that_is_dead(rig, drive):
     assert told(rig, position, 0.0 * omega)[24] == "the position moves further than the speed says"
     running = np.where(np.arange(200) >= 100, omega[100], omega)
     assert told(rig, position, running)[145] == "the position stands still though the speed says that the screw turns"
+
+
+RAMP_MM_S2 = 2000.0
+
+
+def strokes(mm_s, row_s, seed):
+    """Position, mm, and speed, mm/s, at each row: rest, strokes of 50 .. 600 mm with dwells of 0 .. 3 s, rest."""
+    dice, step_s = np.random.default_rng(seed), 0.01
+    at, speeds = 0.0, [np.zeros(int(60 / step_s))]
+    while sum(map(len, speeds)) * step_s < 900.0:
+        to = dice.uniform(0.0, 600.0)
+        ramp_s, way = mm_s / RAMP_MM_S2, abs(to - at)
+        run_s = max(0.0, way / mm_s - ramp_s)
+        time = np.arange(0.0, run_s + 2 * ramp_s, step_s)
+        shape = np.minimum(1.0, np.minimum(time, run_s + 2 * ramp_s - time) / ramp_s)
+        own = np.sign(to - at) * shape * way / (shape.sum() * step_s)
+        speeds += [own, np.zeros(int(dice.uniform(0.0, 3.0) / step_s))]
+        at = to
+    speed = np.concatenate([*speeds, np.zeros(int(60 / step_s))])
+    rows = np.arange(0, len(speed), int(row_s / step_s))
+    return (np.cumsum(speed) * step_s)[rows], speed[rows]
+
+
+def logged(rig, position, speed, row_s):
+    """The recording of such rows, as a table of a lab is read: what came last holds until the next row."""
+    each = round(row_s / rig.tick_s)
+    now, row = row_s * np.arange(len(position)), each * np.arange(len(position))
+    rpm = speed / rig.the_screw().lead_mm * 60.0
+    read = {"position": Readings(row, row, now, position), "speed": Readings(row, row, now, rpm)}
+    found = Condenser(rig, Tally(), max(2, 2 * each)).rows(read, rig.tick_s * np.arange(each * len(position)))
+    held = {name: found.inputs[name][np.arange(len(found)) // each * each] for name in read}
+    return replace(found, inputs={**found.inputs, **held})
+
+
+@pytest.mark.parametrize("tick_s", [1.0, None])
+@pytest.mark.parametrize("row_s", [1.0, 2.0, 5.0, 10.0])
+@pytest.mark.parametrize("mm_s", [40.0, 330.0])
+def test_rows_between_which_an_axis_starts_stops_and_turns_are_right(mm_s, row_s, tick_s, rig):
+    own = replace(rig, tick_s=tick_s or row_s)
+    for seed in range(3):
+        run = logged(own, *strokes(mm_s, row_s, seed), row_s)
+        assert list(disagreements(run, own)) == []
+        assert f"speeds {row_s:g} s apart are too slow to check the position" in too_slow(run, own)
+
+
+def test_rows_faster_than_ticks_are_not_too_slow(rig):
+    own = replace(rig, tick_s=5.0)
+    position, speed = strokes(40.0, 1.0, 0)
+    now, row = np.arange(len(position)) * 1.0, np.arange(len(position)) // 5
+    read = {name: Readings(row, row, now, value) for name, value in (("position", position), ("speed", speed * 5.0))}
+    assert too_slow(Condenser(own, Tally()).rows(read, 5.0 * np.arange(row[-1] + 1)), own) == ""
+
+
+def test_a_shift_that_no_axis_makes_between_two_rows_is_said_and_a_shorter_one_is_not(rig):
+    position, speed = strokes(40.0, 1.0, 1)
+    at, way = 400, 1.1 * np.abs(speed).max() + 5.0
+    for shift, said in ((2.0 * way, True), (0.0, False)):
+        run = logged(rig, position + np.where(np.arange(len(position)) >= at, shift, 0.0), speed, 1.0)
+        whys = list(disagreements(run, rig))
+        assert [(time_s, why[:22]) for time_s, why in whys] == ([(at, "the position jumped by")] if said else [])
+
+
+def test_a_shift_of_40_mm_along_the_motion_is_said_of_slow_rows_too(rig):
+    position, speed = strokes(40.0, 1.0, 1)
+    along = np.flatnonzero((speed[1:-1] > 39.0) & (speed[2:] > 39.0) & (np.arange(len(speed) - 2) > 300))[0] + 2
+    run = logged(rig, position + np.where(np.arange(len(position)) >= along, 40.0, 0.0), speed, 1.0)
+    assert [time_s for time_s, _ in disagreements(run, rig)] == [along]
+
+
+@pytest.mark.parametrize("row_s", [1.0, 10.0])
+def test_a_shift_at_rest_is_told_for_what_is_known_of_it(row_s, rig):
+    """A jump, or a move between two readings: until it is back, or the screw turns."""
+    position, speed = strokes(330.0, row_s, 3)
+    position, speed = np.append(position, np.full(60, position[-1])), np.append(speed, np.zeros(60))
+    shifted = np.arange(len(position)) >= len(position) - 40
+    told = [why for _, why in disagreements(logged(rig, position + 40.0 * shifted, speed, row_s), rig)]
+    assert told == ["the position moved by +40.0 mm though the screw stood at every reading"]
+    back = shifted & (np.arange(len(position)) < len(position) - 20)
+    travel = Travel(rig)
+    for sample in logged(rig, position + 40.0 * back, speed, row_s):
+        travel.step(sample)
+    assert travel.why == ""
+
+
+def test_slow_rows_tell_of_a_position_that_stands(rig):
+    position, speed = strokes(40.0, 2.0, 2)
+    later = np.arange(len(position)) >= 200
+    stuck = logged(rig, np.where(later, position[200], position), speed, 2.0)
+    assert [why[:26] for _, why in disagreements(stuck, rig)][-1] == "the position stands still "
+
+
+def test_a_drive_that_sends_seldom_at_rest_is_checked_there(rig):
+    """Frames each 0.1 s while it turns, each second at rest: a shift of 40 mm at rest is one."""
+    position, speed = strokes(330.0, 0.1, 3)
+    sent = (speed != 0.0) | (np.arange(len(speed)) % 10 == 0)
+    shifted = position + np.where(np.arange(len(position)) >= len(position) - 300, 40.0, 0.0)
+    now, row = 0.1 * np.flatnonzero(sent), np.flatnonzero(sent) // 10
+    rpm = speed / rig.the_screw().lead_mm * 60.0
+    for place, said in ((position, []), (shifted, ["the position jumped by +40.0 mm"])):
+        read = {name: Readings(row, row, now, value[sent]) for name, value in (("position", place), ("speed", rpm))}
+        run = Condenser(rig, Tally()).rows(read, np.arange(row[-1] + 1.0))
+        assert [why for _, why in disagreements(run, rig)] == said
