@@ -31,15 +31,27 @@ PACKED = struct.Struct("<dI?B8sIB")  # the same for one frame
 
 @dataclass
 class Tally:
-    """What was skipped, by reason, and sentences that say where: filled by every stage from the file to the ticks."""
+    """What was skipped, by reason, and sentences that say where: filled by every stage from the file to the ticks.
+
+    refused  readings of each channel or input that came and are none;   of_readings  the reasons that count such
+    """
 
     skipped: Counter[str] = field(default_factory=Counter)
     notes: list[str] = field(default_factory=list)
+    refused: Counter[str] = field(default_factory=Counter)
+    of_readings: set[str] = field(default_factory=set)
 
     def skip(self, reason: str, count: int | np.integer[Any] = 1) -> None:
         """Count `count` things that were not used. A hostile log invents reasons: past 300 they are lumped."""
         if count:
             self.skipped[reason if reason in self.skipped or len(self.skipped) < 300 else "other reasons"] += int(count)
+
+    def refuse(self, reason: str, name: str, count: int | np.integer[Any]) -> None:
+        """Count readings of a channel or input that are none; the frames that brought them are well."""
+        if count:
+            self.of_readings.add(f"{reason} {name}")
+            self.skip(f"{reason} {name}", count)
+            self.refused[name] += int(count)
 
     def counts(self) -> dict[str, int]:
         """How many of each reason."""

@@ -32,7 +32,10 @@ def _values(status: Status, tone: Tone) -> list[Glance]:
         sent = [status.published] if status.published else []
         known = np.isfinite(step.error_at_table_um)
         error = _within(step.error_at_table_um, step.error_at_table_sd_um) if known else "not known"
-        place = f"table at {step.position_mm:.0f} mm" if known else "no position of the table"
+        placed = np.isfinite(step.position_mm)
+        place = f"table at {step.position_mm:.0f} mm" if placed else "no position of the table"
+        if placed and not known and status.rig.bed:
+            place = f"nothing read of {status.rig.bed.input}, the bed's temperature"
         values.append(Glance("error at the table ± 2 sd", error, ", ".join([place, *sent]), tone))
     return values
 

@@ -10,12 +10,13 @@ import numpy as np
 
 from ballscrew.monitor.left_out import LeftOut
 from drivers.budget import Budget
-from drivers.bus.missing import Missing
+from drivers.bus.missing import PATIENCE_S, Missing
 from drivers.frames import Tally
 from drivers.received import Received
 from drivers.ticker import Ticker
 from estimator.alarms.alarms import Alarm, Alarms
 from estimator.alarms.trust import Trust, Watch
+from estimator.faults.sentences import bed_unread
 from estimator.filter import Filter
 from estimator.model import Model
 from estimator.record import Sample
@@ -81,12 +82,13 @@ class Monitor:
         self.resumed_s: float | None = None
         self.start: Warmth | None = None
         self._run: Run | None = None
+        self._waits_for_bed = self.rig.bed is not None
 
     def forget_what_was_told(self) -> None:
         """Alarms that are on begin anew, and what was noticed so far counts no more."""
         self.active = {}
-        self.tally.skipped.clear()
-        self.tally.notes.clear()
+        for told in (self.tally.skipped, self.tally.notes, self.tally.refused):
+            told.clear()
 
     def feed(self, frame: Received) -> Iterator[Moment]:
         """Take one frame."""
@@ -167,6 +169,7 @@ class Monitor:
         self.watch.tick(sample, step, self.tests.diverged)
         for name in self.missing.never(step.time_s):
             self.tally.note(f"{name} has not come yet")
+        self._note_bed(step)
         absent = {alarm.key: alarm for alarm in self._absent(step.time_s)}
         changed = self._changed(absent | self.left_out.alarms | self.tests.active)
         return Moment(sample, step, self._sure(self.watch.trust(step.time_s)), *changed)
@@ -181,6 +184,13 @@ class Monitor:
         """Tell where the run began warm."""
         if self.start is not None and self.start.warm:
             self.tally.note(self.start.sentence)
+
+    def _note_bed(self, step: Step) -> None:
+        """Tell once why there is no error at the table, where it is for the bed that it is told against."""
+        unread = np.isfinite([step.elongation_um, step.position_mm]).all() and np.isnan(step.error_at_table_um)
+        if self._waits_for_bed and self.rig.bed and unread and step.time_s >= PATIENCE_S:
+            self.tally.note(bed_unread(self.rig.bed))
+            self._waits_for_bed = False
 
     def _absent(self, now_s: float) -> Iterator[Alarm]:
         missing = list(self.missing.since(now_s))

@@ -18,7 +18,7 @@ from ballscrew.monitor.explainer import Explainer
 from ballscrew.monitor.glance import glances
 from ballscrew.monitor.monitor import Moment, Monitor
 from ballscrew.monitor.resume import resume
-from ballscrew.monitor.status import Status, defects, not_used
+from ballscrew.monitor.status import Status, defects, frames_lost
 from drivers.bus.publisher import Publisher
 from drivers.bus.receiver import Receiver
 from drivers.bus.rig_time import RigTime
@@ -245,7 +245,7 @@ class Session:
 
     def status(self) -> Status:
         """How things are."""
-        skipped = defects(self.monitor.tally.counts())
+        tally = self.monitor.tally
         lost = self.recorder.lost if self.recorder else 0
         publisher = self.publisher
         sent = f"{publisher.sent} frames sent" if publisher else ""
@@ -256,7 +256,8 @@ class Session:
             rig=self.monitor.rig, moment=self.latest, alarms=tuple(self.monitor.active.values()),
             bus=f"{self.bus} {self.receiver.state}{errors}", frames=self.receiver.frames,
             frames_per_s=self._frames_per_s(), age_s=self.receiver.age_s, resumed_s=self.monitor.resumed_s,
-            dropped=self.receiver.missed + self.receiver.dropped + lost + not_used(skipped), skipped=skipped,
+            dropped=self.receiver.missed + self.receiver.dropped + lost + frames_lost(tally),
+            refused={name: count for name, count in tally.refused.items() if count}, skipped=defects(tally.counts()),
             recording=(self.recorder.trouble or str(self.recorder.path)) if self.recorder else "none (--record DIR)",
             publishing=(publisher.trouble or sent) if publisher else "", views=self.views_at, motion=motion,
             published=self._published(latest.trust) if latest and publisher else "", judged_s=self._judged_s,

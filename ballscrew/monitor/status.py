@@ -10,11 +10,13 @@ import numpy as np
 
 from ballscrew.monitor.monitor import Moment
 from ballscrew.terminal import duration
+from drivers.frames import Tally
 from estimator.alarms.alarms import Alarm
 from estimator.faults.fault import MAY_DRIFT, Fault
 from estimator.rig import Rig
 from viz.drawing.scale import clock
 
+NO_FRAME = ("tick ", "scan ", "fault bit ", "further notes")  # counted, and no frame was lost
 NO_DEFECT = ("unknown id", "not in the rig file", "held since before the log", "sent by us", "other state")
 
 
@@ -25,6 +27,7 @@ class Status:
     age_s      how old the latest frame was when it was taken
     resumed_s  since when the estimate is this monitor's, s since the first frame; before that it was an earlier one's
     motion     whether the table drives, and since when;   published  whether the estimate goes to a control
+    dropped    frames that came and were not used;   refused  readings of channels and inputs that were none
     judged_s   since when the estimate has been valid or not, s since the first frame
     ended      nothing comes any more
     """
@@ -38,6 +41,7 @@ class Status:
     age_s: float
     resumed_s: float | None
     dropped: int
+    refused: Mapping[str, int]
     skipped: Mapping[str, int]
     recording: str
     publishing: str
@@ -86,7 +90,7 @@ class Status:
             "t": step.time_s, "elongation_um": step.elongation_um, "sigma_um": step.sigma_um,
             "error_at_table_um": step.error_at_table_um, "mode": self.moment.mode.name.lower(),
             "channels": fused_thermometers(self.moment, self.rig), "nis": step.nis, "frames": self.frames,
-            "age_s": self.age_s, "dropped": self.dropped,
+            "age_s": self.age_s, "dropped": self.dropped, "refused": self.refused,
             "alarms": [
                 {"kind": a.kind, "channel": a.channel, "since_s": a.since_s, "text": a.text} for a in self.alarms
             ],
@@ -107,9 +111,10 @@ def defects(skipped: Mapping[str, int]) -> dict[str, int]:
     return {reason: count for reason, count in skipped.items() if not reason.startswith(NO_DEFECT)}
 
 
-def not_used(skipped: Mapping[str, int]) -> int:
-    """How many frames and readings were lost; of some defects the rest can be used all the same."""
-    return sum(count for reason, count in skipped.items() if not reason.endswith("(used)"))
+def frames_lost(tally: Tally) -> int:
+    """How many frames came and were not used; of some defects the rest can be used all the same."""
+    lost = {reason: n for reason, n in defects(tally.counts()).items() if reason not in tally.of_readings}
+    return sum(n for reason, n in lost.items() if not reason.startswith(NO_FRAME) and not reason.endswith("(used)"))
 
 
 def fused_thermometers(moment: Moment, rig: Rig) -> int:

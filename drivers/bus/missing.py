@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from drivers.decode.dbc import Layout
 
 CYCLES = 3.0
-_PATIENCE_S = 60.0  # for what has no cycle time
+PATIENCE_S = 60.0  # for what has no cycle time
 
 
 class Missing:
@@ -21,7 +21,7 @@ class Missing:
 
     def never(self, now_s: float) -> list[str]:
         """Messages without a cycle time that have not come since the start: told once."""
-        if now_s < _PATIENCE_S:
+        if now_s < PATIENCE_S:
             return []
         names = [f"{message.name} (0x{message.id:X})" for message in self._awaited.values()]
         self._awaited = {}

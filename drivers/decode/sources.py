@@ -47,14 +47,17 @@ class Source:
             use &= self._fresh(self.fresh.raw(words).astype(np.int64), now, quiet_s, tally)
         for bits, raw in zip(self.parts, raws, strict=True):
             for number, text in bits.no_value.items():
-                use = self._drop(use, raw == number, f"{text} {self.name}", tally)
+                use = self._drop(use, raw == number, text, tally)
         if self.valid:
             for text, wrong in self.valid.broken(words, f"unknown {self.valid.bits.name}"):
-                kind = "flagged" if _FAULT.search(text) else "other state"
-                use = self._drop(use, wrong, f"{kind} {text} {self.name}", tally)
-        use = self._drop(use, ~np.isfinite(value), f"no number {self.name}", tally)
+                if _FAULT.search(text):
+                    use = self._drop(use, wrong, f"flagged {text}", tally)
+                else:
+                    tally.skip(f"other state {text} {self.name}", np.count_nonzero(use & wrong))
+                    use &= ~wrong
+        use = self._drop(use, ~np.isfinite(value), "no number", tally)
         with np.errstate(invalid="ignore"):
-            use = self._drop(use, (value < self.rule.lo) | (value > self.rule.hi), f"out of range {self.name}", tally)
+            use = self._drop(use, (value < self.rule.lo) | (value > self.rule.hi), "out of range", tally)
         return use, value
 
     def _fresh(self, number: Whole, now: Array, quiet_s: float, tally: Tally) -> Mask:
@@ -67,9 +70,8 @@ class Source:
         self.held = int(number[-1])
         return new
 
-    @staticmethod
-    def _drop(use: Mask, bad: Mask, reason: str, tally: Tally) -> Mask:
-        tally.skip(reason, np.count_nonzero(use & bad))
+    def _drop(self, use: Mask, bad: Mask, reason: str, tally: Tally) -> Mask:
+        tally.refuse(reason, self.name, np.count_nonzero(use & bad))
         return use & ~bad
 
 

@@ -59,7 +59,7 @@ class Table:
     def _measured(self, cells: list[str], name: str) -> Array:
         values = numbers(cells, self.mark)
         wrong = np.isnan(values) & np.array([cell.lower() not in NOTHING for cell in cells], bool)
-        self.tally.skip(f"no number {name}", np.count_nonzero(wrong))
+        self.tally.refuse("no number", name, np.count_nonzero(wrong))
         if wrong.any() and not np.isfinite(values).any():
             first = int(np.argmax(wrong))
             self.never[name] = f"{name} is '{cells[first][:40]}' in line {self.line[first]}, no number"
@@ -205,7 +205,7 @@ def _readings(name: str, rule: Signal, cells: Array, row: Index, now: Array, tal
     value = rule.scale * cells + rule.offset
     with np.errstate(invalid="ignore"):
         outside = (value < rule.lo) | (value > rule.hi)
-    tally.skip(f"out of range {name}", np.count_nonzero(outside))
+    tally.refuse("out of range", name, np.count_nonzero(outside))
     use = np.flatnonzero(np.isfinite(value) & ~outside)
     return Readings(use, row[use], now[use], value[use])
 

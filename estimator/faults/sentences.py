@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.faults.fault import Fault, Spell, Suspicion
 from estimator.faults.use import NOT_MEASURED, ChannelUse, Jump, Use
-from estimator.rig import Rig
+from estimator.rig import Bed, Rig
 
 FEW = 3  # channels that are named one by one
 GAPS = 0.01  # of the ticks, in which a thermometer is missing more often than the others: said
@@ -31,8 +31,9 @@ def _told(use: Use, rig: Rig) -> Iterator[str]:
         yield f"begun again at {use.begun_s:.0f} s: what was read before were no temperatures"
     for name in use.never:
         held = "the screw's temperature at the start" if rig.inputs[name].unit == "degC" else "0"
-        table = ", and the error at the table is not known" if rig.bed and rig.bed.input == name else ""
-        yield f"input {name} was never read: {held} stands for it{table}"
+        yield f"input {name} was never read: {held} stands for it"
+        if rig.bed and rig.bed.input == name:
+            yield bed_unread(rig.bed)
     for one in use.suspects:
         yield broken(one, rig)
     yield from (suspected(one, each, rig) for one in use.channels for each in one.suspicions)
@@ -49,6 +50,14 @@ def _told(use: Use, rig: Rig) -> Iterator[str]:
         yield _jumped(jump, rig)
     if counts := list(_counts(use, rig)):
         yield f"readings not used: {'; '.join(counts)}"
+
+
+def bed_unread(bed: Bed) -> str:
+    """Why nothing is known of the error at the table, and what to do."""
+    return (
+        f"the error at the table is not known, for nothing has been read of {bed.input}, the temperature of the bed: "
+        f"correct its signal at inputs.{bed.input} in rig.toml, or leave out [bed]"
+    )
 
 
 def broken(one: ChannelUse, rig: Rig) -> str:

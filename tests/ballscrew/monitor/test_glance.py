@@ -14,6 +14,7 @@ from ballscrew.monitor.monitor import Moment
 from ballscrew.monitor.status import Status
 from estimator.alarms.alarms import Alarm
 from estimator.alarms.trust import Trust
+from estimator.rig import Bed
 from estimator.step import Mode
 from tests.viz_fake import fake_run
 from viz.lanes import banner
@@ -29,7 +30,7 @@ def status() -> Status:
     step = run.track.step(299, ("",) * 16)
     moment = Moment(run.recording.sample(299), step, Trust((), False, False), (), ())
     return Status(
-        run.rig, moment, (), "a bus open", 100, 16.0, 0.0, None, 0, {}, "none", "", "",
+        run.rig, moment, (), "a bus open", 100, 16.0, 0.0, None, 0, {}, {}, "none", "", "",
         motion="at rest since 0:04:02", published="sent", judged_s=2.0,
     )  # fmt: skip
 
@@ -87,6 +88,12 @@ def test_a_place_of_the_table_that_is_not_known_is_no_number(status):
     step = replace(status.moment.step, error_at_table_um=np.nan, error_at_table_sd_um=np.nan, position_mm=np.nan)
     _, table, _ = glances(alone(status, step=step))
     assert (table.value, table.below) == ("not known", "no position of the table, sent")
+
+
+def test_a_bed_that_nobody_read_is_why_there_is_no_error_at_the_table(status):
+    step = replace(status.moment.step, error_at_table_um=np.nan, error_at_table_sd_um=np.nan)
+    _, table, _ = glances(replace(alone(status, step=step), rig=replace(status.rig, bed=Bed("base"))))
+    assert (table.value, table.below) == ("not known", "nothing read of base, the bed's temperature, sent")
 
 
 def test_before_the_first_tick_and_the_first_estimate_there_is_no_value(status):

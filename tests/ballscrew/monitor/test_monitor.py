@@ -5,10 +5,12 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from ballscrew.monitor import monitor as monitoring
 from ballscrew.monitor.monitor import Moment, Monitor
 from drivers.bus.rig_time import RigTime
 from drivers.decode.checks import frame_checksum
@@ -16,9 +18,11 @@ from drivers.received import Received
 from drivers.recordings import read_recording
 from drivers.virtual_rig import simulate, write
 from estimator.batch.replay import replay
+from estimator.rig import Bed
 from estimator.step import Mode
 from tests.live_fake import DRIVE, STATUS, TELEMETERS, Frames, changed, channel, dropped, rig_frames, since
 
+ENVIRONMENT = 0x240
 FAULT_S, END_S = 119.0, 190.0  # the fault is there for a whole window of the tests
 
 Run = Callable[[Frames], tuple[Monitor, list[Moment]]]
@@ -134,6 +138,21 @@ def test_a_silent_telemeter_makes_the_estimate_invalid_and_its_return_valid(run,
     assert "no thermometer is read" in begun(moments)
     assert "no thermometer is read" in {a.text for m in moments for a in m.over}
     assert apart_sd(moments, plain) < 3
+
+
+def test_why_there_is_no_error_at_the_table_is_told_once(paper, frames, monkeypatch):
+    monkeypatch.setattr(monitoring, "PATIENCE_S", 10.0)
+    rig, said = replace(paper[0], bed=Bed("base")), {}
+    for name, some in (("read", frames), ("never", dropped(frames, 0.0, [ENVIRONMENT]))):
+        monitor, said[name] = Monitor(paper[1], rig), []
+        for frame in [f for f in some if since(frames, f) < 20.0]:
+            moments = list(monitor.feed(frame))
+            said[name] += [note for note in monitor.tally.notes if "bed" in note]
+            monitor.tally.notes.clear()
+        assert np.isfinite(moments[-1].step.error_at_table_um) == (name == "read")
+    assert said["read"] == []
+    assert len(said["never"]) == 1
+    assert "inputs.base in rig.toml" in said["never"][0]
 
 
 def test_a_silent_drive_is_told_at_once(run, frames):

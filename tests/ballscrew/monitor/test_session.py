@@ -20,7 +20,7 @@ from ballscrew.monitor.status import Status
 from drivers.received import Notice
 from estimator.errors import SetupError
 from estimator.step import Mode
-from tests.live_fake import DRIVE, STATUS, Frames, dropped, rig_frames
+from tests.live_fake import DRIVE, STATUS, Frames, changed, channel, dropped, rig_frames, since
 from tests.processes import until
 from viz.drawing.scale import clock
 
@@ -310,6 +310,23 @@ def test_the_panel_has_everything_with_its_unit(session, frames):
         "suspects",
     }  # fmt: skip
     assert told["suspects"] == []
+
+
+def test_readings_that_are_none_are_refused_and_no_frame_is_dropped(session, frames):
+    """The same count for programs, for the terminal and at the end; a frame of the wrong length is dropped."""
+    can_id, change = channel(5, lambda value, time_s: 32000)
+    live, _, ticks = session(changed(frames, can_id, 30.0, change))
+    count = ticks[-1].json()["refused"]["T05"]
+    assert 13 <= count <= 16
+    assert ticks[-1].json()["refused"] == {"T05": count}
+    assert (ticks[-1].json()["dropped"], live.status().dropped) == (0, 0)
+    assert f"{count} x out of range T05" in live.status().line()
+    assert live.status().refused["T05"] - count in (0, 1)  # what came after the last tick that was told
+    live, _, ticks = session(
+        [f._replace(data=f.data[:7]) if f.id == DRIVE and since(frames, f) >= 30 else f for f in frames]
+    )
+    assert ticks[-1].json()["refused"] == {}
+    assert live.status().dropped == sum(f.id == DRIVE and since(frames, f) >= 30 for f in frames)
 
 
 def test_json_lines_on_a_full_disk_cost_lines_and_nothing_else(session, frames):
