@@ -234,7 +234,7 @@ def markdown(*names: str) -> str:
     if unknown := set(names) - set(sound.ROWS):
         raise SystemExit(f"faults: what is {', '.join(unknown)}? Rows are {', '.join(sound.ROWS)}")
     found = measured([case for case in cases() if not names or case.row in names])
-    return sound.tables({name: _of(found, name) for name in sound.ROWS}) if names else _all(found)
+    return sound.tables({name: _row(found, name) for name in sound.ROWS}) if names else _all(found)
 
 
 def _all(found: dict[Case, Outcome]) -> str:
@@ -248,13 +248,13 @@ def _all(found: dict[Case, Outcome]) -> str:
     says = [f"Runs of {', '.join(run for run, _ in WHEN.values())} with a failure at {SEED} and later seeds. {LATE}"]
     tables = [
         table("Thermometers that fail", rows, says),
-        sound.tables({name: _of(found, name) for name in sound.ROWS}),
+        sound.tables({name: _row(found, name) for name in sound.ROWS}),
         *_by_kind(found),
     ]
     return "\n".join([*tables, drifts.table(WHEN, SEED)])
 
 
-def _of(found: dict[Case, Outcome], row: str) -> list[Outcome]:
+def _row(found: dict[Case, Outcome], row: str) -> list[Outcome]:
     return [outcome for case, outcome in found.items() if case.row == row]
 
 
