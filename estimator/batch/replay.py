@@ -101,13 +101,15 @@ class Replay:
         trial.settle()
 
     def smoothed(self) -> SmoothedElongation:
-        """The elongation after the fact, from the readings that the filter fused; nothing for less than two ticks."""
+        """The elongation after the fact, from readings that the filter fused, and of which nothing may have drifted.
+
+        Nothing for less than two ticks.
+        """
         um, sigma = np.full((2, len(self.track)), np.nan)
         if self._posed is not None and self.trial is not None:
             T = len(self._posed.system.y)
-            system = replace(
-                self._posed.system, y=self._posed.system.y - self.trial.jumped, muted=~self.track.fused[-T:]
-            )
+            heard = self.track.fused[-T:] & (self.track.may_drift_K[-T:] == 0)
+            system = replace(self._posed.system, y=self._posed.system.y - self.trial.jumped, muted=~heard)
             elongation = len(system.H)  # the channel that is never read
             found = batch.smoothed(replace(self._posed, system=system).with_elongation(), channels=[elongation])
             grows = np.isfinite(self.track.elongation_um[-T:])

@@ -85,6 +85,7 @@ class Judgement:
     off_share  (K,) by which share of their values the model's parameters must be off, 0: as a fit has left them
     jump     (m,) by how much channels jumped whose zero is now another one; None: none did
     drift    (m,) by how much channels had drifted that were fused up to now; None: none had
+    loose    (m,) by how much more channels may have drifted that go on being fused; None: none by more than was said
     anew     whether the run has to begin again with the last tick: what it began with were no temperatures
     """
 
@@ -94,6 +95,7 @@ class Judgement:
     off_share: Array
     jump: Array | None = None
     drift: Array | None = None
+    loose: Array | None = None
     anew: bool = False
 
 

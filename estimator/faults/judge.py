@@ -4,7 +4,7 @@ A thermometer that leaves the model alone is held, and after ten seconds it is l
 most leave together, the telemeter has other zeros, or the run began with what were no temperatures. A length has no
 neighbours: where it jumps it has another zero, and where it departs slowly the model is wrong, and it is believed.
 What is broken goes on being compared, and is taken back when it has been well for long enough. What only may drift is
-fused and said.
+said, and fused with a zero that is not known by as much: the estimate does not go along any further.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Judge:
         self._suspects, self._recovery = Suspects(m, begun_with), Recovery(m)
         self.fault, self.since_s = np.zeros(m, dtype=np.int8), np.full(m, np.nan)
         self._silent_ticks = np.where(self._heat, SILENT_TICKS, max(SILENT_TICKS, SILENT_LENGTH_S / rig.tick_s))
-        self._silent, self._beyond, self._held, self._together = *np.zeros((3, m)), 0
+        self._silent, self._beyond, self._held, self._loose_K, self._together = *np.zeros((4, m)), 0
 
     @property
     def well(self) -> Array:
@@ -97,7 +97,14 @@ class Judge:
         fault[last], since_s[last], may_drift_K[last] = self.fault, self._said_since_s, self._neighbours.may_drift_K
         if jump is not None:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
-        return Judgement(fault, since_s, may_drift_K, added.off_share, jump, drift, anew)
+        return Judgement(fault, since_s, may_drift_K, added.off_share, jump, drift, self._loosen(), anew)
+
+    def _loosen(self) -> Array | None:
+        """By how much more channels may have drifted than was said of them before, (m,)."""
+        may_K = np.where(self.fault == Fault.NONE, np.abs(self._neighbours.may_drift_K), 0.0)
+        more = np.sqrt(np.maximum(may_K**2 - self._loose_K**2, 0.0))
+        self._loose_K = np.where(may_K > 0.0, np.maximum(may_K, self._loose_K), 0.0)
+        return more if more.any() else None
 
     def by_another_model(self, known: Known) -> None:
         """Go on with what another model says of the readings, of which other parameters are known."""

@@ -69,11 +69,11 @@ def broken(one: ChannelUse, rig: Rig) -> str:
 
 
 def suspected(one: ChannelUse, suspicion: Suspicion, rig: Rig) -> str:
-    """T06 at 559 mm may have drifted by +0.12 K, from 1800 s on: it is used, and the sd holds it."""
+    """T06 at 559 mm may have drifted by +0.12 K, from 1800 s on: it is used, with a zero that is not known."""
     to = f"to {suspicion.to_s:.0f} s" if np.isfinite(suspicion.to_s) else "on"
     return (
         f"{place_of(rig, rig.index(one.channel))} may have drifted by {suspicion.most_K:+.2f} K, "
-        f"from {suspicion.from_s:.0f} s {to}: it is used, and the estimate's sd allows for it"
+        f"from {suspicion.from_s:.0f} s {to}: it is used, with a zero that is not known by as much"
     )
 
 

@@ -121,6 +121,7 @@ class State:
     def judged(self, P: Array, judgement: Judgement) -> Array:
         """P after what a tick's judgement says of readings that were fused before, or will be."""
         P = P if judgement.jump is None else self.jumped(P, judgement.jump)
+        P = P if judgement.loose is None else self.jumped(P, judgement.loose)
         return P if judgement.drift is None else self.misled(P, judgement.drift)
 
     def transition(self, z: Transition, dt: float) -> Transition:

@@ -1,4 +1,4 @@
-"""A thermometer that may drift: used, named, and the estimate's sd holds what it would be off by."""
+"""A thermometer that may drift: used with a zero that is not known, named, and the sd holds what it has led to."""
 
 from __future__ import annotations
 
@@ -62,31 +62,32 @@ def test_a_drift_is_suspected_and_used_before_it_is_accused(healthy, paper):
     assert not np.delete(track.may_drift_K, ONE, axis=1).any()
 
 
-def test_the_sd_holds_what_a_slow_drift_adds(healthy, usual, paper):
-    """Which is several times the sd that knows nothing of it."""
+def test_a_slow_drift_that_is_suspected_leads_the_estimate_no_further(healthy, usual, paper):
+    """Its zero goes with it, where a known one would take the estimate along by 0.2 um; the sd holds what it did."""
     rig, model = paper
     track = replay(model, rig, drifting(healthy, 0.3))
     first = suspected(track)[0]
     assert first - AT < 1000
     assert not track.fault.any()
     added = abs(track.elongation_um - usual.elongation_um)
-    assert added[-1] > 2 * usual.sigma_um[-1]
+    assert added[1:].max() < 0.1
     assert (added <= 2 * track.sigma_um).all()
     assert track.may_drift_K[-1, ONE] == pytest.approx(0.3 / 3600 * (SECONDS - AT), rel=0.3)
     near = np.argmin(abs(track.x_mm - rig.channels[rig.names[ONE]].at_mm))
-    assert track.profile_sd_K[-1, near] > 3 * usual.profile_sd_K[-1, near]
+    assert track.profile_sd_K[-1, near] > 2 * usual.profile_sd_K[-1, near]
     assert track.error_at_table_sd_um[-1] > usual.error_at_table_sd_um[-1]
     np.testing.assert_array_equal(track.sigma_um[:first], usual.sigma_um[:first])
 
 
-def test_a_suspicion_passes_and_the_sd_is_as_it_was(healthy, usual, paper):
-    """P is not touched by it."""
+def test_a_suspicion_passes_and_estimate_and_sd_are_as_they_were(healthy, usual, paper):
+    """But for a zero that the model has to tell anew."""
     rig, model = paper
     track = replay(model, rig, drifting(healthy, 0.7, 200))
     at = suspected(track)
     assert at[0] < AT + 200 < at[-1] < AT + 1200
     assert not track.fault.any()
-    np.testing.assert_allclose(track.sigma_um[at[-1] + 1 :], usual.sigma_um[at[-1] + 1 :], rtol=1e-6)
+    np.testing.assert_allclose(track.sigma_um[at[-1] + 1 :], usual.sigma_um[at[-1] + 1 :], rtol=0.02)
+    np.testing.assert_allclose(track.elongation_um[at[-1] + 1 :], usual.elongation_um[at[-1] + 1 :], atol=0.04)
     assert np.isnan(track.since_s[at[-1] + 1 :, ONE]).all()
 
 
@@ -101,11 +102,13 @@ def test_live_suspects_and_widens_as_batch_does(drift, healthy, paper):
         np.testing.assert_allclose(getattr(live, key), getattr(batch, key), rtol=1e-9, atol=1e-9, err_msg=key)
 
 
-def test_after_the_fact_the_sd_holds_it_too(healthy, paper):
+def test_after_the_fact_what_may_drift_is_not_heard(healthy, usual, paper):
     rig, model = paper
     found = Replay(model, rig, drifting(healthy, 0.3), None, lambda _: None)
     smoothed = found.smoothed()
-    assert smoothed.sigma_um[-1] == pytest.approx(found.track.sigma_um[-1], abs=1e-9)
+    assert smoothed.sigma_um[-1] == pytest.approx(found.track.sigma_um[-1], rel=0.02)
+    after = suspected(found.track)[0] + 1
+    assert (abs(smoothed.elongation_um - usual.elongation_um)[after:] < 0.1).all()
 
 
 @pytest.mark.parametrize(("K_per_h", "said"), [(0.3, True), (3.0, False)], ids=["used", "left out"])
@@ -117,7 +120,7 @@ def test_it_is_said_of_a_recording_but_of_what_was_accused_then(K_per_h, said, h
     first = track.time_s[suspected(track)[0]]
     told = [sentence for sentence in sentences([use], rig) if "may have drifted" in sentence]
     at = f"T05 at {rig.channels['T05'].at_mm:g} mm may have drifted by"
-    ends = f"K, from {first:.0f} s on: it is used, and the estimate's sd allows for it"
+    ends = f"K, from {first:.0f} s on: it is used, with a zero that is not known by as much"
     assert [at in each and each.endswith(ends) for each in told] == [True] * said
     assert bool(use.channels[ONE].suspicions) == said
     assert use.channels[ONE].suspect == (Fault.NONE if said else Fault.DRIFTING)
