@@ -135,7 +135,7 @@ class Judge:
         anew = tick.time_s - self._begun_s <= START_S and bool((believed | self._wrong_start(tick, hot)).any())
         held = (self.fault == Fault.JUDGED) & self._heat
         still = free & self._heat & (tick.repeats >= STILL)
-        for i, fault in self._suspects.judged(tick, hot if most else hot | still, held).items():
+        for i, fault in self._suspects.judged(tick, hot if most else hot | still, held, most).items():
             together = Fault.NONE if believed[i] else Fault.JUDGED
             self._set(i, together if most and hot[i] else fault, tick)
         believed |= self._lengths(tick, out & ~self._heat)
@@ -167,7 +167,7 @@ class Judge:
         elif self.fault[i] == Fault.NONE:
             self.since_s[i] = tick.time_s
         if fault > Fault.JUDGED:
-            self._recovery.isolate(i, fault, float(tick.deviation[i]))
+            self._recovery.isolate(i, fault, float(tick.deviation[i]), tick.time_s)
             self._neighbours.forget(i)
         self.fault[i] = fault
 

@@ -12,6 +12,7 @@ from estimator.faults.suspects import STILL
 from estimator.record import Array
 
 WELL_S, DRIFT_WELL_S, LONGEST_S = 60.0, 3600.0, 3600.0
+FORGIVEN = 10.0  # times as long well as was asked for: what was before counts no more
 
 
 @dataclass(frozen=True)
@@ -23,14 +24,17 @@ class Progress:
 
 
 class Recovery:
-    """Since when each broken channel has been within its limit. The time asked for doubles with each fault."""
+    """Since when each broken channel has been within its limit. The time asked for doubles with each fault, and is
+    forgiven in time: one bad reading an hour costs a minute each."""
 
     def __init__(self, m: int) -> None:
-        self._patience_s = np.full(m, WELL_S)
+        self._patience_s, self._back_s = np.full(m, WELL_S), np.full(m, np.inf)
         self._state = np.full((2, m), np.nan)  # well since, s; deviation when it was last not well
 
-    def isolate(self, i: int, fault: Fault, deviation: float) -> None:
+    def isolate(self, i: int, fault: Fault, deviation: float, now_s: float) -> None:
         """A channel is broken from now on."""
+        if now_s - self._back_s[i] > FORGIVEN * self._patience_s[i]:
+            self._patience_s[i] = WELL_S
         self._state[:, i] = np.nan, deviation
         least = DRIFT_WELL_S if fault == Fault.DRIFTING else WELL_S
         self._patience_s[i] = min(max(self._patience_s[i], least), LONGEST_S)
@@ -57,4 +61,6 @@ class Recovery:
     def learn(self, progress: Progress, k: int) -> None:
         """Take the first k ticks."""
         self._state = progress.trail[k - 1].copy()
-        self._patience_s[progress.back[k - 1]] *= 2.0
+        back = progress.back[k - 1]
+        self._back_s[back] = self._state[0][back] + self._patience_s[back]
+        self._patience_s[back] *= 2.0

@@ -11,7 +11,7 @@ from estimator.record import Array
 
 HELD_S, HELD_TICKS = 10.0, 5  # whichever is longer: then it is the sensor's own fault
 EPISODES, EPISODES_S = 3, 300.0  # so many that ended by themselves are a loose contact
-WILD = 3.0  # times its limit: further than any model is wrong, and counts twice
+WILD = 3.0  # times its limit, there and back: no model is wrong like that, and once is enough
 STILL, STUCK = 10, 20  # repeats
 
 
@@ -23,10 +23,15 @@ class Suspects:
         self._begun_with = begun_with
         self._ticks, self._first_s = np.zeros(m, dtype=int), np.full(m, np.nan)
         self._lowest, self._highest = np.full(m, np.inf), np.full(m, -np.inf)
+        self._alone = np.zeros(m, dtype=bool)
         self._ended = [deque[float](maxlen=EPISODES) for _ in range(m)]
 
-    def judged(self, tick: Tick, out: Array, held: Array) -> dict[int, Fault]:
-        """What becomes of thermometers that are `out` (m,) and of those that have been `held` (m,)."""
+    def judged(self, tick: Tick, out: Array, held: Array, together: bool) -> dict[int, Fault]:
+        """What becomes of thermometers that are `out` (m,) and of those that have been `held` (m,).
+
+        together  whether most are out, which is no contact of one
+        """
+        self._alone = np.where(out, (self._alone | ~held) & (not together), self._alone)
         now = {i: self._ends(i, tick) for i in np.flatnonzero(held & tick.read & ~out).tolist()}
         return now | {i: self._goes_on(i, tick, begun=not held[i]) for i in np.flatnonzero(out).tolist()}
 
@@ -49,5 +54,7 @@ class Suspects:
     def _ends(self, i: int, tick: Tick) -> Fault:
         """It is back within the limit by itself."""
         ended, furthest = self._ended[i], max(-self._lowest[i], self._highest[i])
-        ended.extend([tick.time_s] * (2 if furthest > WILD * tick.limit[i] else 1))
+        if not self._alone[i]:
+            return Fault.NONE
+        ended.extend([tick.time_s] * (EPISODES if furthest > WILD * tick.limit[i] else 1))
         return Fault.LOOSE if len(ended) == EPISODES and tick.time_s - ended[0] <= EPISODES_S else Fault.NONE
