@@ -1,16 +1,18 @@
 """What the study of hidden effects takes for right."""
 
+from collections import defaultdict
 from dataclasses import replace
 
 import pytest
 
 from benchmarks.hidden.cases import EVERY, ODD, PAIRS, ROADS, Case, asked
-from benchmarks.hidden.judge import carried, confused, false_effects, follows_drawn, gained, right
+from benchmarks.hidden.judge import SHIFTED, carried, confused, false_effects, follows_drawn, gained, right
 from benchmarks.hidden.outcome import Outcome
 from benchmarks.hidden.plants import BY_LAW, DRAWN, OWN
 from drivers.virtual_rig.machine.drawn import drawn
 from drivers.virtual_rig.machine.heaters import local_place
 from drivers.virtual_rig.population.draw import machine
+from drivers.virtual_rig.sensors.telemeter import telemeter
 
 EFFECT, NOTHING = "effect", "nothing_missing"
 
@@ -60,6 +62,27 @@ def test_on_a_healthy_machine_the_parameter_that_carries_must_be_named(name):
     assert right(case, replace(silent, verdict=EFFECT, said=holders[:1], own=holders[:1]))
     assert right(case, replace(silent, own=holders[:1]))
     assert not right(case, replace(silent, verdict=EFFECT, said=["churning"]))
+
+
+def test_where_a_parameter_carries_it_a_law_of_the_machine_may_be_named():
+    case = one("probe_expansion", "same")
+    values = carrying(case, "probe_expansion", 1.0)
+    law = next(BY_LAW[law] for law in machine(case.machine).laws if law in BY_LAW)
+    assert right(case, Outcome(EFFECT, [law], values=values))
+    assert not right(case, Outcome(EFFECT, [law])), "nothing carries it"
+    assert not right(case, Outcome(EFFECT, ["base_drift"], values=values)), "which the machine has not"
+    assert not right(case, Outcome("input_error", values=values, wrong=("FS-5.blf", "speed")))
+
+
+@pytest.mark.parametrize("name", SHIFTED)
+def test_a_channel_that_is_shifted_may_be_left_out(name):
+    case = one(name, "same")
+    places = telemeter(case.seed, defaultdict(float, {name: 1.0}), machine(case.machine).sensors).places
+    channel = f"T{places[name]:02.0f}"
+    broken = [(f"{run}.blf", channel) for run in case.runs[0]]
+    assert right(case, Outcome(NOTHING, faulty=broken[1:]))
+    assert not right(case, Outcome(NOTHING, faulty=broken[2:])), "in half of the runs"
+    assert not right(case, Outcome(NOTHING, faulty=[(run, "T01") for run, _ in broken]))
 
 
 def test_nothing_planted_may_be_another_value_of_a_parameter():
