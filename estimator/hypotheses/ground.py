@@ -33,9 +33,15 @@ class Ground:
         held = {path: self.model.values[path] for path in self.learned}
         return belief(wider.with_values(held), paths, self.learned)
 
-    def freed(self, path: str) -> Ground:
-        """The same, but of one own parameter only its table is known."""
-        return replace(self, paths=tuple(dict.fromkeys([*self.paths, path])), learned=self.learned - {path})
+    def freed(self, *paths: str) -> Ground:
+        """The same, but of some own parameters only their tables are known."""
+        return replace(self, paths=tuple(dict.fromkeys([*self.paths, *paths])), learned=self.learned - {*paths})
+
+    @property
+    def held(self) -> list[str]:
+        """Own parameters that do not move, but say something of the physics: there is a table of them."""
+        model = self.model
+        return [path for path in model.values if path not in self.paths and model.param(path).sd]
 
 
 def as_given(model: Model, runs: Runs, loose: Collection[str] = ()) -> Ground:

@@ -55,6 +55,14 @@ class Hypothesis:
         """Mean square misfit on recordings left out, 1: as good as a good model."""
         return self.judged.misfit
 
+    @property
+    def cost(self) -> float:
+        """Minus the logarithm of the evidence, but for a constant (Laplace), nats.
+
+        n / 2 ln(misfit) + ln det(1 + S P^-1) / 2: what is left, and what had to be told of parameters for it
+        """
+        return 0.5 * self.judged.weight * float(np.log(self.misfit)) + self.told
+
     def known(self) -> Model:
         """The model with how well the parameters that moved are known."""
         return self.model.known(self.paths, self.judged.covariance)

@@ -68,7 +68,7 @@ def screening(
 
 def own_parameters(ground: Ground, trials: Trials) -> dict[str, Explanation]:
     """What each own parameter explains that alone is of another value than the ground says: learned, or held."""
-    paths = [*ground.paths, *_held(ground)]
+    paths = [*ground.paths, *ground.held]
     panel = Panel.of(trials, ground.model, [Column(ground.model, path) for path in paths], own=ground.model)
     found = {}
     for path, shows in zip(paths, panel.shows(), strict=True):
@@ -77,12 +77,6 @@ def own_parameters(ground: Ground, trials: Trials) -> dict[str, Explanation]:
             moving = [i for i, other in enumerate(paths) if other in ground.paths or other == path]
             found[path] = panel.believing(known).judge(moving)
     return found
-
-
-def _held(ground: Ground) -> list[str]:
-    """Own parameters that do not move, but say something of the physics: there is a table of them."""
-    model = ground.model
-    return [path for path in model.values if path not in ground.paths and model.param(path).sd]
 
 
 def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:

@@ -56,6 +56,11 @@ class Side:
         best = self.pair or (self.missing[0] if self.missing else self.plain)
         return replace(best.ground, model=best.model, paths=best.paths)
 
+    @cached_property
+    def loosest(self) -> Hypothesis:
+        """The same, with no own parameter known better than tables know it, and none held."""
+        return refined(self.here.freed(*self.screened.own), self.trials, [])
+
     @property
     def single(self) -> Explanation:
         """What leaves least of the model alone and with one effect more, of a size that can be."""
@@ -64,14 +69,11 @@ class Side:
 
     @property
     def cost(self) -> float:
-        """Nats against this ground: what its best leaves, and what had to be told of the model's parameters for it.
-
-        n / 2 ln(misfit) + ln det(1 + S P^-1) / 2: minus the logarithm of the evidence (Laplace)
-        """
+        """Nats against this ground: what its best leaves, and what had to be told of the model's parameters for it."""
         return self._cost(self.best.misfit)
 
     def _cost(self, misfit: float) -> float:
-        return 0.5 * self.plain.judged.weight * float(np.log(misfit)) + self.plain.told
+        return replace(self.plain, judged=replace(self.plain.judged, misfit=misfit)).cost
 
     @cached_property
     def missing(self) -> list[Hypothesis]:

@@ -68,6 +68,15 @@ class Suggestion:
         return replace(runs, recordings=[each for each in runs.recordings if each.name != self.apart])
 
     @property
+    def loosened(self) -> list[str]:
+        """Parameters that the model holds fixed and `again` has moved by more than their sd, most first."""
+        again = self.again
+        found, was = again.known().values, self.as_given.ground.model
+        off = {path: abs(again.model[path] - was[path]) / (found[path].sd or float("inf")) for path in again.paths}
+        fixed = [path for path in off if path not in was.free() and off[path] > 1.0]
+        return sorted(fixed, key=lambda path: -off[path])
+
+    @property
     def one_recording(self) -> bool:
         """Whether nothing could be left out: all errors are of what was fitted."""
         return len(self.as_given.judged.runs) == 1

@@ -57,7 +57,8 @@ def ranked(verdict: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
     """Hypotheses with their title and error held out: the model, fitted again, and the best effects."""
     suggestion = verdict.suggestion
     given = "the model, give or take its sd" if suggestion.as_given.ground.learned else "the model as given"
-    listed = [(given, suggestion.as_given), ("all parameters fitted again", suggestion.again)]
+    again = f"all parameters fitted again{', fixed ones too' if suggestion.loosened else ''}"
+    listed = [(given, suggestion.as_given), (again, suggestion.again)]
     for h in suggestion.found[:SHOWN]:
         listed.append((f"{h.freed} of another value" if h.freed else f"+ {' + '.join(h.names)}", h))
     held = [*verdict.held_out] or [None] * len(listed)

@@ -140,7 +140,9 @@ def _nothing(suggestion: Suggestion) -> str:
         was = suggestion.as_given.ground.model[suggestion.changed]
         return f"Nothing is missing, but {here}, not {was:.3g}: {_gain(suggestion.before, best)}."
     if suggestion.before.refit and suggestion.as_given.misfit > max(GOOD, 1.2 * suggestion.before.misfit):
-        return f"Nothing is missing, but the parameters are off: fit the model again, which leaves {left}."
+        fixed = f", of the fixed ones {', '.join(moved)}" if (moved := suggestion.loosened) else ""
+        free = ", these free" if moved else ""
+        return f"Nothing is missing, but the parameters are off{fixed}: fit the model again{free}, which leaves {left}."
     return f"Nothing is missing: the model alone leaves {left}, and no effect makes that clearly less."
 
 

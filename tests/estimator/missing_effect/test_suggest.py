@@ -11,6 +11,7 @@ import pytest
 from estimator.batch.trials import unjudged
 from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
+from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.ground import as_given
 from estimator.inputs.follower import REST, TEMPERATURE, followers
 from estimator.missing_effect.improve import improve
@@ -138,3 +139,20 @@ def test_heat_that_grows_with_the_temperature_there_can_be_tried(plain, bar, liv
     trial = unjudged(steady, bar, lives(plain)[0])
     warmer = trial.pose(growing).run.lagged[-1] - trial.pose(steady).run.lagged[-1]
     assert warmer[1] > 0.05
+
+
+def test_beside_what_is_missing_a_fixed_parameter_may_be_another_machines(plain, bar, lives):
+    """Held at another machine's exponent, the effect would have to make up for it."""
+    held = plain.with_values({"nut_friction.n": replace(plain.values["nut_friction.n"], fixed=True)})
+    truth = with_effect(plain.with_values({"nut_friction.n": 1.3}), "local_heat", at=60.0)
+    found = search(held, bar, lives(truth))
+    assert (found.verdict, found.found[0].names) == ("effect", ("local_heat",))
+    assert found.loosened == ["nut_friction.n"]
+    assert found.found[0].model["nut_friction.n"] == pytest.approx(1.3, abs=0.02)
+    assert found.found[0].misfit < GOOD
+
+
+def test_a_model_that_holds_nothing_fixed_is_fitted_again_once(plain, bar, lives):
+    found = suggest(plain, Runs(bar, lives(plain)), [])
+    assert found.verdict == "nothing_missing"
+    assert not found.loosened

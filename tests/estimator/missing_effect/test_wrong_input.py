@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
-from estimator.hypotheses.ground import Ground
+from estimator.hypotheses.criterion import GOOD, clearly
+from estimator.hypotheses.ground import Ground, of_tables
+from estimator.hypotheses.hypothesis import refined
 from estimator.missing_effect.odd_run import odd_run
+from estimator.missing_effect.side import Side
 from estimator.missing_effect.suggest import suggest
-from estimator.missing_effect.wrong_input import ZERO, corrected
+from estimator.missing_effect.wrong_input import ZERO, _likely, corrected, gone
 from estimator.work import Runs
 
 
@@ -35,3 +40,33 @@ def test_one_run_with_another_zero_of_the_position_is_named_with_its_size(plain,
 def test_no_run_is_odd_where_all_fit_alike(plain, bar, lives):
     runs = lives(plain)
     assert odd_run(Ground(plain, ()), slow_trials_of(plain, Runs(bar, runs))) is None
+
+
+@pytest.mark.parametrize(("speed", "position"), [(1.0, 1.0), (1.2, 1.0), (1.0, 0.9), (1.2, 1.2)])
+def test_how_far_the_table_goes_for_what_the_screw_turns(rig, driven, speed, position):
+    run = driven(rig, 300, omega=43.6)
+    label = replace(run, omega=speed * run.omega, inputs=run.inputs | {"position": position * run.inputs["position"]})
+    assert gone(label, rig) == pytest.approx(position / speed, rel=0.01)
+    unread = replace(run, inputs=run.inputs | {"position": np.full(len(run), np.nan)})
+    assert np.isnan(gone(unread, rig))
+
+
+def test_speed_that_the_position_bears_out_is_not_called_wrong_alone(plain, bar, lives):
+    """The nut heats by half as much again, as at a higher speed."""
+    run = lives(plain.with_values({"nut_friction.power": 1.5 * plain["nut_friction.power"]}))[2]
+    likely = [name for name, _ in _likely(plain, bar, run)]
+    assert "speed and position" in likely
+    assert not {"speed", "position"} & {*likely}
+    unread = replace(run, inputs=run.inputs | {"position": np.full(len(run), np.nan)})
+    assert "speed" in [name for name, _ in _likely(plain, bar, unread)]
+
+
+def test_a_law_of_other_exponents_is_no_wrong_speed(plain, bar, lives):
+    """Of no one parameter more, and of no input, but of all that is held fixed."""
+    off = {"nut_friction.n": 1.3, "still_air.h": 12.0}
+    held = plain.with_values({path: replace(plain.values[path], fixed=True) for path in off})
+    trials = slow_trials_of(held, Runs(bar, lives(plain.with_values(off))))
+    side = Side(refined(of_tables(held), trials, []), trials, [])
+    assert clearly(side.best, side.loosest.judged, side.tried)
+    assert side.loosest.misfit < GOOD
+    assert side.loosest.model["nut_friction.n"] == pytest.approx(1.3, abs=0.03)
