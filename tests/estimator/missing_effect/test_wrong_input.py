@@ -9,7 +9,7 @@ import pytest
 
 from estimator.batch.trials import slow_trials_of
 from estimator.effects import CATALOGUE
-from estimator.hypotheses.criterion import GOOD, clearly
+from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.ground import Ground, of_tables
 from estimator.hypotheses.hypothesis import refined
 from estimator.missing_effect.odd_run import odd_run
@@ -67,6 +67,6 @@ def test_a_law_of_other_exponents_is_no_wrong_speed(plain, bar, lives):
     held = plain.with_values({path: replace(plain.values[path], fixed=True) for path in off})
     trials = slow_trials_of(held, Runs(bar, lives(plain.with_values(off))))
     side = Side(refined(of_tables(held), trials, []), trials, [])
-    assert clearly(side.best, side.loosest.judged, side.tried)
+    assert side.best.misfit > 1.3 * side.loosest.misfit
     assert side.loosest.misfit < GOOD
     assert side.loosest.model["nut_friction.n"] == pytest.approx(1.3, abs=0.03)
