@@ -93,7 +93,8 @@ def test_a_suspicion_passes_and_the_sd_is_as_it_was(healthy, usual, paper):
 def test_live_suspects_and_widens_as_batch_does(healthy, paper):
     """Two that drift from soon after the stop on, one of them so slowly that it is not accused."""
     rig, model = paper
-    recording = healthy.rows(slice(0, 1100))
+    begun = healthy.rows(slice(0, 1100))
+    recording = replace(begun, channels=begun.channels.copy())
     recording.channels[360:363] = np.nan
     for i, K_per_h in ((ONE, 1.5), (ONE + 5, 6.0)):
         recording.channels[:, i] += np.maximum(recording.time_s - 400.0, 0.0) * K_per_h / 3600.0

@@ -29,8 +29,8 @@ def search(plain: Model, bar: Rig, runs: Sequence[Recording]) -> Suggestion:
     return suggest(plain, Runs(bar, runs), CATALOGUE.values())
 
 
-def test_the_planted_effect_is_the_verdict(plain, bar, lives):
-    found = search(plain, bar, lives(with_effect(plain, "channel_offset", channel=3, offset=0.4)))
+def test_the_planted_effect_is_the_verdict(searched):
+    _, found = searched["channel_offset"]
     assert (found.verdict, found.found[0].names) == ("effect", ("channel_offset",))
     assert found.found[0].model["channel_offset.offset"] == pytest.approx(0.4, rel=0.3)
 
@@ -96,9 +96,8 @@ def test_what_stores_heat_is_found_with_its_size(plain, bar, lives):
     assert found.found[0].own()["clamp.g"].value == pytest.approx(2.0, abs=2 * found.found[0].own()["clamp.g"].sd)
 
 
-@pytest.mark.parametrize("seed", [1, 50])
-def test_nothing_planted_is_nothing_missing_and_no_input_wrong(seed, plain, bar, lives):
-    found = search(plain, bar, lives(plain, seed))
+def test_nothing_planted_is_nothing_missing_and_no_input_wrong(searched):
+    _, found = searched["nothing"]
     assert (found.verdict, found.changed, found.wrong_input) == ("nothing_missing", "", None)
     assert not [name for h in found.found for name in inputs_in(h.names)]
     assert found.as_given.misfit < 1.0
