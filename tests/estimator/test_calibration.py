@@ -28,7 +28,7 @@ def outcomes(small, model, driven, live, seeds: int, seconds: int):
         found = Replay(model, small, lived.recording, None, lambda _: None)
         track, smoothed = found.track, found.smoothed()
         errors.append(((track.elongation_um - lived.elongation_um) / np.maximum(track.sigma_um, 1e-9))[late])
-        smooth.append(((smoothed.elongation_um - lived.elongation_um) / smoothed.sigma_um)[20:80:20])
+        smooth.append((smoothed.elongation_um - lived.elongation_um)[20:80:20] / smoothed.sigma_um[20:80:20])
         nis, count = nis + np.nansum(track.nis[1:]), count + track.nis_channels[1:].sum()
     return np.array(errors), np.array(smooth), nis, int(count)
 
