@@ -120,3 +120,10 @@ def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
         apart_s=np.array([s.apart_s for s in rows]),
         **about,  # type: ignore[arg-type]
     )
+
+
+def held(rows: Array, before: Array) -> Array:
+    """The value `before` (m,) and those of rows (K, m), each gap filled by the one before it, (K + 1, m)."""
+    rows = np.vstack([before, rows])
+    at = np.maximum.accumulate(np.where(np.isfinite(rows), np.arange(len(rows))[:, None], 0), axis=0)
+    return np.take_along_axis(rows, at, axis=0)

@@ -12,12 +12,14 @@ from pathlib import Path
 from unittest import mock
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does: two threads take up to ten times as long
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or every process that a test starts compiles every module anew
 
 import numpy as np
 import pytest
 from hypothesis import settings
 
 from ballscrew.cli import main
+from ballscrew.workers import processes
 from drivers.virtual_rig import simulate, write
 from estimator.effects import CATALOGUE
 from estimator.effects.air import StillAir
@@ -233,11 +235,11 @@ def stepped(filter_: Filter, recording: Recording, before: Sequence[Step] = ()) 
 
 
 def ballscrew(*words: object) -> tuple[int, str, str]:
-    """Exit status, stdout and stderr of `ballscrew WORDS`."""
+    """Exit status, stdout and stderr of `ballscrew WORDS`, which starts processes of its own for --workers only."""
     out, err = io.StringIO(), io.StringIO()
     command = mock.patch.object(sys, "argv", ["ballscrew", *map(str, words)])
-    ended = pytest.raises(SystemExit)
-    with command, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), ended as status:
+    alone, ended = mock.patch.object(processes, "WORTH_S", np.inf), pytest.raises(SystemExit)
+    with command, alone, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), ended as status:
         main()
     return status.value.code or 0, out.getvalue(), err.getvalue()
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from estimator.alarms.alarms import Alarm
-from estimator.filter import Filter
+from estimator.batch.replay import replay
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.step import TableErrors
-from tests.conftest import at_defaults, stepped
+from tests.conftest import at_defaults
 from viz.lanes.judged import Judged
 from viz.recorded.run import ReviewedRun
 
@@ -38,7 +38,7 @@ def fake_run(name: str = "FS-20", seconds: int = 2022, seed: int = 0, rig: Rig |
     elongation = rig.screw.expansion * np.trapezoid(truth - truth[0], place, axis=1) * 1e3
     rise = np.stack([np.interp(_places(rig), place, row - truth[0]) for row in truth])
     recording = _recording(name, rig, time_s, turning, truth[0, 0] + rise, elongation, dice)
-    track = stepped(Filter(at_defaults(), rig), recording)
+    track = replay(at_defaults(), rig, recording)
     measured = track.measured[:, :15]
     polyline = rig.screw.expansion * np.trapezoid(measured - measured[0], _places(rig), axis=1) * 1e3
     smoothed = track.elongation_um + 0.1, 0.5 * track.sigma_um  # told apart from the filter's in the views

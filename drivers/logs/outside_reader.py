@@ -11,6 +11,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+if __name__ == "__main__" and not sys.argv[1].lower().endswith(".mf4"):
+    sys.modules["asammdf"] = None  # python-can loads it, and pandas with it, for MF4 alone: half of what a log takes
+
 import can
 
 from drivers.frames import PACKED, Tally

@@ -22,6 +22,7 @@ coefficients that are known as well as the model says.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -98,7 +99,10 @@ def left_alone(recording: Recording, rig: Rig, model: Model, alone: Array) -> Jo
     late = np.diff(alone, prepend=alone[:1]) * np.clip(recording.ages_s[:, at] / rig.tick_s, 0.0, 1.0)
     held, direct = _readings(recording, rig)
     stretches = _stretches(held - alone + late, direct - alone, recording, rig)
-    um, level, noise = _joined(stretches, nothing)
+    um, level, noise = (nothing.copy() for _ in range(3))  # noise: the level's variance over that of one reading
+    for each, shift in _joined(stretches):
+        line, own = levels(each.at_s, each.left, each.at_s)
+        um[each.ticks], level[each.ticks], noise[each.ticks] = each.left + shift.um, line + shift.um, own + shift.noise
     anchored_s = next((each.at_s[0] for each in stretches if each.driving), recording.time_s[0])
     walked = walk**2 * np.abs(recording.time_s - anchored_s)
     return Joined(um, level, np.sqrt(sd**2 * noise + walked + jig_doubt(recording, model, anchored_s) ** 2))
@@ -122,7 +126,9 @@ def slopes(reads: Array, trial: Trial) -> Array:
     alone = np.pad(reads.T, ((1, 0), (0, 0)))
     alone = np.pad(alone, ((trial.begin - 1, 0), (0, 0)), constant_values=np.nan)
     held, direct = (np.where(np.isfinite(r)[:, None], alone, np.nan) for r in _readings(trial.recording, trial.rig))
-    um, *_ = _joined(_stretches(held, direct, trial.recording, trial.rig), np.full_like(alone, np.nan))
+    um = np.full_like(alone, np.nan)
+    for each, shift in _joined(_stretches(held, direct, trial.recording, trial.rig)):
+        um[each.ticks] = each.left + shift.um
     return um[trial.begin :].T
 
 
@@ -148,23 +154,19 @@ def _stretches(held: Array, direct: Array, recording: Recording, rig: Rig) -> li
     return found
 
 
-def _joined(stretches: list[Stretch], nothing: Array) -> tuple[Array, Array, Array]:
-    """Each shifted to what it counts from: um and level, like `nothing`, and noise (K,), the level's variance over that
-    of one reading."""
-    um, level, noise = nothing.copy(), nothing.copy(), np.full(len(nothing), np.nan)
+def _joined(stretches: list[Stretch]) -> Iterator[tuple[Stretch, Stop]]:
+    """Each with what shifts it to what it counts from."""
     end, zero = Stop(0.0, 0.0), None
     for k, each in enumerate(stretches):
         begin = zero if each.driving and zero is not None else end.minus(each.first)
         zero = begin if each.driving else zero
-        shift, doubt = close = begin
+        shift = close = begin
         after = next((it for it in stretches[k + 1 : k + 2] if it.driving), None)
         if zero is not None and after is not None:
             close = after.first.plus(zero).minus(each.last)
-            shift, doubt = _between(begin, close, zero.noise, each)
-        means, own = levels(each.at_s, each.left, each.at_s)
-        um[each.ticks], level[each.ticks], noise[each.ticks] = each.left + shift, means + shift, own + doubt
+            shift = _between(begin, close, zero.noise, each)
+        yield each, shift
         end = each.last.plus(close)
-    return um, level, noise
 
 
 def _between(begin: Stop, close: Stop, common: float, each: Stretch) -> Stop:

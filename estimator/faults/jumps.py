@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.faults.fault import Seen
-from estimator.record import Array
+from estimator.record import Array, held
 
 LEVEL_TICKS = 8  # over which a level is learnt
 SCATTER = 4.0  # so many times as long: its scatter
@@ -78,23 +78,22 @@ class Jumps:
 
     def _learnt(self, seen: Seen, well: Array) -> Array:
         """State before and after each of the ticks, (K + 1, 7, m)."""
-        value, alone = seen.value, seen.alone
-        learnt = np.isfinite(value) & self._modelled & well
-        trail = np.empty((len(value) + 1, *self._state.shape))
+        now = np.isfinite(seen.value) & self._modelled & well
+        trail = np.empty((len(now) + 1, *self._state.shape))
         trail[0] = self._state
-        for k, now in enumerate(learnt):
-            level, variance, last, count, usual_sd, _, path = trail[k]
-            gain = np.where(now, 1.0 / np.minimum(count + 1.0, self._ticks), 0.0)
-            known = np.where(now, value[k], level)
-            difference = np.where(now & np.isfinite(last), known - last, 0.0)
-            slow = np.where(difference == 0.0, 0.0, 1.0 / (SCATTER * self._ticks))
-            trail[k + 1, 0] = level + gain * (known - level)
-            trail[k + 1, 1] = variance + slow * (difference**2 / 2.0 - variance)
-            trail[k + 1, 2] = np.where(now, known, last)
-            trail[k + 1, 3] = count + now
-            trail[k + 1, 4] = usual_sd + gain * (np.where(now, seen.sd[k], usual_sd) - usual_sd)
-            trail[k + 1, 5] = np.isfinite(value[k])
-            trail[k + 1, 6] = np.where(np.isfinite(path), path + self._back * (alone[k] - path), alone[k])
+        trail[1:, 3] = self._state[3] + np.cumsum(now, axis=0)
+        trail[1:, 5] = np.isfinite(seen.value)
+        trail[:, 2] = last = held(np.where(now, seen.value, np.nan), self._state[2])
+        gain = np.where(now, 1.0 / np.minimum(trail[:-1, 3] + 1.0, self._ticks), 0.0)
+        difference = np.where(now & np.isfinite(last[:-1]), seen.value - last[:-1], 0.0)
+        slow = np.where(difference == 0.0, 0.0, 1.0 / (SCATTER * self._ticks))
+        gains = np.stack([gain, slow, gain], axis=1)
+        means = np.stack([np.where(now, seen.value, 0.0), difference**2 / 2.0, np.where(now, seen.sd, 0.0)], axis=1)
+        mean, path = self._state[[0, 1, 4]], self._state[6]
+        for k, alone in enumerate(seen.alone):
+            mean = mean + gains[k] * (means[k] - mean)
+            path = np.where(np.isfinite(path), path + self._back * (alone - path), alone)
+            trail[k + 1, [0, 1, 4]], trail[k + 1, 6] = mean, path
         return trail
 
     def learn(self, deviations: Deviations, k: int, well: Array) -> None:

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -43,7 +44,7 @@ AS_IT_IS = np.ones(1)  # the scale of a model that is as good as it says
 
 @dataclass(frozen=True)
 class Unexplained:
-    """Of n thermometers: what the others do not explain, r (n,) K, its sd, and the scale s that suits the others."""
+    """Of n thermometers: what the others do not explain, r (..., n) K, its sd, and the scale s that suits them."""
 
     value: Array
     sd: Array
@@ -56,17 +57,19 @@ class Unexplained:
 
 
 def unexplained(change: Array, model: Array, scatter: Array, scales: Array = SCALES) -> Unexplained:
-    """Of changes (n,), model = D D' + A and scatter = B, (n, n): each by the scale that suits the others best."""
+    """Of changes (..., n), model = D D' + A (..., n, n), scatter = B (n, n): each by the scale that suits the others
+    best."""
     white = np.linalg.inv(np.linalg.cholesky(scatter))
     share, ways = np.linalg.eigh(white @ model @ white.T)
     ways = white.T @ ways
-    weight = 1.0 / (1.0 + scales[:, None] ** 2 * share)  # C^-1 = ways diag(weight) ways' at each scale
-    along = change @ ways
-    pull, precision = (weight * along) @ ways.T, weight @ (ways**2).T
-    square = (weight @ along**2)[:, None] - pull**2 / precision  # of the others alone, as is the likelihood
-    best = np.argmax(np.log(weight).sum(axis=1)[:, None] - np.log(precision) - square, axis=0)
-    own = np.arange(len(change))
-    return Unexplained(pull[best, own] / precision[best, own], precision[best, own] ** -0.5, scales[best])
+    weight = 1.0 / (1.0 + scales[:, None] ** 2 * share[..., None, :])  # C^-1 = ways diag(weight) ways' at each scale
+    along = change[..., None, :] @ ways
+    pull, precision = (weight * along) @ ways.mT, weight @ (ways**2).mT
+    square = weight @ along.mT**2 - pull**2 / precision  # of the others alone, as is the likelihood
+    likelihood = np.log(weight).sum(axis=-1)[..., None] - np.log(precision) - square
+    best = np.argmax(likelihood, axis=-2, keepdims=True)
+    pull, precision = (np.take_along_axis(each, best, axis=-2)[..., 0, :] for each in (pull, precision))
+    return Unexplained(pull / precision, precision**-0.5, scales[best[..., 0, :]])
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,8 @@ class Tested:
 
 @dataclass(frozen=True)
 class Change:
-    """Of reading less model alone over a window, (m,) K, NaN: not known; what explains it (m, m); rough (m,) K."""
+    """Of reading less model alone over a window, or some, (..., m) K, NaN: not known; what explains it (..., m, m), and
+    scatter (m, m); rough (..., m) K."""
 
     value: Array
     model: Array
@@ -94,8 +98,12 @@ class Change:
 
     def of(self, some: Array, scales: Array) -> Unexplained:
         """What some of them leave of each other unexplained."""
-        both = np.ix_(some, some)
-        return unexplained(self.value[some], self.model[both], self.scatter[both], scales)
+        both = (..., some[:, None], some)
+        return unexplained(self.value[..., some], self.model[both], self.scatter[both], scales)
+
+    def over(self, which: int | Sequence[int]) -> Change:
+        """One window or some of several."""
+        return Change(self.value[which], self.model[which], self.scatter, self.rough[which])
 
     def tested(self, i: int, at: Array, scales: Array) -> Tested:
         """Thermometer i by the others of those `at`, but for the one of them that is furthest off."""
@@ -139,42 +147,70 @@ class Windows:
         self.known, self.share = known, 0.0
         self._x, self._scatter = x_mm, COMMON_K**2 + np.diag(2.0 * variance)
         self._alike = np.exp(-0.5 * ((x_mm[:, None] - x_mm) / ALIKE_MM) ** 2)
+        self._unknown = SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(x_mm))  # in two minutes
+        self._beside_neighbours = cache(self._neighbours_of)
         self._beside, self._scale = np.zeros((len(WINDOWS), len(x_mm))), np.ones(len(WINDOWS))
 
     def rough(self, change: Array) -> Array:
         """How far the model alone has changed beside what it says of the neighbours, (m,) K."""
-        rough, at = np.zeros(len(change)), np.flatnonzero(np.isfinite(self._x + change))
-        if len(at):
-            own = COMMON_K**2 + ROUGH_SINGLE_K**2 * np.eye(len(at))
-            rough[at] = np.abs(unexplained(change[at], self._alike[np.ix_(at, at)], own, AS_IT_IS).value)
-        return rough
+        known = np.isfinite(self._x + change)
+        return np.abs(self._beside_neighbours(known.tobytes()) @ np.where(known, change, 0.0))
+
+    def _neighbours_of(self, known: bytes) -> Array:
+        """Matrix (m, m) that takes off changes, where they are `known`, what the neighbours say of each."""
+        at = np.flatnonzero(np.frombuffer(known, dtype=bool))
+        both, matrix = np.ix_(at, at), np.zeros(2 * self._x.shape)
+        inverse = np.linalg.inv(self._alike[both] + COMMON_K**2 + ROUGH_SINGLE_K**2 * np.eye(len(at)))
+        matrix[both] = inverse / np.diag(inverse)[:, None]
+        return matrix
 
     def change(self, before: Means, now: Means) -> tuple[Change, Array]:
         """The change between two times, and of which thermometers it is known: of enough of them, or of none."""
-        unknown = SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(self._x))
-        moved = self.known.doubtful((now.doubt - before.doubt)[None], np.array([self.share]))[0]
-        model = moved @ moved.T + (now.block - before.block) / TWO_MINUTES * unknown
-        change = Change(now.difference - before.difference, model, self._scatter, now.rough - before.rough)
-        at = np.flatnonzero(np.isfinite(change.value) & np.isfinite(self._x))
-        return change, at if len(at) >= FEWEST else at[:0]
+        change = self._changes([before], now).over(0)
+        return change, self._at(change)
+
+    def _changes(self, before: Sequence[Means], now: Means) -> Change:
+        """Those since several times."""
+        difference, doubt, rough = (
+            getattr(now, key) - np.array([getattr(means, key) for means in before])
+            for key in ("difference", "doubt", "rough")
+        )
+        moved = self.known.doubtful(doubt, np.full(len(before), self.share))
+        blocks = np.array([now.block - means.block for means in before])
+        model = moved @ moved.mT + (blocks / TWO_MINUTES)[:, None, None] * self._unknown
+        return Change(difference, model, self._scatter, rough)
+
+    def _at(self, change: Change) -> Array:
+        """The thermometers of which one change is known, if these are enough."""
+        at = np.flatnonzero(np.isfinite(change.value + self._x))
+        return at if len(at) >= FEWEST else at[:0]
+
+    def _off(self, changes: Change) -> Iterator[tuple[int, Change, Array]]:
+        """Of several changes those in which any may be beyond its limit, by number: most never are, and the rest is not
+        asked. All that are known of the same thermometers at once."""
+        alike: dict[tuple[int, ...], list[int]] = {}
+        for w in range(len(changes.value)):
+            alike.setdefault(tuple(self._at(changes.over(w)).tolist()), []).append(w)
+        for known, which in alike.items():
+            at, some = np.array(known, dtype=int), changes.over(which)
+            first = some.of(at, AS_IT_IS)
+            off = np.abs(first.value) > SUSPECT * first.sd + ROUGH * some.rough[:, at]
+            yield from ((which[k], changes.over(which[k]), at) for k in np.flatnonzero(off.any(axis=1)).tolist())
 
     def departures(self, past: Sequence[Means]) -> Iterator[Departure]:
         """Of each window that ends with the last block, the thermometer that is off by most sd, where any is off."""
         self._beside *= KEPT
         self._scale = np.maximum(1.0, KEPT_SCALE * self._scale)
-        for w, blocks in enumerate(WINDOWS):
-            if len(past) <= blocks:
-                break
-            change, at = self.change(past[-1 - blocks], past[-1])
-            if len(at) and _any_off(change, at):
-                scales = np.maximum(SCALES, self._scale[w])
-                i = int(at[change.of(at, scales).furthest])
-                tested = change.tested(i, at, scales)
-                self._scale[w] = tested.scale
-                self._beside[w, i] = max(self._beside[w, i], self._beyond_usual(i, tested))
-                allowed = WORSE * np.log(tested.scale) * tested.sd + ROUGH * tested.scale * change.rough[i]
-                limit = np.array([SURE[w], SUSPECT]) * tested.sd + allowed + BESIDE * self._beside[w, i]
-                yield Departure(past[-1 - blocks], i, abs(tested.value), *(abs(tested.value) / limit).tolist())
+        before = [past[-1 - blocks] for blocks in WINDOWS if len(past) > blocks]
+        for w, change, at in self._off(self._changes(before, past[-1])) if before else ():
+            scales = np.maximum(SCALES, self._scale[w])
+            i = int(at[change.of(at, scales).furthest])
+            tested = change.tested(i, at, scales)
+            self._scale[w] = tested.scale
+            self._beside[w, i] = max(self._beside[w, i], self._beyond_usual(i, tested))
+            allowed = WORSE * np.log(tested.scale) * tested.sd + ROUGH * tested.scale * change.rough[i]
+            limit = np.array([SURE[w], SUSPECT]) * tested.sd + allowed + BESIDE * self._beside[w, i]
+            yield Departure(before[w], i, abs(tested.value), *(abs(tested.value) / limit).tolist())
 
     def _beyond_usual(self, i: int, tested: Tested) -> float:
         """What the next thermometers to both sides leave unexplained beyond what is usual."""
@@ -182,9 +218,3 @@ class Windows:
         away = self._x[tested.rest] - self._x[i]
         sides = [np.where(side * away > 0, side * away, np.inf) for side in (-1, 1)]
         return max(float(beyond[np.argmin(side)]) for side in sides if np.isfinite(side).any())
-
-
-def _any_off(change: Change, at: Array) -> bool:
-    """Whether any may be beyond its limit: most never are, and the rest is not asked."""
-    first = change.of(at, AS_IT_IS)
-    return bool((np.abs(first.value) > SUSPECT * first.sd + ROUGH * change.rough[at]).any())

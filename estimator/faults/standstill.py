@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.record import Array
+from estimator.record import Array, held
 
 STEPS = 1.5  # resolution steps from one reading to the next, on average: then 20 repeats do not happen by chance
 CHANGES = 20  # that must have been seen
@@ -33,9 +33,7 @@ class Standstill:
 
     def compare(self, reading: Array) -> Repeats:
         """Repeats with each tick, of readings (K, m), NaN where nothing was read; nothing is learnt yet."""
-        values = np.vstack([self._last, reading])
-        at = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values))[:, None], 0), axis=0)
-        filled = np.take_along_axis(values, at, axis=0)
+        filled = held(reading, self._last)
         change = np.where(np.isfinite(reading), np.abs(np.diff(filled, axis=0)), np.nan)
         moved = change > 0
         repeats = self._same + np.cumsum(change == 0, axis=0)

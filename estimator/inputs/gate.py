@@ -7,7 +7,8 @@ far from the screw at the start has nothing before it, and is not taken. Inputs 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -26,6 +27,33 @@ SCATTERS = 6.5
 TICKS = 8.0  # over which level and scatter are learnt
 
 
+class Level:
+    """Where one slow temperature is, by the readings that were taken; numbers one by one, for arrays of a tick cost
+    twenty times as much."""
+
+    def __init__(self, least_K: float) -> None:
+        self._least, self._value, self._last, self._variance = least_K, math.nan, math.nan, 0.0
+
+    def jumped(self, readings: Sequence[float], at_first: Sequence[bool]) -> list[bool]:
+        """Which of the next readings, NaN: none, are refused, and would be `at_first`; the others are learnt."""
+        return [
+            math.isfinite(now) and self._refused(now, unlike) for now, unlike in zip(readings, at_first, strict=True)
+        ]
+
+    def _refused(self, now: float, unlike: bool) -> bool:
+        if math.isnan(self._value):
+            if not unlike:
+                self._value = self._last = now
+            return unlike
+        limit, change = max(SCATTERS * math.sqrt(self._variance), self._least), now - self._last
+        if abs(now - self._value) > limit and abs(change) > 0.7 * limit:
+            return True
+        self._variance += (change * change / 2.0 - self._variance) / TICKS
+        self._value += (now - self._value) / TICKS
+        self._last = now
+        return False
+
+
 class InputGate:
     """What is known of each input of a rig.
 
@@ -35,37 +63,22 @@ class InputGate:
     def __init__(self, rig: Rig, start: Start) -> None:
         self._names, self._start = list(rig.inputs), start
         self._slow, p = np.array([slow(name, rig) for name in self._names], dtype=bool), len(self._names)
-        self._least = LEAST_K + LEAST_K_S * rig.tick_s
+        self._levels = [Level(LEAST_K + LEAST_K_S * rig.tick_s) for _ in self._names]
         self.fault = np.zeros(p, dtype=np.int8)
-        self._level, self._last = np.full((2, p), np.nan)
-        self._variance, self._standstill = np.zeros(p), Standstill(p)
+        self._standstill = Standstill(p)
 
     def passed(self, chunk: Recording) -> tuple[Array, Array]:
         """The inputs of the next ticks (K, p), NaN where they are refused, and the faults (K, p) that they have."""
         given = np.array([chunk.inputs[name] for name in self._names]).reshape(-1, len(chunk)).T
-        repeats = self._standstill.compare(np.where(self._slow, given, np.nan))
+        readings = np.where(self._slow, given, np.nan)
+        repeats = self._standstill.compare(readings)
         self._standstill.learn(repeats, len(given))
-        read, at_first = np.isfinite(given) & self._slow, far(given, self._start)
-        jumped = np.array([self._jumped(*of) for of in zip(given, read, at_first)]).reshape(given.shape)
+        columns = zip(self._levels, readings.T.tolist(), far(given, self._start).T.tolist(), strict=True)
+        jumped = np.array([level.jumped(*column) for level, *column in columns], dtype=bool).reshape(given.T.shape).T
         stuck = repeats.count >= STUCK
         fault = np.where(jumped, Fault.JUMPED, np.where(stuck, Fault.STUCK, Fault.NONE)).astype(np.int8)
         self.fault = fault[-1] if len(fault) else self.fault
         return np.where(jumped, np.nan, given), fault
-
-    def _jumped(self, row: Array, read: Array, at_first: Array) -> Array:
-        """Which of the inputs (p,) of one tick are refused, and would be `at_first`; the others are learnt."""
-        known = np.isfinite(self._level)
-        off = np.abs(row - self._level)
-        limit = np.maximum(SCATTERS * np.sqrt(self._variance), self._least)
-        sudden = np.abs(row - self._last) > 0.7 * limit
-        jumped = read & np.where(known, (off > limit) & sudden, at_first)
-        good = read & ~jumped
-        gain = np.where(good, 1.0 / TICKS, 0.0)
-        difference = np.where(good & known, row - self._last, 0.0)
-        self._variance += gain * (difference**2 / 2.0 - self._variance)
-        self._level = np.where(good & ~known, row, self._level + gain * (np.where(good, row, 0.0) - self._level))
-        self._last = np.where(good, row, self._last)
-        return jumped
 
 
 def far(value: Array | float, start: Start) -> Array:

@@ -13,7 +13,7 @@ from estimator.errors import SetupError, nearest
 from estimator.inputs.gate import InputGate
 from estimator.inputs.motion import Motion, MotionReader
 from estimator.inputs.start import Start
-from estimator.record import Array, Recording
+from estimator.record import Array, Recording, held
 from estimator.rig import Rig, Screw
 from estimator.terms import START
 
@@ -107,7 +107,7 @@ class InputReader:
     def read(self, chunk: Recording) -> Inputs:
         """Inputs of the next ticks; call in order of time."""
         passed, fault = self.gate.passed(chunk)
-        columns = _held(passed - self._zero, self._last)
+        columns = held(passed - self._zero, self._last)[1:]
         known = np.isfinite(columns)
         first = columns[np.argmax(known, axis=0), np.arange(len(self._first))]
         self._first = np.where(np.isnan(self._first), first, self._first)
@@ -147,13 +147,6 @@ def _read_only(array: Array) -> Array:
     view = array.view()
     view.flags.writeable = False
     return view
-
-
-def _held(columns: Array, before: Array) -> Array:
-    """The columns (ticks, p) with each gap filled by the value before it, the first by those `before` (p,)."""
-    rows = np.vstack([before, columns])
-    at = np.maximum.accumulate(np.where(np.isfinite(rows), np.arange(len(rows))[:, None], 0), axis=0)
-    return rows[at[1:], np.arange(rows.shape[1])]
 
 
 class Held:

@@ -79,27 +79,36 @@ class Forcing:
     reduced  False keeps every cell as a state: exact, slow, to check the reduced mesh with
     keep     how many regimes are kept solved; the one used longest ago is solved again when it comes back. A machine
              that never does the same twice meets more of them in a week than the memory holds
+    like     the same inputs and regimes under another model; what its effects are was checked where they are the same
     """
 
     def __init__(
-        self, model: Model, rig: Rig, start: Start, reduced: bool = True, keep: int | None = None
-    ) -> None:  # fmt: skip
+        self,
+        model: Model,
+        rig: Rig,
+        start: Start,
+        reduced: bool = True,
+        keep: int | None = None,
+        like: Forcing | None = None,
+    ) -> None:
         self.model, self.rig, self.start = model, rig, start
-        self._reader = InputReader(rig, start)
-        self._regimes = Regimes(rig.tick_s, forgets=keep is not None)
+        self._reader: InputReader = like._reader if like else InputReader(rig, start)
+        self._regimes: Regimes = like._regimes if like else Regimes(rig.tick_s, forgets=keep is not None)
         self._keep = keep
         self._solved: dict[int, Solved] = {}
         self._sound = Sound(model, rig)
-        self.nothing = nothing(rig)
-        self.terms = checked_terms(model, self.nothing, rig, self._sound)
+        self.nothing: Inputs = like.nothing if like else nothing(rig)
+        checked = like is not None and not model.use and _kinds(like.model) == _kinds(model)
+        if checked:
+            self.terms = self._sound.terms(self.nothing, forced=False)
+        else:
+            self.terms = checked_terms(model, self.nothing, rig, self._sound)
         self.place = assemble.layout(self.terms, rig, reduced)
         self.readings = assemble.readings(self.terms, rig, self.place)
 
     def with_model(self, model: Model) -> Forcing:
         """The same inputs and regimes under another model of the same structure."""
-        other = Forcing(model, self.rig, self.start, keep=self._keep)
-        other._regimes, other._reader = self._regimes, self._reader
-        return other
+        return Forcing(model, self.rig, self.start, keep=self._keep, like=self)
 
     @property
     def input_fault(self) -> Array:
@@ -196,3 +205,7 @@ class Forcing:
                 self._solved[regime] = self._solved.pop(regime)  # to the end of the queue
         while len(self._solved) > self._keep:
             del self._solved[next(iter(self._solved))]
+
+
+def _kinds(model: Model) -> list[type]:
+    return [type(effect) for effect in model.effects.values()]

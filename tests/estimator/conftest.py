@@ -9,11 +9,14 @@ import pytest
 
 from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
+from estimator.missing_effect.suggest import suggest
+from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model, Prior
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
 from estimator.terms import SCREW, Heat
 from estimator.unknown.stand_ins import UnknownHeat
+from estimator.work import Runs
 
 DRIVES = (  # rad/s, stroke mm, from s, to s
     (174.5, (0, 100), (20, 400)),
@@ -26,13 +29,13 @@ SECONDS = 1500
 Lives = Callable[..., list[Recording]]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def bar(small: Rig) -> Rig:
     """The small bar with a speed that is an input."""
     return replace(small, inputs={**small.inputs, "speed": Signal(unit="rpm")})
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def plain(small_model: Model) -> Model:
     """What is known of the bar: table values that are right for it, as well known as the catalogue says."""
     model = small_model.with_values(
@@ -43,7 +46,7 @@ def plain(small_model: Model) -> Model:
     return model.with_values({path: replace(value, prior=priors[path]) for path, value in known.items()})
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def lives(bar, live, driven) -> Lives:
     """lives(model, seed): four runs that the model has lived, with scatter of the sensors."""
 
@@ -55,6 +58,16 @@ def lives(bar, live, driven) -> Lives:
         return runs
 
     return of
+
+
+@pytest.fixture(scope="session")
+def searched(plain, bar, lives) -> dict[str, tuple[Runs, Suggestion]]:
+    """Searches of the whole catalogue: where nothing is missing, and where a channel reads 0.4 K too much."""
+    off, found = with_effect(plain, "channel_offset", channel=3, offset=0.4), {}
+    for name, truth in (("nothing", plain), ("channel_offset", off)):
+        runs = Runs(bar, lives(truth, seed=50))
+        found[name] = runs, suggest(plain, runs, CATALOGUE.values())
+    return found
 
 
 def with_effect(model: Model, name: str, **values: float) -> Model:

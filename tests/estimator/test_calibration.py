@@ -17,17 +17,20 @@ from estimator.model import Value
 
 
 def outcomes(small, model, driven, live, seeds: int, seconds: int):
-    """Errors of the elongation in sigma at a few late ticks, (seeds, ticks); NIS summed, and over how many readings."""
+    """Errors of the elongation in sigma at a few late ticks, (seeds, ticks), and after the fact at three ticks; NIS
+    summed, and over how many readings."""
     late = np.arange(seconds // 3, seconds, 10)
     drive = driven(small, seconds, (10, seconds * 2 // 3), stroke=(0.0, 100.0))
-    errors, nis, count = [], 0.0, 0
+    errors, smooth, nis, count = [], [], 0.0, 0
     expansion = small.expansion_tolerance * np.random.default_rng(7).standard_normal(seeds)
     for seed in range(seeds):
         lived = live(model, small, drive, seed, process=True, expansion=expansion[seed])
-        track = replay(model, small, lived.recording)
+        found = Replay(model, small, lived.recording, None, lambda _: None)
+        track, smoothed = found.track, found.smoothed()
         errors.append(((track.elongation_um - lived.elongation_um) / np.maximum(track.sigma_um, 1e-9))[late])
+        smooth.append((smoothed.elongation_um - lived.elongation_um)[20:80:20] / smoothed.sigma_um[20:80:20])
         nis, count = nis + np.nansum(track.nis[1:]), count + track.nis_channels[1:].sum()
-    return np.array(errors), nis, int(count)
+    return np.array(errors), np.array(smooth), nis, int(count)
 
 
 @pytest.fixture(scope="module")
@@ -53,21 +56,14 @@ def known_to(rig, tolerance: float):
     return replace(rig, screw=replace(rig.screw, expansion_tolerance=tolerance))
 
 
-@pytest.mark.parametrize("tolerance", [0.0, 0.01, 0.1])
-def test_elongation_is_inside_two_sigma_as_often_as_it_should(tolerance, small, exact, driven, live):
-    errors, nis, count = outcomes(known_to(small, tolerance), exact, driven, live, seeds=80, seconds=90)
+@pytest.mark.parametrize("tolerance", [0.0, 0.1])
+def test_elongation_is_inside_two_sigma_as_often_as_it_should_after_the_fact_too(tolerance, small, exact, driven, live):
+    """80 runs; after the fact of three ticks each: 228 of 240 are expected inside, with an sd of 3.4 if they were
+    independent."""
+    errors, smooth, nis, count = outcomes(known_to(small, tolerance), exact, driven, live, seeds=80, seconds=90)
     judge(errors, nis, count, (0.93, 0.97))
-
-
-def test_after_the_fact_too_it_is_inside_two_sigma_as_often_as_it_should(small, exact, driven, live):
-    """60 runs of three ticks each: 171 of 180 are expected inside, with an sd of 2.9 if they were independent."""
-    rig, drive, errors = known_to(small, 0.0), driven(small, 90, (10, 60), stroke=(0.0, 100.0)), []
-    for seed in range(60):
-        lived = live(exact, rig, drive, seed, process=True)
-        smoothed = Replay(exact, rig, lived.recording, None, lambda _: None).smoothed()
-        errors.append((smoothed.elongation_um - lived.elongation_um)[20:80:20] / smoothed.sigma_um[20:80:20])
-    assert 0.90 <= (abs(np.array(errors)) <= 2).mean() <= 0.99
-    assert np.std(errors) == pytest.approx(1, abs=0.15)
+    assert 0.90 <= (abs(smooth) <= 2).mean() <= 0.99
+    assert smooth.std() == pytest.approx(1, abs=0.15)
 
 
 @pytest.mark.usefixtures("no_other_machine")
@@ -94,7 +90,7 @@ def test_with_parameters_and_gains_that_are_off_it_is_inside_two_sigma_as_often_
 @pytest.mark.study
 @pytest.mark.parametrize("tolerance", [0.01, 0.1])
 def test_elongation_is_inside_two_sigma_in_a_long_study(tolerance, small, exact, driven, live):
-    errors, nis, count = outcomes(known_to(small, tolerance), exact, driven, live, seeds=800, seconds=300)
+    errors, _, nis, count = outcomes(known_to(small, tolerance), exact, driven, live, seeds=800, seconds=300)
     judge(errors, nis, count, (0.94, 0.965))
 
 

@@ -87,6 +87,12 @@ def searching(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     return planned
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports without their pictures, which take longer than all else."""
+    monkeypatch.setattr("ballscrew.report.comparison_views.write_pictures", lambda *_: {})
+
+
 def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(searching, fs20_log, tmp_path) -> None:
     searching("churning")
     out = tmp_path / "b.toml"
@@ -140,7 +146,7 @@ def heat_at_350(model: Model, taken: tuple[str, ...]) -> Suggestion:
     return replace(plain, composed=Composed(unknown, text, effect, added, plain.before.judged, (), tried=700))
 
 
-def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, fs20_log, tmp_path) -> None:
+def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, undrawn, fs20_log, tmp_path) -> None:
     asked = []
 
     def answer(model, runs, effects, loose=(), healthy=None, taken=()):
@@ -217,7 +223,7 @@ def test_ctrl_c_leaves_the_best_so_far(searching, fs20_log, tmp_path) -> None:
     assert not (tmp_path / "b.md").exists()
 
 
-def test_nothing_missing_leaves_the_model_as_it_was(searching, fs20_log, tmp_path) -> None:
+def test_nothing_missing_leaves_the_model_as_it_was(searching, undrawn, fs20_log, tmp_path) -> None:
     searching()
     out = tmp_path / "b.toml"
     words = ["--held-out", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out, "--json"]

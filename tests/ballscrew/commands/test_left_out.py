@@ -16,7 +16,7 @@ from tests.conftest import ballscrew as run
 from tests.viz_read import fixed, rows
 
 ROD = Path(__file__).parents[3] / "examples" / "heated_rod"
-FROM, TO, TICK_S = 300, 340, 5  # rows
+FROM, TO, END, TICK_S = 300, 340, 480, 5  # rows
 ALL = [f"TC{i}" for i in range(1, 9)]
 
 Rows = dict[str, np.ndarray]
@@ -41,6 +41,13 @@ def powered_on_again(rows: Rows) -> None:
 
 def wire_off(rows: Rows) -> None:
     rows["TC4"][FROM:] = 0.0
+
+
+def wire_off_and_soon_over(rows: Rows) -> None:
+    """Long enough for a search."""
+    wire_off(rows)
+    for name in rows:
+        rows[name] = rows[name][:END]
 
 
 def not_converted_yet(rows: Rows) -> None:
@@ -160,7 +167,7 @@ def test_all_thermometers_that_jump_together_are_said_to_have_other_zeros(tmp_pa
 @pytest.fixture(scope="module")
 def dead(tmp_path_factory) -> Path:
     """The rod's recording with a wire off, in its rig folder."""
-    return written(wire_off, tmp_path_factory.mktemp("dead"))
+    return written(wire_off_and_soon_over, tmp_path_factory.mktemp("dead"))
 
 
 @pytest.mark.parametrize(
@@ -184,11 +191,11 @@ def test_every_offline_command_leaves_it_out_and_says_so(words, dead, tmp_path):
     (recording,) = told["recordings"]
     assert recording["name"] == "run.csv"
     assert {name for name, one in recording["channels"].items() if one["suspect"]} == {"TC4"}
-    assert recording["channels"]["TC4"]["refused"] == 781 - FROM
+    assert recording["channels"]["TC4"]["refused"] == END - FROM
     assert "run.csv: TC4 at 170 mm is stuck, since 1500 s: left out, check that sensor" in said
     assert "readings not used: TC4: " in said
     if words[0] == "improve":
-        assert "| run.csv | TC4 at 170 mm | stuck | 1500 s | the end | 481 |" in (tmp_path / "m.md").read_text()
+        assert "| run.csv | TC4 at 170 mm | stuck | 1500 s | the end | 180 |" in (tmp_path / "m.md").read_text()
 
 
 def test_views_of_a_review_tell_it_in_a_table_and_in_a_lane(tmp_path):

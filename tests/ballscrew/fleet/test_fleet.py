@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
-import signal
 from functools import partial
 from pathlib import Path
 
 import pytest
 
-from ballscrew.fleet.inspection import Inspection
 from ballscrew.fleet.workers import MOST_LOST, shared
+from tests.ballscrew.fleet.killing import killed
 from tests.conftest import PAPER, ballscrew
 
 EXAMPLES = PAPER.parent / "examples"
@@ -64,15 +62,6 @@ def test_a_folder_of_no_rig_names_the_way_to_one(tmp_path):
     status, _, err = ballscrew("fleet", tmp_path)
     assert status == 2
     assert "no rig.toml in it, nor in a folder of it; `ballscrew init LOG -o FOLDER` makes one" in err
-
-
-def killed(at: Path, times: int, folder: Path) -> Inspection:
-    """A job that kills its worker the first times that it is done at "bad"."""
-    done = len(list(at.glob("*")))
-    if folder.name == "bad" and done < times:
-        (at / str(done)).touch()
-        os.kill(os.getpid(), signal.SIGKILL)
-    return Inspection(str(folder), recordings=1)
 
 
 @pytest.mark.parametrize("times", [1, MOST_LOST])

@@ -54,15 +54,16 @@ def test_words_choose_rows_roads_and_cases():
 
 @pytest.mark.parametrize("row", ROWS)
 def test_what_is_hidden_can_be(row):
+    effects = set(paper_rig.model().effects)
     for case in WHOLE:
         if case.row == row:
             strengths(case.hidden.plant, ())
-            assert set(case.hidden.taken) <= set(paper_rig.model().effects)
+            assert set(case.hidden.taken) <= effects
 
 
 def test_effects_are_of_the_kind_that_the_search_gives_them(rig):
+    model = paper_rig.model("base")
     for name in EVERY:
-        model = paper_rig.model("base")
         assert kind_of(name) == kind_in(model if name in model.effects else model + CATALOGUE[name], name, rig)
     assert set(READINGS) < set(PLANTED)
     assert not set(TAKEN_OUT) & set(PLANTED)

@@ -87,8 +87,8 @@ def test_it_is_what_a_filter_says_that_is_blind_every_other_ten_minutes(make, mo
 
 
 def test_minutes_are_minutes_at_any_tick(half, model, driven, live):
-    """Five ticks of half a second in one."""
-    drive, rig = coarse(driven(half, 1802.5, (50, 1200), stroke=(0.0, 100.0)), half, 5)
+    """Ten ticks of half a second in one."""
+    drive, rig = coarse(driven(half, 1805.0, (50, 1200), stroke=(0.0, 100.0)), half, 10)
     run = live(model, rig, drive, seed=4, process=True).recording
     found = blind(Trial(model, rig, run), model)
     np.testing.assert_allclose(scored(found), by_filter(model, rig, run), rtol=1e-9, atol=1e-9)

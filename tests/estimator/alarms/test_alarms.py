@@ -43,14 +43,14 @@ def lived(rig: Rig, ticks: int, bias_sd: float = 0.0, spread: float = 1.0, seed:
 
 
 def test_false_alarms_are_no_more_than_stated(small):
-    """A rig that is off by the whole allowance; the rate is set to one an hour, so that there is one to count."""
-    hours = 8
-    ticks = int(hours * 3600 / small.tick_s)
+    """A rig that is off by the whole allowance; the rate is set to two an hour, so that there is one to count."""
+    stated, false_s = 8, 1800.0
+    ticks = int(stated * false_s / small.tick_s)
     off = max(window.bias for window in WINDOWS[1:])
-    count = sum(len(begun) for _, begun, _ in lived(small, ticks, bias_sd=off))
-    assert count <= poisson.isf(1e-4, hours)
-    spread = sum(len(begun) for _, begun, _ in lived(small, ticks, spread=np.sqrt(NIS_ALLOWED)))
-    assert spread <= poisson.isf(1e-4, hours)
+    count = sum(len(begun) for _, begun, _ in lived(small, ticks, bias_sd=off, false_s=false_s))
+    assert count <= poisson.isf(1e-4, stated)
+    spread = sum(len(begun) for _, begun, _ in lived(small, ticks, spread=np.sqrt(NIS_ALLOWED), false_s=false_s))
+    assert spread <= poisson.isf(1e-4, stated)
 
 
 @pytest.mark.parametrize("window", WINDOWS, ids=["minute", "ten"])

@@ -77,7 +77,7 @@ def test_a_failure_is_named_left_out_and_adds_nothing(name, lived, without, tick
     assert abs(track.elongation_um - without.elongation_um)[AT:].max() < um
     assert not (np.delete(track.fault, ONE, axis=1) > Fault.JUDGED).any()
     assert (track.fault[:AT] == Fault.NONE).all()
-    shown = slice(AT + within_s + 240)
+    shown = slice(int(named[0]) + 90)
     live = tick_by_tick(log.rows(shown))
     np.testing.assert_array_equal(live.fault, track.fault[shown])
     np.testing.assert_allclose(live.elongation_um, track.elongation_um[shown], rtol=0, atol=1e-9)

@@ -62,6 +62,15 @@ def test_an_air_conditioning_that_takes_half_a_minute_is_believed(small, run):
     np.testing.assert_array_equal(passed[:, list(small.inputs).index("ambient")], air)
 
 
+def test_what_jumps_after_a_long_rise_is_held_too(small, run):
+    """What it scatters by is told from tick to tick: a rise of 10 K is none."""
+    air = run.inputs["ambient"] + np.interp(np.arange(TICKS), [0, AT], [0.0, 10.0])
+    air[AT:] += 2.0
+    _, fault = InputGate(small, START).passed(replace(run, inputs={**run.inputs, "ambient": air}))
+    held = fault[:, list(small.inputs).index("ambient")] == Fault.JUMPED
+    assert np.flatnonzero(held).tolist() == list(range(AT, TICKS))
+
+
 def test_one_that_stands_still_is_told(small, run):
     air = run.inputs["ambient"].copy()
     air[AT:] = air[AT]

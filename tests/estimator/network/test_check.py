@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from estimator.effect import Effect
+from estimator.effect import Effect, Param
 from estimator.errors import SetupError
 from estimator.inputs.start import Start
 from estimator.model import model_of
@@ -89,3 +89,26 @@ def test_a_rig_that_lacks_what_an_effect_needs_is_named(small, full, lacking, ef
     assert str(caught.value) == (
         f"full: {effect}: needs [{key}], which small has not; add it to rig.toml or leave the effect out"
     )
+
+
+class Leak(Effect):
+    """A cup leaks the more the warmer the air is: which a Link cannot say, and does not where g is 0."""
+
+    g = Param(0.0, "W/K", null=0.0)
+
+    def terms(self, p, u, rig):
+        yield Store("cup", 5.0, 1.0)
+        yield Link("cup", "ambient", p.g * (1 + u["ambient"]))
+
+
+def test_an_effect_of_one_s_own_is_asked_again_at_other_values(small):
+    model = replace(model_of([Leak]), use={"leak": "effects.py:Leak"})
+    begun = Forcing(model, small, START)
+    with pytest.raises(SetupError, match="the g of a Link depends on an input"):
+        begun.with_model(model.with_values({"leak.g": 1.0}))
+
+
+def test_an_effect_that_was_not_there_before_is_asked(small):
+    begun = Forcing(model_of([cup_and()]), small, START)
+    with pytest.raises(SetupError, match="reads 'T01', which small"):
+        begun.with_model(model_of([cup_and(Read("T01"))]))

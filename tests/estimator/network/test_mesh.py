@@ -103,11 +103,9 @@ def cost_of_regimes(model, rig, drive, monkeypatch) -> tuple[float, float, int]:
     return error[15], error[:15].max(), few
 
 
-@pytest.mark.parametrize(
-    ("name", "um", "kelvin"), [("FS-2.5", 0.005, 0.003), ("ES-20", 0.017, 0.010), ("FS-20", 0.04, 0.03)]
-)
+@pytest.mark.parametrize(("name", "um", "kelvin"), [("FS-2.5", 0.005, 0.003), ("FS-20", 0.04, 0.03)])
 def test_what_regimes_cost(name, um, kelvin, full, rig, driven, monkeypatch):
-    """0.003, 0.013 and 0.032 um in 330 s."""
+    """0.003 and 0.032 um in 330 s."""
     _, omega, stroke = RUNS[name]
     error, warmer, few = cost_of_regimes(full, rig, driven(rig, 330, (10, 270), omega, stroke), monkeypatch)
     assert error < um
@@ -115,14 +113,11 @@ def test_what_regimes_cost(name, um, kelvin, full, rig, driven, monkeypatch):
     assert few <= 40
 
 
-@pytest.mark.parametrize(
-    ("name", "seconds", "um", "kelvin"),
-    [("FS-2.5", 1130, 0.035, 0.025), ("ES-20", 430, 0.045, 0.055), ("FS-20", 430, 0.12, 0.17)],
-)
-def test_what_regimes_cost_the_shipped_model_in_a_long_drive(name, seconds, um, kelvin, rig, driven, monkeypatch):
-    """0.026, 0.034 and 0.091 um: a nut that gives more heat to the screw feels more where it is."""
+@pytest.mark.parametrize(("name", "um", "kelvin"), [("ES-20", 0.045, 0.055), ("FS-20", 0.12, 0.17)])
+def test_what_regimes_cost_the_shipped_model_in_a_longer_drive(name, um, kelvin, rig, driven, monkeypatch):
+    """0.034 and 0.091 um: a nut that gives more heat to the screw feels more where it is."""
     _, omega, stroke = RUNS[name]
-    drive = driven(rig, seconds + 70, (10, 10 + seconds), omega, stroke)
+    drive = driven(rig, 500, (10, 440), omega, stroke)
     error, warmer, few = cost_of_regimes(load_model(rig.folder / "model.toml"), rig, drive, monkeypatch)
     assert error < um
     assert warmer < kelvin

@@ -116,7 +116,6 @@ def test_what_is_not_proven_is_by_the_run_that_is_named(plain, bar, lives, made)
     assert (again.verdict, again.found[0].names) == ("effect", ("expansion_error",))
 
 
-def test_nothing_is_open_where_nothing_is_missing_or_an_effect_is_sure(plain, bar, lives):
-    for truth in (plain, with_effect(plain, "channel_offset", channel=3, offset=0.4)):
-        runs = Runs(bar, lives(truth, seed=50))
-        assert next_run(suggest(plain, runs, CATALOGUE.values()), runs) is None
+def test_nothing_is_open_where_nothing_is_missing_or_an_effect_is_sure(searched):
+    for runs, found in searched.values():
+        assert next_run(found, runs) is None

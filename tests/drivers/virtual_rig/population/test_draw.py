@@ -13,7 +13,10 @@ from drivers.virtual_rig.machine.planted import BASE, PLANTED
 from drivers.virtual_rig.population.constants import PAPER, Machine
 from drivers.virtual_rig.population.draw import LAWS, machine
 
-MANY = [machine(number) for number in range(1, 201)]
+
+@pytest.fixture(scope="module")
+def many() -> list[Machine]:
+    return [machine(number) for number in range(1, 201)]
 
 
 def ranges():
@@ -25,7 +28,7 @@ def ranges():
     ]  # fmt: skip
 
 
-def values(part: str, name: str, machines: list[Machine] = MANY) -> np.ndarray:
+def values(part: str, name: str, machines: list[Machine]) -> np.ndarray:
     return np.array([getattr(getattr(one, part), name) for one in machines])
 
 
@@ -40,24 +43,24 @@ def test_the_paper_s_machine_is_what_it_was():
 
 
 @pytest.mark.parametrize(("part", "name", "span"), ranges())
-def test_every_number_is_drawn_in_its_range_where_its_law_holds(part, name, span):
-    follows = np.array([not span.law or span.law in one.laws for one in MANY])
-    drawn, elsewhere = values(part, name)[follows], values(part, name)[~follows]
+def test_every_number_is_drawn_in_its_range_where_its_law_holds(many, part, name, span):
+    follows = np.array([not span.law or span.law in one.laws for one in many])
+    drawn, elsewhere = values(part, name, many)[follows], values(part, name, many)[~follows]
     assert span.low <= drawn.min() < drawn.max() <= span.high
     assert np.unique(drawn).size == drawn.size
     assert set(elsewhere) <= {getattr(getattr(PAPER, part), name)}
 
 
-def test_each_law_holds_on_its_share_of_the_machines():
+def test_each_law_holds_on_its_share_of_the_machines(many):
     for name, law in LAWS.items():
-        share = np.mean([name in one.laws for one in MANY])
+        share = np.mean([name in one.laws for one in many])
         assert share == pytest.approx(law.share, abs=0.15), name
 
 
-def test_channels_have_gains_and_lags_of_their_own():
-    gains = np.array([one.sensors.gains for one in MANY])
-    lags = np.array([one.sensors.lags for one in MANY])
-    coarse = np.array(["coarse_gains" in one.laws for one in MANY])
+def test_channels_have_gains_and_lags_of_their_own(many):
+    gains = np.array([one.sensors.gains for one in many])
+    lags = np.array([one.sensors.lags for one in many])
+    coarse = np.array(["coarse_gains" in one.laws for one in many])
     assert gains[~coarse].std() == pytest.approx(0.003, rel=0.1)
     assert gains[coarse].std() == pytest.approx(0.007, rel=0.1)
     assert 3.0 <= lags.min() < 5.0 < 12.0 < lags.max() <= 15.0
@@ -88,9 +91,9 @@ def test_constants_are_written_beside_the_recording(number, tmp_path):
     assert {law["form"] for law in told["laws"].values()} >= {LAWS[name].this for name in one.laws}
 
 
-def test_steps_are_stable_on_every_machine():
+def test_steps_are_stable_on_every_machine(many):
     """dt < C / sum g at every node, with the steps of a screw at rest."""
-    for one in MANY:
+    for one in many:
         parts = heat.parts(one, dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0), 20.0)
         steel, nut, film = parts.screw, parts.nut, parts.surface
         contact = nut.contact * (1.0 + 50.0 * nut.contact_growth)  # W/K, at a difference never seen
@@ -105,7 +108,7 @@ def test_steps_are_stable_on_every_machine():
         assert max(rates) / heat.RESTING_STEPS < 0.5
 
 
-@pytest.mark.parametrize("number", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("number", [1, 3, 5])
 def test_other_machines_heat_as_the_paper_s_does(number):
     run = simulate("FS-20", machine=number, cycles=1, stop_s=900.0)
     assert all(np.isfinite(column).all() for column in (run.truth.channels, run.measured.channels, run.truth.seat))
@@ -117,7 +120,7 @@ def test_other_machines_heat_as_the_paper_s_does(number):
 
 @pytest.mark.parametrize("name", ["CS-10", "ES-2.5"])
 def test_slower_and_shorter_strokes_reach_50_um_too(name):
-    for number in (3, 4, 7):
+    for number in (3, 7):
         run = simulate(name, machine=number, cycles=1, stop_s=2.0)
         assert run.travel.drives[0].stop_s < 7200.0
         assert run.truth.elongation_um.max() == pytest.approx(50.0, abs=1.5)
