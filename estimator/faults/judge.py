@@ -114,7 +114,10 @@ class Judge:
         may_K = np.where(self.fault == Fault.NONE, np.abs(self._neighbours.may_drift_K), 0.0)
         more = np.sqrt(np.maximum(may_K**2 - self._loose_K**2, 0.0))
         self._loose_K = np.where(may_K > 0.0, np.maximum(may_K, self._loose_K), 0.0)
-        return more if more.any() else None
+        if more.any():
+            self._jumps.forget(more > 0.0)  # its zero takes over what it has been off by: no jump
+            return more
+        return None
 
     def by_another_model(self, known: Known) -> None:
         """Go on with what another model says of the readings, of which other parameters are known."""
