@@ -91,6 +91,16 @@ def test_a_suspicion_passes_and_estimate_and_sd_are_as_they_were(healthy, usual,
     assert np.isnan(track.since_s[at[-1] + 1 :, ONE]).all()
 
 
+def test_one_whose_zero_takes_over_what_it_was_off_by_has_not_jumped(paper, tmp_path):
+    """On a machine that is not the model's T07 is off by 0.7 K for long before it is suspected."""
+    rig, model = paper
+    log = write(simulate("FS-20", machine=101, seed=101, seconds=330), tmp_path / "b.log")
+    track = replay(model, rig, read_recording(log, rig))
+    first = np.flatnonzero(track.may_drift_K[:, 6])[0]
+    assert track.innovation[first, 6] > 0.5 > track.innovation[first + 3, 6]
+    assert not (track.fault > Fault.JUDGED).any()
+
+
 @pytest.mark.parametrize("drift", [(0.7, 200), (3.0,)], ids=["passes", "accused"])
 def test_live_suspects_and_widens_as_batch_does(drift, healthy, paper):
     rig, model = paper
