@@ -16,7 +16,7 @@ import numpy as np
 
 from estimator.faults.fault import Fault, Judgement, Seen, Tick
 from estimator.faults.jumps import Deviations, Jumps
-from estimator.faults.machine import Known
+from estimator.faults.machine import SHARES, Known
 from estimator.faults.neighbours import Neighbours
 from estimator.faults.recovery import Progress, Recovery
 from estimator.faults.standstill import Standstill
@@ -100,7 +100,9 @@ class Judge:
         fault[last], since_s[last], may_drift_K[last] = self.fault, self._said_since_s, self._neighbours.may_drift_K
         if jump is not None:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
-        return Judgement(fault, since_s, may_drift_K, added.off_share, jump, drift, self._loosen(), apart, anew)
+        return Judgement(
+            fault, since_s, may_drift_K, added.off_share, jump, drift, self._loosen(added.off_share[-1]), apart, anew
+        )
 
     def _leave_lengths(self, tick: Tick) -> bool:
         """Lengths are broken that say that the screw expands as none does; whether there are any that were not yet."""
@@ -109,9 +111,13 @@ class Judge:
             self._set(i, Fault.APART, tick)
         return bool(which.any())
 
-    def _loosen(self) -> Array | None:
-        """By how much more channels may have drifted than was said of them before, (m,)."""
-        may_K = np.where(self.fault == Fault.NONE, np.abs(self._neighbours.may_drift_K), 0.0)
+    def _loosen(self, share: float) -> Array | None:
+        """By how much more channels may have drifted than was said of them before, (m,).
+
+        None where the model is off by a share: then what it misses is as likely heat, which only readings tell of
+        """
+        own = (self.fault == Fault.NONE) & (share < SHARES[1])
+        may_K = np.where(own, np.abs(self._neighbours.may_drift_K), 0.0)
         more = np.sqrt(np.maximum(may_K**2 - self._loose_K**2, 0.0))
         self._loose_K = np.where(may_K > 0.0, np.maximum(may_K, self._loose_K), 0.0)
         if more.any():
