@@ -5,6 +5,7 @@ case leaves a line in a file, so that a study that was stopped goes on where it 
 rigs of seeds 101 to 103 and machines 1 to 8; none of those judges here.
 
 python -m benchmarks faults [ROW ...]    some of the rows without a failure only, printed and not kept
+python -m benchmarks faults drifts       slow drifts one by one, likewise
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ SEED = 311
 RUNS = ("FS-20", "FS-10", "FS-5", "FS-2.5", "CS-20", "CS-10", "CS-5", "CS-2.5", "ES-20", "ES-10", "ES-5", "ES-2.5")
 WHEN = {"at rest": ("FS-20", 1800.0), "driving": ("FS-5", 400.0)}
 SEVEN = "seven channels, "
+DRIFTS = "drifts"
 SOON_S = 60.0
 FROM_THE_START = ("0 degC", "85 degC")  # what else an input does from the start on is its zero
 LATE = (
@@ -230,9 +232,11 @@ def measured(some: Sequence[Case]) -> dict[Case, Outcome]:
 
 
 def markdown(*names: str) -> str:
-    """Run all cases, or some rows of those without a failure; the table."""
+    """Run all cases, or some rows of those without a failure, or slow drifts; the table."""
+    if names == (DRIFTS,):
+        return drifts.table(WHEN, SEED)
     if unknown := set(names) - set(sound.ROWS):
-        raise SystemExit(f"faults: what is {', '.join(unknown)}? Rows are {', '.join(sound.ROWS)}")
+        raise SystemExit(f"faults: what is {', '.join(unknown)}? Rows are {', '.join((*sound.ROWS, DRIFTS))}")
     found = measured([case for case in cases() if not names or case.row in names])
     return sound.tables({name: _row(found, name) for name in sound.ROWS}) if names else _all(found)
 

@@ -93,14 +93,18 @@ class Filter:
         predicted, sd = H @ self.x + d, np.sqrt(variances(H, self.P) + R)
         compared = Innovation(predicted, sample.channels - predicted, sd)
         moves = self._doubt.ahead(drive, ticks, self._course(sample, before, grown_um))
-        judged = self._judge.judge(seen(sample, compared, alone.reading + offset, muted, moves))
+        expands = self.x[run.state.expansion]
+        judged = self._judge.judge(seen(sample, compared, alone.reading + offset, muted, moves, expands))
         if judged.anew:
             return self._begin(rows)
         fault = judged.fault[0]
         fuse = compared.usable & ~muted & (fault == Fault.NONE)
         nis, gain = self._update(sample.channels - d, fuse, H, R)
         doubt = self._doubt.behind(moves, gain[None], judged.off_share)
-        self.P = self._filterpy.P = run.state.judged(self.P, judged)
+        self.x, self.P = run.state.judged(self.x, self.P, judged)
+        self._filterpy.x, self._filterpy.P = self.x, self.P
+        if judged.apart:
+            self._doubt.unlearn_expansion()
         estimates = Estimates.of_tick(
             x=self.x,
             P=self.P,
@@ -160,9 +164,10 @@ class Filter:
         return kf
 
 
-def seen(sample: Sample, compared: Innovation, alone: Array, muted: Array, moves: Moves) -> Seen:
+def seen(sample: Sample, compared: Innovation, alone: Array, muted: Array, moves: Moves, expansion: float) -> Seen:
     """What the judge is shown of one tick."""
     reading, value, sd = sample.channels, compared.value, compared.sd
     return Seen(
-        np.array([sample.time_s]), reading[None], value[None], sd[None], alone[None], muted[None], moves.readings
-    )
+        np.array([sample.time_s]), reading[None], value[None], sd[None], alone[None], muted[None], moves.readings,
+        np.array([expansion]),
+    )  # fmt: skip

@@ -34,11 +34,21 @@ class Readings:
     muted: Array
     ahead: Ahead
 
-    def seen(self, system: System, chunk: Chunk, moves: Moves) -> Seen:
-        """A chunk's ticks as the judge is shown them."""
+    def seen(self, system: System, chunk: Chunk, moves: Moves, before: Array) -> Seen:
+        """A chunk's ticks as the judge is shown them, after the state before."""
         at = chunk.ticks
         value = system.y[at] - chunk.predicted
-        return Seen(self.time_s[at], self.reading[at], value, chunk.sd, self.alone[at], self.muted[at], moves.readings)
+        expansion = np.append(before[system.column], chunk.x[:-1, system.column])
+        return Seen(
+            self.time_s[at],
+            self.reading[at],
+            value,
+            chunk.sd,
+            self.alone[at],
+            self.muted[at],
+            moves.readings,
+            expansion,
+        )
 
 
 @dataclass(frozen=True)
@@ -57,14 +67,13 @@ def judged(system: System, readings: Readings, judge: Judge, state: State) -> It
         ticks = slice(at, min(at + length, len(system.y)))
         chunk = batch.filtered(system, ticks, system.data.use[ticks] & judge.well, start)
         moves = readings.ahead.rows(ticks)
-        judgement = judge.judge(readings.seen(system, chunk, moves))
+        judgement = judge.judge(readings.seen(system, chunk, moves, start[0]))
         K = len(judgement.fault)
         chunk = _as_judged(system, chunk.rows(slice(0, K)), judgement, start)
         yield Judged(chunk, judgement, moves.rows(slice(0, K)))
         if judgement.anew:
             return
-        x, P = chunk.last
-        start = x, state.judged(P, judgement)
+        start = state.judged(*chunk.last, judgement)
         length = min(2 * length, LONGEST) if ticks.stop - at == K else max(SHORTEST, K)
         at += K
 

@@ -14,6 +14,7 @@ from estimator.batch import batch
 from estimator.batch.judged import Judged
 from estimator.batch.system import Chunk
 from estimator.batch.trial import Posed, Trial
+from estimator.faults.fault import Fault
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -108,7 +109,8 @@ class Replay:
         um, sigma = np.full((2, len(self.track)), np.nan)
         if self._posed is not None and self.trial is not None:
             T = len(self._posed.system.y)
-            heard = self.track.fused[-T:] & (self.track.may_drift_K[-T:] == 0)
+            parted = (self.track.fault[-T:] == Fault.APART).any(axis=0)  # nobody knows since when
+            heard = self.track.fused[-T:] & (self.track.may_drift_K[-T:] == 0) & ~parted
             system = replace(self._posed.system, y=self._posed.system.y - self.trial.jumped, muted=~heard)
             elongation = len(system.H)  # the channel that is never read
             found = batch.smoothed(replace(self._posed, system=system).with_elongation(), channels=[elongation])
@@ -131,11 +133,11 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
         at = slice(chunk.ticks.start + k, min(chunk.ticks.start + k + ROWS, last))
         some = slice(k, k + at.stop - at.start)
         doubtful = _doubtful(posed, chunk.rows(some), part.moves.rows(some), doubt, judgement.off_share[some])
-        P = chunk.P[some].copy()
+        x, P = chunk.x[some].copy(), chunk.P[some].copy()
         if at.stop == chunk.ticks.stop:
-            P[-1] = posed.state.judged(P[-1], judgement)
+            x[-1], P[-1] = posed.state.judged(x[-1], P[-1], judgement)
         estimates = Estimates(
-            x=chunk.x[some],
+            x=x,
             P=P,
             predicted=chunk.predicted[some] + offset[at] + run.lag[at] + run.late[at],
             sd=chunk.sd[some],
@@ -153,6 +155,8 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
             doubt_um=doubtful.elongation,
         )
         yield at, estimates.suspecting(posed.state)
+    if judgement.apart:
+        doubt.unlearn_expansion()
 
 
 def _doubtful(posed: Posed, chunk: Chunk, moves: Moves, doubt: Doubt, off_share: Array) -> Doubtful:

@@ -140,8 +140,9 @@ class Trial:
         """Leave out what all that was taken says is broken, and take off readings what their zeros jumped by.
 
         What drifts as it would next to heat that the model lacks is not left out: else nobody would find that heat.
+        Nor are lengths by which the screw expands otherwise: nobody would find how.
         """
-        well = (self.fault == Fault.DRIFTING) & may_be_heat(self._side, self.rig)
+        well = (self.fault == Fault.DRIFTING) & may_be_heat(self._side, self.rig) | (self.fault == Fault.APART)
         self.fault[well], self.since_s[well] = Fault.NONE, np.nan
         self.muted |= self.fault != Fault.NONE
         self.rest = replace(self.rest, channels=self.rest.channels - self.jumped)

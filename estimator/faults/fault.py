@@ -25,6 +25,7 @@ class Fault(IntEnum):
     LOOSE = 4
     DRIFTING = 5
     OFF = 6
+    APART = 7
 
     @property
     def word(self) -> str:
@@ -48,6 +49,7 @@ SAID = {
     Fault.LOOSE: "is loose",
     Fault.DRIFTING: "drifts away from its neighbours",
     Fault.OFF: "has been off from the start",
+    Fault.APART: "grows otherwise than the thermometers say",
 }
 
 
@@ -61,6 +63,7 @@ class Seen:
     alone    (K, m) reading by the model alone
     muted    (K, m) bool
     doubt    (K, m, p) how the model alone moves with each of its parameters that are in doubt
+    expansion  (K,) by which share the screw would have to expand more than the model says
     """
 
     time_s: Array
@@ -70,6 +73,7 @@ class Seen:
     alone: Array
     muted: Array
     doubt: Array
+    expansion: Array
 
     def first(self, ticks: int) -> Seen:
         """The first of the ticks."""
@@ -86,6 +90,7 @@ class Judgement:
     jump     (m,) by how much channels jumped whose zero is now another one; None: none did
     drift    (m,) by how much channels had drifted that were fused up to now; None: none had
     loose    (m,) by how much more channels may have drifted that go on being fused; None: none by more than was said
+    apart    whether lengths are left out from now on, and what they said of the expansion is forgotten
     anew     whether the run has to begin again with the last tick: what it began with were no temperatures
     """
 
@@ -96,6 +101,7 @@ class Judgement:
     jump: Array | None = None
     drift: Array | None = None
     loose: Array | None = None
+    apart: bool = False
     anew: bool = False
 
 

@@ -2,7 +2,8 @@
 
 A thermometer that leaves the model alone is held, and after ten seconds it is left out for a fault of its own; where
 most leave together, the telemeter has other zeros, or the run began with what were no temperatures. A length has no
-neighbours: where it jumps it has another zero, and where it departs slowly the model is wrong, and it is believed.
+neighbours: where it jumps it has another zero, and where it departs slowly the model is wrong, and it is believed, as
+long as a screw may expand as it and the thermometers say together.
 What is broken goes on being compared, and is taken back when it has been well for long enough. What only may drift is
 said, and fused with a zero that is not known by as much: the estimate does not go along any further.
 """
@@ -15,7 +16,7 @@ import numpy as np
 
 from estimator.faults.fault import Fault, Judgement, Seen, Tick
 from estimator.faults.jumps import Deviations, Jumps
-from estimator.faults.machine import Known
+from estimator.faults.machine import SHARES, Known
 from estimator.faults.neighbours import Neighbours
 from estimator.faults.recovery import Progress, Recovery
 from estimator.faults.standstill import Standstill
@@ -43,6 +44,7 @@ class Judge:
         """
         m, self._heat, self._begun_s, self._begun_with = len(noise), rig.is_thermometer, begun_s, begun_with
         places = [np.nan if channel.at_mm is None else channel.at_mm for channel in rig.channels.values()]
+        self._modelled = np.isfinite(noise)
         self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s), Standstill(m)
         self._neighbours = Neighbours(np.array(places, dtype=float), noise, self._heat, rig.tick_s, known)
         self._suspects, self._recovery = Suspects(m, begun_with), Recovery(m)
@@ -87,6 +89,7 @@ class Judge:
         if drifting is not None and self.fault[drifting] == Fault.NONE:
             self._set(drifting, Fault.DRIFTING, tick)
             drift = np.where(np.arange(len(read)) == drifting, self._neighbours.departed_K, 0.0)
+        apart = added.apart and self._leave_lengths(tick)
         self._jumps.learn(jumps, ticks, self.well)
         self._standstill.learn(repeats, ticks)
         self._begun_with = self._begun_with & ~self._jumps.known
@@ -97,14 +100,30 @@ class Judge:
         fault[last], since_s[last], may_drift_K[last] = self.fault, self._said_since_s, self._neighbours.may_drift_K
         if jump is not None:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
-        return Judgement(fault, since_s, may_drift_K, added.off_share, jump, drift, self._loosen(), anew)
+        return Judgement(
+            fault, since_s, may_drift_K, added.off_share, jump, drift, self._loosen(added.off_share[-1]), apart, anew
+        )
 
-    def _loosen(self) -> Array | None:
-        """By how much more channels may have drifted than was said of them before, (m,)."""
-        may_K = np.where(self.fault == Fault.NONE, np.abs(self._neighbours.may_drift_K), 0.0)
+    def _leave_lengths(self, tick: Tick) -> bool:
+        """Lengths are broken that say that the screw expands as none does; whether there are any that were not yet."""
+        which = self._modelled & ~self._heat & (self.fault <= Fault.JUDGED)
+        for i in np.flatnonzero(which).tolist():
+            self._set(i, Fault.APART, tick)
+        return bool(which.any())
+
+    def _loosen(self, share: float) -> Array | None:
+        """By how much more channels may have drifted than was said of them before, (m,).
+
+        None where the model is off by a share: then what it misses is as likely heat, which only readings tell of
+        """
+        own = (self.fault == Fault.NONE) & (share < SHARES[1])
+        may_K = np.where(own, np.abs(self._neighbours.may_drift_K), 0.0)
         more = np.sqrt(np.maximum(may_K**2 - self._loose_K**2, 0.0))
         self._loose_K = np.where(may_K > 0.0, np.maximum(may_K, self._loose_K), 0.0)
-        return more if more.any() else None
+        if more.any():
+            self._jumps.forget(more > 0.0)  # its zero takes over what it has been off by: no jump
+            return more
+        return None
 
     def by_another_model(self, known: Known) -> None:
         """Go on with what another model says of the readings, of which other parameters are known."""
@@ -152,7 +171,7 @@ class Judge:
 
     def _lengths(self, tick: Tick, out: Array) -> Array:
         """Lengths (m,) that have been beyond their limit for long enough to be believed; others are held or well."""
-        read = tick.read & ~self._heat
+        read = tick.read & ~self._heat & (self.fault <= Fault.JUDGED)
         self._held = np.where(out, self._held + 1, np.where(read, 0, self._held))
         believed = out & (self._held >= LENGTH_READINGS)
         self._held[believed] = 0

@@ -29,16 +29,24 @@ RENEWED_S, LEFT = 36000.0, 1e-3  # then parameters may have become others; least
 DETAILS = {True: 0.03, False: 0.2}  # K of a thermometer, um of a length
 OUTLYING = 3.0  # sd, from which on the worst thermometer is not heard
 YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each block; how often an older one is
+EXPANSION_SDS = 7.0  # of the expansion's own; three at most on machines 1 - 6 and by models that are 20 % off
 LEAST = 0.005  # a smaller share makes no difference
 
 
 @dataclass(frozen=True)
 class Known:
     """How well p parameters are known: root root' the covariance (p, p) of their errors; whole (p,) what each of them
-    is, or how wide its table is, whichever is more; 0: it is no other on another machine."""
+    is, or how wide its table is, whichever is more; 0: it is no other on another machine. Of the expansion coefficient,
+    which is estimated, both as shares of it; inf: nothing is known."""
 
     root: Array
     whole: Array
+    expansion_sd: float = np.inf
+    expansion_whole: float = 0.0
+
+    def apart(self, expansion: float, share: float) -> bool:
+        """Whether no such screw expands by that much more than the model says, where parameters are off by a share."""
+        return bool(abs(expansion) > EXPANSION_SDS * np.hypot(self.expansion_sd, share * self.expansion_whole))
 
     def doubtful(self, moved: Array, share: Array) -> Array:
         """What moves with parameters by `moved` (K, ..., p) is off by, where they are off by shares (K,) of themselves.

@@ -38,12 +38,13 @@ class Block:
 
 @dataclass(frozen=True)
 class Added:
-    """How many ticks were taken, which channel drifts with the last of them, and by which share of their values the
-    model's parameters are off at each, (ticks,)."""
+    """How many ticks were taken, which channel drifts with the last of them, by which share of their values the model's
+    parameters are off at each, (ticks,), and whether lengths are apart from the thermometers with the last."""
 
     ticks: int
     drifting: int | None
     off_share: Array
+    apart: bool = False
 
 
 class Neighbours:
@@ -67,7 +68,7 @@ class Neighbours:
         self._block = Block()
 
     def add(self, seen: Seen, used: Array) -> Added:
-        """Take ticks up to the first at which a channel is found to drift, or may drift, or no longer.
+        """Take ticks up to the first at which a channel is found to drift, or may drift, or no longer, or lengths part.
 
         used  (K, m) which readings are believed
         """
@@ -85,8 +86,9 @@ class Neighbours:
                 before = self.may_drift_K.copy()
                 found = self._close(block, float(seen.time_s[k - 1]))
                 share[k - 1] = self._machine.share
-                if found is not None or not np.array_equal(before, self.may_drift_K):
-                    return Added(k, found, share[:k])
+                apart = self._windows.known.apart(float(seen.expansion[k - 1]), share[k - 1])
+                if found is not None or apart or not np.array_equal(before, self.may_drift_K):
+                    return Added(k, found, share[:k], apart)
                 block = self._block
         return Added(K, None, share)
 

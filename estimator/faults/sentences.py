@@ -62,7 +62,10 @@ def bed_unread(bed: Bed) -> str:
 
 def broken(one: ChannelUse, rig: Rig) -> str:
     """T06 at 559 mm is stuck, since 1800 s: left out, check that sensor."""
-    doubt = "; if it is well, heat is missing there" if one.suspect == Fault.DRIFTING else ""
+    doubt = {
+        Fault.DRIFTING: "; if it is well, heat is missing there",
+        Fault.APART: "; if it is well, the model's expansion is wrong",
+    }.get(one.suspect, "")
     return (
         f"{place_of(rig, rig.index(one.channel))} {_how(one.suspect, one.spells)}: left out, check that sensor{doubt}"
     )
@@ -94,6 +97,7 @@ PAST = {
     Fault.LOOSE: "was loose",
     Fault.DRIFTING: "drifted away from its neighbours",
     Fault.OFF: "was off from the start",
+    Fault.APART: "grew otherwise than the thermometers say",
 }
 
 

@@ -11,7 +11,7 @@ from estimator.record import Array
 
 HELD_S, HELD_TICKS = 10.0, 5  # whichever is longer: then it is the sensor's own fault
 EPISODES, EPISODES_S = 3, 300.0  # so many that ended by themselves are a loose contact
-WILD = 3.0  # times its limit, there and back: no model is wrong like that, and once is enough
+WILD = 3.0  # times its limit: further than any model is wrong, and counts twice
 STILL, STUCK = 10, 20  # repeats
 
 
@@ -56,5 +56,5 @@ class Suspects:
         ended, furthest = self._ended[i], max(-self._lowest[i], self._highest[i])
         if not self._alone[i]:
             return Fault.NONE
-        ended.extend([tick.time_s] * (EPISODES if furthest > WILD * tick.limit[i] else 1))
+        ended.extend([tick.time_s] * (2 if furthest > WILD * tick.limit[i] else 1))
         return Fault.LOOSE if len(ended) == EPISODES and tick.time_s - ended[0] <= EPISODES_S else Fault.NONE

@@ -56,7 +56,7 @@ def too_slow(recording: Recording, rig: Rig) -> str:
     way_mm = apart_s * rig.screw.lead_mm / (2 * np.pi) * RAD_S[rig.inputs["speed"].unit] * float(np.nanmax(speed))
     return (
         f"speeds {apart_s:.3g} s apart are too slow to check the position: the table moves by up to {way_mm:.0f} mm "
-        "between two, a jump that is shorter is not seen"
+        "between two, a shorter jump is not seen, and where the nut's heat goes is known as roughly"
     )
 
 

@@ -51,7 +51,7 @@ class Doubt:
         self._own = OwnErrors(readings, readings.rows @ self._start, run.forcing.rig.tick_s)
         self._paths, no_other = doubts.paths, np.zeros_like(self._own.sd)
         together = scipy.linalg.block_diag(root(doubts.covariance), np.diag(self._own.sd))
-        self.known = Known(together, np.append(doubts.whole, no_other))
+        self.known = Known(together, np.append(doubts.whole, no_other), *run.forcing.model.expansion_off)
         first = np.zeros(len(run.offset))
         m, n, size = len(first), run.state.n, run.state.size
         found = [moved.readings(run, run.offset, first) or ReadingsTangent.none(m, n, size) for moved in self._moved]
@@ -106,6 +106,10 @@ class Doubt:
         growth[:, :q] += moves.elongation
         S[:, state.temperatures, :q] += moves.states
         return S, growth
+
+    def unlearn_expansion(self) -> None:
+        """The filter has forgotten what it had learnt of the expansion."""
+        self._S[self._run.state.expansion] = 0.0
 
     @property
     def paths(self) -> tuple[str, ...]:

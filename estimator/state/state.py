@@ -118,11 +118,19 @@ class State:
         led = self.led(P[None], drift[None])[0]
         return np.asarray(P + led @ led.T)
 
-    def judged(self, P: Array, judgement: Judgement) -> Array:
-        """P after what a tick's judgement says of readings that were fused before, or will be."""
+    def unlearnt(self, x: Array, P: Array) -> tuple[Array, Array]:
+        """x and P when what was learnt of the expansion was wrong: the model's again, and as well known."""
+        x, P, at = x.copy(), P.copy(), self.expansion
+        x[at], P[at], P[:, at] = 0.0, 0.0, 0.0
+        P[at, at] = self._variance[-1]
+        return x, P
+
+    def judged(self, x: Array, P: Array, judgement: Judgement) -> tuple[Array, Array]:
+        """x and P after what a tick's judgement says of readings that were fused before, or will be."""
         P = P if judgement.jump is None else self.jumped(P, judgement.jump)
         P = P if judgement.loose is None else self.jumped(P, judgement.loose)
-        return P if judgement.drift is None else self.misled(P, judgement.drift)
+        P = P if judgement.drift is None else self.misled(P, judgement.drift)
+        return self.unlearnt(x, P) if judgement.apart else (x, P)
 
     def transition(self, z: Transition, dt: float) -> Transition:
         """F (size, size), J (size, n), Q (size, size) of the full state."""

@@ -37,7 +37,14 @@ def heard(y, moved, known, tick_s=TICK_S):
     for k in range(len(y)):
         now = slice(k, k + 1)
         seen = Seen(
-            np.array([k * tick_s]), y[now], y[now], np.full((1, 4), SD), 0 * y[now], y[now] > np.inf, moved[now]
+            np.array([k * tick_s]),
+            y[now],
+            y[now],
+            np.full((1, 4), SD),
+            0 * y[now],
+            y[now] > np.inf,
+            moved[now],
+            np.zeros(1),
         )
         bank.hear(seen, slice(None), np.isfinite(y[now]))
         bank.block(1)
