@@ -235,7 +235,7 @@ def stepped(filter_: Filter, recording: Recording, before: Sequence[Step] = ()) 
 
 
 def ballscrew(*words: object) -> tuple[int, str, str]:
-    """Exit status, stdout and stderr of `ballscrew WORDS`, as on one core: without threads and processes of its own."""
+    """Exit status, stdout and stderr of `ballscrew WORDS`, as on one core: one thread, no process but this one."""
     out, err = io.StringIO(), io.StringIO()
     command = mock.patch.object(sys, "argv", ["ballscrew", *map(str, words)])
     alone, ended = mock.patch.object(processes.os, "cpu_count", return_value=1), pytest.raises(SystemExit)
