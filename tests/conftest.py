@@ -235,10 +235,10 @@ def stepped(filter_: Filter, recording: Recording, before: Sequence[Step] = ()) 
 
 
 def ballscrew(*words: object) -> tuple[int, str, str]:
-    """Exit status, stdout and stderr of `ballscrew WORDS`, which starts processes of its own for --workers only."""
+    """Exit status, stdout and stderr of `ballscrew WORDS`, as on one core: one thread, no process but this one."""
     out, err = io.StringIO(), io.StringIO()
     command = mock.patch.object(sys, "argv", ["ballscrew", *map(str, words)])
-    alone, ended = mock.patch.object(processes, "WORTH_S", np.inf), pytest.raises(SystemExit)
+    alone, ended = mock.patch.object(processes.os, "cpu_count", return_value=1), pytest.raises(SystemExit)
     with command, alone, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), ended as status:
         main()
     return status.value.code or 0, out.getvalue(), err.getvalue()

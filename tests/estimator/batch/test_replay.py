@@ -19,7 +19,7 @@ from estimator.faults.fault import Fault
 from estimator.faults.judge import START_S, TOGETHER_TICKS
 from estimator.faults.suspects import HELD_S
 from estimator.filter import Filter
-from estimator.model import model_of
+from estimator.model import Model, model_of
 from estimator.network import regime
 from estimator.record import Recording
 from estimator.rig import Channel, Rig, Signal
@@ -47,21 +47,33 @@ def both(model, rig, recording, mute=None) -> Track:
     return slow
 
 
-@pytest.fixture(scope="module", params=["half", "rig"])
-def lived(request, driven, live) -> tuple:
-    """Model, rig and a recording with noise: a drive and some rest, air and board that warm up."""
-    paper = request.param == "rig"
-    rig, model = (request.getfixturevalue(name) for name in (request.param, "full" if paper else "small_model"))
+def lived_on(rig: Rig, model: Model, stroke_mm: float, driven, live) -> tuple[Model, Rig, Recording]:
+    """A recording with noise: a drive and some rest, air and board that warm up."""
     spans = np.array([TICKS, 20, 90]) * rig.tick_s
-    drive = driven(rig, spans[0], tuple(spans[1:]), stroke=(0.0, 400.0 if paper else 100.0))
+    drive = driven(rig, spans[0], tuple(spans[1:]), stroke=(0.0, stroke_mm))
     for name in ("ambient", "board"):
         drive.inputs[name][:] = 22 + np.linspace(0, 3, TICKS)
     return model, rig, live(model, rig, drive, seed=1, process=True).recording
 
 
-def test_counted_from_a_zero_only_lengths_are_others(lived):
+@pytest.fixture(scope="module")
+def lived(half, small_model, driven, live) -> tuple[Model, Rig, Recording]:
+    """On the small rig at two ticks a second; the judge at one a second, on the paper's rig: faults/test_judge.py."""
+    return lived_on(half, small_model, 100.0, driven, live)
+
+
+@pytest.fixture(scope="module", params=["half", "rig"])
+def anywhere(request, driven, live) -> tuple[Model, Rig, Recording]:
+    """The same, and on the paper's rig."""
+    if request.param == "half":
+        return request.getfixturevalue("lived")
+    rig, full = (request.getfixturevalue(name) for name in ("rig", "full"))
+    return lived_on(rig, full, 400.0, driven, live)
+
+
+def test_counted_from_a_zero_only_lengths_are_others(anywhere):
     """By what by now is known to have been grown at the first sample, another coefficient included."""
-    model, rig, recording = lived
+    model, rig, recording = anywhere
     counted, filter_ = both(model, replace(rig, zero_C=20.0, zero_sd_K=0.1), recording), Filter(model, rig)
     usual = stepped(filter_, recording)
     lengths = {"elongation_um", "sigma_um", "open_loop_um", "error_at_table_um", "error_at_table_sd_um"}
@@ -81,8 +93,8 @@ def test_counted_from_a_zero_only_lengths_are_others(lived):
     assert smooth.sigma_um[-1] == pytest.approx(counted.sigma_um[-1], abs=1e-9)
 
 
-def test_the_error_at_a_place_is_that_at_the_table_when_it_is_there(lived):
-    model, rig, recording = lived
+def test_the_error_at_a_place_is_that_at_the_table_when_it_is_there(anywhere):
+    model, rig, recording = anywhere
     waiting = recording.channels.copy()
     waiting[:5] = np.nan
     ticks, rig = [30, 70, 149], replace(rig, zero_C=20.0, zero_sd_K=0.1)
@@ -145,8 +157,8 @@ BREAKS = [
 
 
 @pytest.mark.parametrize("broken", BREAKS)
-def test_replay_is_the_filter_with(broken, lived):
-    model, rig, run = lived
+def test_replay_is_the_filter_with(broken, anywhere):
+    model, rig, run = anywhere
     run = copy(run)
     broken(run)
     track = both(model, rig, run)
@@ -203,9 +215,9 @@ def test_a_thermometer_that_was_off_from_the_first_sample_on(lived):
     assert track.fault[-1, 1] == Fault.OFF
 
 
-def test_all_thermometers_that_began_with_another_temperature(lived):
+def test_all_thermometers_that_began_with_another_temperature(anywhere):
     """What they read before they were ready is no start: the run begins anew."""
-    model, rig, run = lived
+    model, rig, run = anywhere
     run = copy(run)
     run.channels[:12, rig.is_thermometer] += SPIKE_K
     track = both(model, rig, run)
@@ -215,8 +227,8 @@ def test_all_thermometers_that_began_with_another_temperature(lived):
     np.testing.assert_allclose(track.elongation_um[12 + TOGETHER_TICKS - 1 :], later.elongation_um, atol=1e-9)
 
 
-def test_all_thermometers_that_jump_together_have_other_zeros(lived):
-    model, rig, run = lived
+def test_all_thermometers_that_jump_together_have_other_zeros(anywhere):
+    model, rig, run = anywhere
     run, healthy = copy(run), replay(model, rig, run)
     from_ = TICKS - 25
     rig_is_warm = run.time_s[from_] - run.time_s[0] > START_S
@@ -240,9 +252,9 @@ def muted(*spans: tuple[int, float, float], rig: Rig) -> Callable[[float], np.nd
     return mute
 
 
-def test_muted_spans(lived):
+def test_muted_spans(anywhere):
     """Also from the start on, of all channels at a time, and over a spike, which is still there afterwards."""
-    model, rig, run = lived
+    model, rig, run = anywhere
     run = copy(run)
     m = len(rig.names)
     run.channels[100:108, 2] += SPIKE_K
@@ -256,15 +268,15 @@ def test_muted_spans(lived):
     assert (track.mode[119:124] == Mode.COASTING).all()
 
 
-def test_a_channel_that_no_effect_reads_is_shown_but_never_fused(lived):
-    model, rig, run = lived
+def test_a_channel_that_no_effect_reads_is_shown_but_never_fused(anywhere):
+    model, rig, run = anywhere
     track = both(model - "displacement", rig, run)
     assert not track.fused[:, -1].any()
     assert np.isinf(track.innovation_sd[:, -1]).all()
 
 
-def test_after_the_fact_the_estimate_is_as_sure_as_live_or_surer_and_the_same_at_the_end(lived):
-    model, rig, run = lived
+def test_after_the_fact_the_estimate_is_as_sure_as_live_or_surer_and_the_same_at_the_end(anywhere):
+    model, rig, run = anywhere
     found = Replay(model, rig, run, None, lambda _: None)
     smoothed, track = found.smoothed(), found.track
     assert smoothed.elongation_um[-1] == pytest.approx(track.elongation_um[-1], abs=1e-9)
