@@ -85,8 +85,9 @@ def moments(trials: Trials, model: Model, columns: Sequence[Column], own: Model 
     return trials.each(lambda trial: moments_of(trial, model, columns, own))
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def moments_of(trial: Trial, model: Model, columns: Sequence[Column], own: Model | None = None) -> Moments:
-    """Moments of one recording.
+    """Moments of one recording; none that are finite where heat grows without bound, which no step is taken to.
 
     own  a model near this one, at whose values the slopes of its own parameters are taken; None: all of them at `model`
     """
