@@ -27,8 +27,6 @@ from estimator.rig import RAD_S, Rig
 SLACK_MM, SLACK = 5.0, 0.1  # of the path: both are read at slightly other times
 STANDS_MM = 1e-3  # less is no motion
 IN_A_ROW = 3  # ticks
-
-
 LONG = 10  # readings
 FEW = 20  # ticks that turn, whose speeds do not tell how fast the axis is
 QUICK = 0.5  # ticks: further apart, speeds do not tell how far the table moves between two
