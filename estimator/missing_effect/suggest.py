@@ -88,7 +88,8 @@ class Search:
         self.trials = others or slow_trials_of(model, runs)
         self.as_given = refined(as_given(model, runs, loose), self.trials, [])
         runs.progress("fitting the model again", 0.05)
-        grounds = [of_tables(model), *([of_tables(model).freed(*held)] if (held := of_tables(model).held) else [])]
+        free = of_tables(model)
+        grounds = [free, free.freed(*free.held)] if free.held else [free]
         self.again = min((refined(ground, self.trials, []) for ground in grounds), key=lambda h: h.cost)
 
     def run(self) -> Suggestion:
