@@ -69,12 +69,17 @@ class Suggestion:
 
     @property
     def loosened(self) -> list[str]:
-        """Parameters that the model holds fixed and `again` has moved by more than their sd, most first."""
-        again = self.again
-        found, was = again.known().values, self.as_given.ground.model
-        off = {path: abs(again.model[path] - was[path]) / (found[path].sd or float("inf")) for path in again.paths}
-        fixed = [path for path in off if path not in was.free() and off[path] > 1.0]
-        return sorted(fixed, key=lambda path: -off[path])
+        """Parameters that the model holds fixed and that are others by more than two sd, the furthest first.
+
+        They are so beside the effect that was found, or in the model without any; none where an earlier fit holds.
+        """
+        best = self.found[0] if self.found and self.verdict in ("effect", "effects", "tie") else self.before
+        if not best.refit:
+            return []
+        here, was = best.known(), self.as_given.ground.model
+        fixed = [path for path in best.paths if path in was.values and path not in was.free()]
+        off = {path: abs(here[path] - was[path]) / (here.values[path].sd or float("inf")) for path in fixed}
+        return sorted((path for path in fixed if off[path] > 2.0), key=lambda path: -off[path])
 
     @property
     def one_recording(self) -> bool:

@@ -57,7 +57,8 @@ def ranked(verdict: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
     """Hypotheses with their title and error held out: the model, fitted again, and the best effects."""
     suggestion = verdict.suggestion
     given = "the model, give or take its sd" if suggestion.as_given.ground.learned else "the model as given"
-    again = f"all parameters fitted again{', fixed ones too' if suggestion.loosened else ''}"
+    again, free = "all parameters fitted again", suggestion.as_given.ground.model.free()
+    again += ", fixed ones too" if set(suggestion.again.paths) - set(free) else ""
     listed = [(given, suggestion.as_given), (again, suggestion.again)]
     for h in suggestion.found[:SHOWN]:
         listed.append((f"{h.freed} of another value" if h.freed else f"+ {' + '.join(h.names)}", h))
@@ -128,7 +129,7 @@ def as_json(verdict: Verdict, rig: Rig, file: Path | None = None) -> dict[str, A
         },
         "where": _unknown(suggestion, rig),
         "composed": composed_json(made, held_before, verdict.composed_held_out, file),
-        "events": events_json(suggestion.events),
+        "events": events_json(suggestion.events), "loosened": suggestion.loosened,
         "pair": list(suggestion.pair),
         "sentence": sentence(verdict, rig),
     }  # fmt: skip

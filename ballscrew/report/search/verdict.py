@@ -29,6 +29,7 @@ def sentence(verdict: Verdict, rig: Rig) -> str:
     made = verdict.suggestion.composed
     parts = [
         _sentence(verdict, rig),
+        _beside(verdict.suggestion.others),
         composed_sentence(made) if made is not None else "",
         once,
         next_run_sentence(verdict.next_run, rig),
@@ -60,6 +61,18 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
         return f"{' or '.join(suggestion.tie)}: these recordings cannot tell."
     more = f" A second one besides: {_other(suggestion)}." if suggestion.pair else ""
     return f"{best.names[0]} is missing: {_gain(suggestion.without(best), best)}.{more}"
+
+
+def _beside(suggestion: Suggestion) -> str:
+    """What the model holds fixed, and is another one beside the effect that was found."""
+    if suggestion.verdict not in ("effect", "effects", "tie"):
+        return ""
+    here, was = suggestion.found[0].known(), suggestion.as_given.ground.model
+    moved = [
+        f"{path} is {with_sd(here.values[path], here.param(path).unit)} here, not {was[path]:.3g}"
+        for path in suggestion.loosened[:NAMED]
+    ]
+    return f"Held fixed in the model, but {', '.join(moved)}." if moved else ""
 
 
 def _wrong_always(wrong: Mislabel, far: bool) -> str:
