@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -89,8 +90,20 @@ def searching(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Reports without their pictures, which take longer than all else."""
-    monkeypatch.setattr("ballscrew.report.comparison_views.write_pictures", lambda *_: {})
+    """Reports with one picture that shows nothing: true ones take longer than all else."""
+
+    def blank(stem: Path, *_: object) -> dict[str, Path]:
+        picture = stem.with_name(f"{stem.name}-steps.png")
+        picture.write_bytes(b"nothing")
+        return {"steps": picture}
+
+    monkeypatch.setattr("ballscrew.report.comparison_views.write_pictures", blank)
+
+
+@pytest.fixture
+def unfelt(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody asks what the axis feels, which takes two replays and two runs without readings."""
+    monkeypatch.setattr("ballscrew.commands.improve.at_the_table", lambda *_: [])
 
 
 def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(searching, fs20_log, tmp_path) -> None:
@@ -146,7 +159,7 @@ def heat_at_350(model: Model, taken: tuple[str, ...]) -> Suggestion:
     return replace(plain, composed=Composed(unknown, text, effect, added, plain.before.judged, (), tried=700))
 
 
-def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, undrawn, fs20_log, tmp_path) -> None:
+def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, undrawn, unfelt, fs20_log, tmp_path) -> None:
     asked = []
 
     def answer(model, runs, effects, loose=(), healthy=None, taken=()):
@@ -193,7 +206,7 @@ def test_a_file_that_is_no_python_is_refused_before_the_search(fs20_log, tmp_pat
     assert "effects.py: line 1 is not Python" in err
 
 
-def test_a_model_with_an_effect_of_ones_own_loads_again(searching, fs20_log, tmp_path) -> None:
+def test_a_model_with_an_effect_of_ones_own_loads_again(searching, undrawn, unfelt, fs20_log, tmp_path) -> None:
     searching("rub")
     (tmp_path / "mine.py").write_text(OWN)
     (tmp_path / "made").mkdir()
@@ -207,7 +220,7 @@ def test_a_model_with_an_effect_of_ones_own_loads_again(searching, fs20_log, tmp
     page = (tmp_path / "r.html").read_text()
     sound(page)
     assert page.count('<td class="text">rub</td><td class="text">Something rubs at the middle.</td>') == 1
-    assert page.count("data:image/png;base64,") == 3
+    assert page.count("data:image/png;base64,") == 1
     assert not list(tmp_path.glob("*.png"))
     assert (tmp_path / "v.rrd").is_file()
     assert "rub" in [one.effect.name for one in effects_to_try(Workspace(Terminal(), load_rig(PAPER), model), ())]

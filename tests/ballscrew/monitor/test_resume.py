@@ -50,7 +50,7 @@ def restarted(paper, frames: Frames, folder: Path, at_s: float, gap_s: float) ->
     return monitor, lived(monitor, after), sentence
 
 
-@pytest.mark.parametrize(("at_s", "gap_s"), [(40.0, 0.4), (150.7, 45.0)])
+@pytest.mark.parametrize(("at_s", "gap_s"), [(40.0, 0.4), (90.7, 45.0)])
 def test_the_elongation_goes_on(paper, frames, through, tmp_path, at_s, gap_s):
     """In the drive, with the machine going on while nobody listens; the same as by the parts joined."""
     monitor, moments, sentence = restarted(paper, frames, tmp_path, at_s, gap_s)

@@ -345,10 +345,10 @@ class Heaters(Effect):
 
 def test_a_rig_without_a_screw(monkeypatch):
     """Long enough for more than one part."""
-    monkeypatch.setattr(module, "ROWS", 256)
+    monkeypatch.setattr(module, "ROWS", 128)
     channels = {"T1": Channel(node="left"), "T2": Channel(node="right")}
     rig = Rig("two heaters", 10.0, channels, {"Q1": Signal(unit="%"), "ambient": Signal()})
-    model, ticks = model_of([Heaters, Thermometers]), module.ROWS + 500
+    model, ticks = model_of([Heaters, Thermometers]), module.ROWS + 150
     warm = 50.0 * (np.arange(ticks) // 60 % 2)
     none = np.zeros((ticks, 2))
     inputs = {"Q1": warm, "ambient": np.full(ticks, 22.0)}
@@ -364,14 +364,14 @@ def test_a_rig_without_a_screw(monkeypatch):
 
 def test_the_heated_rod():
     rig = load_rig(ROD)
-    track = both(load_model(ROD / "model.toml"), rig, read_recording(ROD / "check.csv", rig))
+    track = both(load_model(ROD / "model.toml"), rig, read_recording(ROD / "check.csv", rig).rows(slice(300)))
     assert track.fused.all()
     assert np.isnan(track.error_at_table_um).all()
 
 
 def test_a_recording_of_the_bus(rig):
     """A drive and some minutes of its stop."""
-    run = read_recording(PAPER / "FS-20.blf", rig).rows(slice(400))
+    run = read_recording(PAPER / "FS-20.blf", rig).rows(slice(330))
     track = both(load_model(PAPER / "model.toml"), rig, run)
     assert track.fused[:, :15].mean() > 0.95
     assert track.fused[:, 15].sum() > 50

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -41,6 +42,19 @@ def drifting(healthy, K_per_h, seconds=SECONDS):
     return replace(healthy, channels=readings)
 
 
+@pytest.fixture(scope="module")
+def found(healthy, paper):
+    """found(K_per_h): the recording that drifts by so much to its end, and its replay; each asked once."""
+    rig, model = paper
+
+    @cache
+    def of(K_per_h):
+        recording = drifting(healthy, K_per_h)
+        return recording, Replay(model, rig, recording, None, lambda _: None)
+
+    return of
+
+
 def suspected(track):
     """The ticks at which ONE may drift."""
     return np.flatnonzero(track.may_drift_K[:, ONE])
@@ -50,9 +64,8 @@ def test_of_healthy_thermometers_none_is_suspected(usual):
     assert not usual.may_drift_K.any()
 
 
-def test_a_drift_is_suspected_and_used_before_it_is_accused(healthy, paper):
-    rig, model = paper
-    track = replay(model, rig, drifting(healthy, 3.0))
+def test_a_drift_is_suspected_and_used_before_it_is_accused(found):
+    track = found(3.0)[1].track
     first, accused = suspected(track)[0], np.flatnonzero(track.fault[:, ONE] == Fault.DRIFTING)[0]
     assert first - AT <= 70
     assert first < accused
@@ -62,10 +75,9 @@ def test_a_drift_is_suspected_and_used_before_it_is_accused(healthy, paper):
     assert not np.delete(track.may_drift_K, ONE, axis=1).any()
 
 
-def test_a_slow_drift_that_is_suspected_leads_the_estimate_no_further(healthy, usual, paper):
+def test_a_slow_drift_that_is_suspected_leads_the_estimate_no_further(found, usual, paper):
     """Its zero goes with it, where a known one would take the estimate along by 0.2 um; the sd holds what it did."""
-    rig, model = paper
-    track = replay(model, rig, drifting(healthy, 0.3))
+    rig, track = paper[0], found(0.3)[1].track
     first = suspected(track)[0]
     assert first - AT < 1000
     assert not track.fault.any()
@@ -103,13 +115,13 @@ def test_on_a_machine_that_is_not_the_models_zeros_stay(paper, tmp_path):
 
 
 def test_live_suspects_and_widens_as_batch_does(healthy, paper):
-    """Two that drift from soon after the stop on, one of them so slowly that it is not accused."""
+    """Two that drift from soon after the stop on, one of them so slowly that it is not accused yet."""
     rig, model = paper
-    begun = healthy.rows(slice(0, 1100))
+    begun = healthy.rows(slice(0, 700))
     recording = replace(begun, channels=begun.channels.copy())
     recording.channels[360:363] = np.nan
-    for i, K_per_h in ((ONE, 1.5), (ONE + 5, 6.0)):
-        recording.channels[:, i] += np.maximum(recording.time_s - 400.0, 0.0) * K_per_h / 3600.0
+    for i, K_per_h in ((ONE, 3.0), (ONE + 5, 9.0)):
+        recording.channels[:, i] += np.maximum(recording.time_s - 300.0, 0.0) * K_per_h / 3600.0
     live, batch = stepped(Filter(model, rig), recording), replay(model, rig, recording)
     assert suspected(batch).size
     assert not batch.fault[:, ONE].any()
@@ -118,20 +130,18 @@ def test_live_suspects_and_widens_as_batch_does(healthy, paper):
         np.testing.assert_allclose(getattr(live, key), getattr(batch, key), rtol=1e-9, atol=1e-9, err_msg=key)
 
 
-def test_after_the_fact_what_may_drift_is_not_heard(healthy, usual, paper):
-    rig, model = paper
-    found = Replay(model, rig, drifting(healthy, 0.3), None, lambda _: None)
-    smoothed = found.smoothed()
-    assert smoothed.sigma_um[-1] == pytest.approx(found.track.sigma_um[-1], rel=0.02)
-    after = suspected(found.track)[0] + 1
+def test_after_the_fact_what_may_drift_is_not_heard(found, usual):
+    _, replayed = found(0.3)
+    smoothed = replayed.smoothed()
+    assert smoothed.sigma_um[-1] == pytest.approx(replayed.track.sigma_um[-1], rel=0.02)
+    after = suspected(replayed.track)[0] + 1
     assert (abs(smoothed.elongation_um - usual.elongation_um)[after:] < 0.1).all()
 
 
 @pytest.mark.parametrize(("K_per_h", "said"), [(0.3, True), (3.0, False)], ids=["used", "left out"])
-def test_it_is_said_of_a_recording_but_of_what_was_accused_then(K_per_h, said, healthy, paper):
-    rig, model = paper
-    recording = drifting(healthy, K_per_h)
-    track = replay(model, rig, recording)
+def test_it_is_said_of_a_recording_but_of_what_was_accused_then(K_per_h, said, found, paper):
+    rig, (recording, replayed) = paper[0], found(K_per_h)
+    track = replayed.track
     use = use_of(recording, rig, Told.by(track))
     first = track.time_s[suspected(track)[0]]
     told = [sentence for sentence in sentences([use], rig) if "may have drifted" in sentence]

@@ -32,7 +32,7 @@ def test_what_an_earlier_step_added_moves_with_the_next(plain, bar, lives):
     truth = with_effect(with_effect(plain, "churning", share=0.5), "local_heat", power=2.0, at=150.0)
     bent = with_effect(plain, "churning", share=0.6)
     wide, seats = candidates(bent, bar, [CATALOGUE["local_heat"]])
-    runs = Runs(bar, lives(truth))
+    runs = Runs(bar, lives(truth)[:2])
     trials = slow_trials_of(wide, runs)
     held, moved = (screening(Ground(bent, paths), wide, seats, trials) for paths in ((), ("churning.share",)))
     best = moved.best()[0]

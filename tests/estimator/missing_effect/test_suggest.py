@@ -50,7 +50,7 @@ def test_what_leaves_little_takes_more_recordings(plain, bar, lives):
 def test_healthy_recordings_say_what_has_changed_since(plain, bar, lives):
     """The model's nut is another one's; the healthy runs tell, so that churning does not bend it."""
     other = plain.with_values({"nut_friction.power": 26.0})
-    new, healthy = lives(with_effect(plain, "churning", share=0.5)), lives(plain, seed=40)
+    new, healthy = lives(with_effect(plain, "churning", share=0.5))[:2], lives(plain, seed=40)[:2]
     found = suggest(other, Runs(bar, new), CATALOGUE.values(), healthy=Runs(bar, healthy))
     assert (found.verdict, found.found[0].names) == ("effect", ("churning",))
     assert not found.before.refit
@@ -61,14 +61,14 @@ def test_healthy_recordings_say_what_has_changed_since(plain, bar, lives):
 def test_a_parameter_of_another_value_is_no_missing_effect(plain, bar, lives):
     """The fit knew it to a per cent; a fifth more since is what has changed, and `improve` sets it right."""
     known = plain.known(("nut_friction.power",), np.array([[0.2**2]]))
-    runs = Runs(bar, lives(plain.with_values({"nut_friction.power": 24.0})))
+    runs = Runs(bar, lives(plain.with_values({"nut_friction.power": 24.0}))[:2])
     steps = improve(known, runs, Runs(bar, []), list(CATALOGUE.values())).steps
     assert [step.added for step in steps] == ["", ""]
     assert steps[-1].model["nut_friction.power"] == pytest.approx(24.0, rel=0.02)
 
 
 def test_a_model_fitted_to_these_recordings_stands_on_tables_alone(plain, bar, lives):
-    runs = Runs(bar, lives(with_effect(plain, "churning", share=0.5)))
+    runs = Runs(bar, lives(with_effect(plain, "churning", share=0.5))[:2])
     known = plain.known(("nut_friction.power",), np.array([[0.2**2]]))
     assert as_given(known, runs).learned == {"nut_friction.power"}
     bent = replace(known, about={**known.about, "fitted_on": {"run 0": runs.recordings[0].fingerprint}})
@@ -91,7 +91,7 @@ class Clamp(Effect):
 def test_what_stores_heat_is_found_with_its_size(plain, bar, lives):
     """Its conductance is told by quick changes alone, and by few thermometers."""
     truth = (plain + Clamp).with_values({"clamp.capacity": 80.0, "clamp.g": 2.0})
-    found = suggest(plain, Runs(bar, lives(truth)), [Clamp])
+    found = suggest(plain, Runs(bar, lives(truth)[:3]), [Clamp])
     assert (found.verdict, found.found[0].names) == ("effect", ("clamp",))
     assert found.found[0].model["clamp.capacity"] == pytest.approx(80.0, rel=0.2)
     assert found.found[0].own()["clamp.g"].value == pytest.approx(2.0, abs=2 * found.found[0].own()["clamp.g"].sd)
@@ -107,14 +107,14 @@ def test_nothing_planted_is_nothing_missing_and_no_input_wrong(searched):
 def test_radiation_and_still_air_are_a_tie(plain, bar, lives):
     """Where nobody knows the still air: a table value that it would be far from decides for radiation."""
     plain = plain.with_values({"still_air.h": replace(plain.values["still_air.h"], prior=Prior(8.0, 50.0))})
-    found = search(plain, bar, lives(with_effect(plain, "radiation", emissivity=0.8)))
+    found = search(plain, bar, lives(with_effect(plain, "radiation", emissivity=0.8))[:2])
     assert found.verdict == "tie"
     assert set(found.tie) == {"radiation", "still_air"}
 
 
 def test_what_no_catalogue_has_is_placed_and_followed(plain, bar, lives):
     follows = followers(bar).index(REST)
-    found = search(plain, bar, lives(with_effect(plain, "unknown_heat", power=4.0, at=60.0, follows=follows)))
+    found = search(plain, bar, lives(with_effect(plain, "unknown_heat", power=4.0, at=60.0, follows=follows))[:2])
     assert found.verdict == "nothing_in_catalogue"
     at = found.unexplained.candidate.at
     assert at["unknown_heat.at"] == pytest.approx(60.0, abs=30.0)
@@ -144,6 +144,6 @@ def test_beside_what_is_missing_a_fixed_parameter_may_be_another_machines(plain,
 
 
 def test_a_model_that_holds_nothing_fixed_is_fitted_again_once(plain, bar, lives):
-    found = suggest(plain, Runs(bar, lives(plain)), [])
+    found = suggest(plain, Runs(bar, lives(plain)[:2]), [])
     assert found.verdict == "nothing_missing"
     assert not found.loosened

@@ -30,7 +30,7 @@ def test_a_wrong_label_names_run_and_signal(wrong, plain, bar, lives):
 
 
 def test_one_run_with_another_zero_of_the_position_is_named_with_its_size(plain, bar, lives):
-    runs = lives(plain)
+    runs = lives(plain)[:3]
     runs[2] = corrected(runs[2], bar, ZERO, -30.0)
     found = suggest(plain, Runs(bar, runs), CATALOGUE.values())
     assert (found.verdict, found.wrong_input.run, found.wrong_input.signal) == ("input_error", "run 2", "position")
