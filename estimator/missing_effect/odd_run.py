@@ -9,7 +9,6 @@ from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.moments import moments
 from estimator.hypotheses.panel import Panel
 from estimator.hypotheses.slopes import Column
-from estimator.record import Array
 
 ODD = 3.0  # times the others' misfit makes a run odd ...
 BAD = 2.0  # ... if it is no good model either
@@ -25,9 +24,4 @@ def odd_run(ground: Ground, trials: Trials) -> int | None:
     missed = Panel(columns, found, known).judge().runs
     without = [Panel(columns, [*found[:i], *found[i + 1 :]], known).judge() for i in range(len(found))]
     at = int(np.argmin([each.misfit for each in without]))
-    return at if stands_out(missed[at], without[at].runs) else None
-
-
-def stands_out(missed: float, others: Array) -> bool:
-    """Whether a run that is missed by so much is odd beside others (runs,)."""
-    return missed > max(BAD, ODD * float(np.median(others)))
+    return at if missed[at] > max(BAD, ODD * float(np.median(without[at].runs))) else None

@@ -20,7 +20,6 @@ from estimator.hypotheses.moments import moments_of
 from estimator.hypotheses.panel import Explanation, Panel
 from estimator.hypotheses.slopes import Column
 from estimator.inputs.inputs import nothing
-from estimator.missing_effect.odd_run import stands_out
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -66,10 +65,7 @@ class Mislabel:
 
 
 def mislabel(ground: Ground, runs: Runs, trials: Trials, odd: int) -> Mislabel | None:
-    """The wrong input of an odd run that explains most, beside a model that suits the others; None if none does.
-
-    Once it is set right, the run must be foretold as the others are.
-    """
+    """The wrong input of an odd run that explains most, beside a model that suits the others; None if none does."""
     rig, recording, model = runs.rig, runs.recordings[odd], ground.model
     free, known = [Column(model, path) for path in ground.paths], ground.belief(model, ground.paths)
     others = [moments_of(trial, model, free) for i, trial in enumerate(trials) if i != odd]
@@ -77,8 +73,7 @@ def mislabel(ground: Ground, runs: Runs, trials: Trials, odd: int) -> Mislabel |
     for signal, size in _likely(model, rig, Trial(model, rig, recording).heard)[:JUDGED]:
         right = slow_trial(model, rig, corrected(recording, rig, signal, size))
         judged = Panel(free, [*others, moments_of(right, model, free)], known).judge()
-        if not stands_out(judged.runs[-1], judged.runs[:-1]):
-            wrong.append(_mislabel(recording.name, rig, signal, size, judged))
+        wrong.append(_mislabel(recording.name, rig, signal, size, judged))
     return min(wrong, key=lambda m: m.judged.misfit, default=None)
 
 
