@@ -7,8 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.recordings import read_recording
-from drivers.virtual_rig import simulate, write
 from estimator.alarms.alarms import Alarms
 from estimator.batch.replay import Replay, replay
 from estimator.batch.trial import Trial
@@ -23,10 +21,8 @@ SECONDS, AT, ONE = 420, 120, 15
 
 
 @pytest.fixture(scope="module")
-def healthy(paper, tmp_path_factory):
-    """Strokes for four minutes, and the beginning of the rest, on the machine of the recordings."""
-    log = write(simulate("FS-20", seed=101, seconds=SECONDS), tmp_path_factory.mktemp("rig") / "a.log")
-    return read_recording(log, paper[0])
+def healthy(strokes):
+    return strokes(SECONDS)
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from drivers.recordings import read_recording
-from drivers.virtual_rig import simulate, write
 from estimator.batch.replay import replay
 from estimator.faults import machine
 from estimator.faults.fault import Seen
@@ -95,10 +93,8 @@ def test_without_parameters_in_doubt_nothing_is_said():
 
 
 @pytest.fixture(scope="module")
-def recording(paper, tmp_path_factory):
-    """A quarter of an hour of the machine of the recordings: four minutes of strokes, and rest."""
-    log = write(simulate("FS-20", seed=101, seconds=SECONDS), tmp_path_factory.mktemp("rig") / "a.log")
-    return read_recording(log, paper[0])
+def recording(strokes):
+    return strokes(SECONDS)
 
 
 @pytest.fixture(scope="module")

@@ -22,10 +22,8 @@ SECONDS, AT, ONE = 3000, 1500, 4
 
 
 @pytest.fixture(scope="module")
-def healthy(paper, tmp_path_factory):
-    """Strokes for four minutes, and three quarters of an hour of rest, on the machine of the recordings."""
-    log = write(simulate("FS-20", seed=101, seconds=SECONDS), tmp_path_factory.mktemp("rig") / "a.log")
-    return read_recording(log, paper[0])
+def healthy(strokes):
+    return strokes(SECONDS)
 
 
 @pytest.fixture(scope="module")
