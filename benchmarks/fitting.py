@@ -90,7 +90,7 @@ def _own(found: Fit, cpu: float, wall: float, shared: float) -> list[Row]:
     return [
         Row("fit, one thread", f"{wall:.1f} s on the clock, {cpu:.1f} s CPU", wall, 60.0),
         Row("fit, recordings side by side in threads", f"{shared:.1f} s on the clock"),
-        Row("its search", f"{found.steps} open-loop runs, {ending}, process noise x {found.raised:.2f}"),
+        Row("its search", f"{found.steps} open-loop runs, {ending}, process noise x {found.raised.others:.2f}"),
     ]
 
 

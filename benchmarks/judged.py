@@ -84,8 +84,8 @@ def study(case: Case) -> dict[str, Any]:
         "fit_s": fit_s,
         "tune_s": tune_s,
         "converged": found.converged,
-        "raised": found.raised,
-        "noise": found.raised * tuned.factor,
+        "raised": vars(found.raised),
+        "noise": {key: by * vars(tuned.factors)[key] for key, by in vars(found.raised).items()},
         "parameters": against(found, true_parameters(own)),
         "runs": {name: judge(run_of(case.machine, name), tuned.model, rig, case.situations) for name in held_out},
     }

@@ -150,19 +150,23 @@ def _fits(some: Sequence[Found]) -> Iterator[Row]:
     yield Row("fits that converged", f"{converged:.1%}", converged, 0.95, True)
     inside = float(np.mean([abs(p["off"]) <= 2.0 for one in some for p in one["parameters"].values()]))
     yield _share("parameters within 2 sd of the machine's, where the laws are the same", inside)
-    calm = float(np.mean([one["raised"] <= 2.0 for one in some]))
+    calm = float(np.mean([max(one["raised"].values()) <= 2.0 for one in some]))
     yield Row("process noise after `fit` at most twice that before", f"{calm:.1%} of machines", calm, 0.9, True)
-    yield from _spread("process noise after `tune` / before", [one["noise"] for one in some], (None, None))
+    for key, named in (("places", "the screw's own process noise"), ("others", "process noise of heats and bodies")):
+        yield from _spread(f"{named} after `tune` / before", [one["noise"][key] for one in some], (None, None))
     yield from _spread("fit, s of the processor", [one["fit_s"] for one in some], (40.0, None), ".0f")
 
 
 def _each(found: dict[int, Found], situations: Sequence[str]) -> str:
     """A line a machine."""
-    head = [*(f"band: {s}; in 2 sd" for s in situations), "60 min after stops", "noise", "fit, s"]
+    head = [*(f"band: {s}; in 2 sd" for s in situations), "60 min after stops", "noise: screw, others", "fit, s"]
     rows = [["machine", "laws of another form", *head]]
     for number, one in found.items():
         cells = [f"{band(one, s):.2f}; {np.mean(_all([one], s, 'in_2sd')):.0%}" for s in situations]
-        cells += [f"{max(_all([one], FIRST, 'cooldown_um')):.2f}", f"{one['noise']:.2f}"]
+        cells += [
+            f"{max(_all([one], FIRST, 'cooldown_um')):.2f}",
+            ", ".join(f"{by:.2f}" for by in one["noise"].values()),
+        ]
         ended = f"{one['fit_s']:.0f}{'' if one['converged'] else ', not converged'}"
         rows.append([str(number), ", ".join(one["laws"]), *cells, ended])
     return section("Machine by machine", rows, level=3)

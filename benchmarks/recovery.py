@@ -101,7 +101,7 @@ def one(seed: int) -> Recovered:
     by_path = {f.path: f for f in found.parameters}
     fitted, sd = (np.array([getattr(by_path[path], key) for path in PATHS]) for key in ("value", "sd"))
     wanted = np.array([true[path] for path in PATHS])
-    return Recovered((fitted - wanted) / sd, (fitted - wanted) / wanted, found.raised, found.converged)
+    return Recovered((fitted - wanted) / sd, (fitted - wanted) / wanted, found.raised.others, found.converged)
 
 
 def markdown() -> str:

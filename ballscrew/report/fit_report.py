@@ -55,8 +55,15 @@ def worse(fit: Fit) -> list[str]:
 
 def _cautions(fit: Fit) -> list[str]:
     said = [f"{a} and {b} cannot be told apart well: their errors correlate by {rho:+.3f}" for a, b, rho in fit.alike]
-    if fit.raised >= WORTH_SAYING:
-        said.append(f"process noise x {fit.raised:.2f}: ten minutes without readings ended further off than it said")
+    if fit.raised.others >= WORTH_SAYING:
+        said.append(
+            f"process noise x {fit.raised.others:.2f}: ten minutes without readings ended further off than it said"
+        )
+    if fit.raised.places >= WORTH_SAYING:
+        said.append(
+            f"the screw's own process noise x {fit.raised.places:.2f}: thermometers that the filter does not see are "
+            "further off than it said"
+        )
     if fit.stopped:
         said.append(f"stopped by Ctrl-C after {fit.steps} runs: the best so far was kept")
     elif not fit.converged:
@@ -73,7 +80,7 @@ def as_json(fit: Fit) -> dict[str, object]:
     }
     return {
         "recordings": recordings_json(fit.uses),
-        "parameters": parameters, **errors, "process_noise_raised": fit.raised,
+        "parameters": parameters, **errors, "process_noise_raised": vars(fit.raised),
         "correlated": [{"parameters": [a, b], "correlation": rho} for a, b, rho in fit.alike],
         "converged": fit.converged, "stopped": fit.stopped, "steps": fit.steps,
     }  # fmt: skip

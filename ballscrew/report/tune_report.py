@@ -57,7 +57,8 @@ def sentences(tuned: Tuned) -> list[str]:
         )
     loud = [x.path for x in tuned.levels if x.kind == "process" and x.after > 3 * x.before]
     if loud:
-        said.append(f"process noise rose {tuned.factor:.1f} times: the model explains less than it claimed")
+        rose = max(tuned.factors.places, tuned.factors.others)
+        said.append(f"process noise rose {rose:.1f} times: the model explains less than it claimed")
     stays = ", ".join(x.path for x in tuned.levels if x.kind == "measurement" and x.after == x.before)
     if stays:
         said.append(f"not lowered: {stays}; innovations there are not white, so part of a reading's error lasts")
@@ -75,7 +76,7 @@ def as_json(tuned: Tuned) -> dict[str, object]:
     return {
         "recordings": recordings_json(tuned.uses),
         "levels": levels, "channels": channels, "errors": errors, "noise_floor": vars(tuned.floor),
-        "process_factor": tuned.factor, "missing_physics": tuned.missing, "sentences": sentences(tuned),
+        "process_factors": vars(tuned.factors), "missing_physics": tuned.missing, "sentences": sentences(tuned),
     }  # fmt: skip
 
 

@@ -24,7 +24,7 @@ LOOK_S = 60.0  # the last readings of a blind stretch that are compared: a displ
 
 
 @dataclass(frozen=True)
-class Blind:
+class Scored:
     """Scored readings: error and its predicted sd, channel and weight, (s,) each."""
 
     error: Array
@@ -32,13 +32,16 @@ class Blind:
     channel: Array
     weight: Array
 
+    def __add__(self, other: Scored) -> Scored:
+        return Scored(*(np.concatenate([getattr(each, key) for each in (self, other)]) for key in vars(self)))
+
     @property
     def loglike(self) -> float:
         """Composite log-likelihood."""
         return float(-0.5 * (self.weight * (np.log(2 * np.pi * self.sd**2) + (self.error / self.sd) ** 2)).sum())
 
 
-def blind(trial: Trial, model: Model) -> Blind:
+def blind(trial: Trial, model: Model) -> Scored:
     """Blind stretches over a whole recording, twice, so that each part of it is blind once."""
     tick = trial.rig.tick_s
     stretch, look = max(2, round(BLIND_S / tick)), max(1, round(LOOK_S / tick))
@@ -60,7 +63,7 @@ def blind(trial: Trial, model: Model) -> Blind:
     channel = np.concatenate(channels)
     heat = trial.rig.is_thermometer
     weight = np.where(heat, 1.0 / max(heat.sum(), 1), 1.0)[channel]
-    return Blind(np.concatenate(errors), np.concatenate(sds), channel, weight)
+    return Scored(np.concatenate(errors), np.concatenate(sds), channel, weight)
 
 
 def _last_of_each(ends: Array, phase: Array) -> Array:

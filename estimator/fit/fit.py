@@ -6,7 +6,7 @@ held (`likely`). A likelihood judges each second's prediction: what no effect ex
 parameters away from those that predict best; so it finds noise alone.
 
 A filter must not trust a model more than its errors allow: where ten blind minutes end further off than the process
-noise says, it is raised (`tune`), and never lowered.
+noise says, or thermometers that it does not see, it is raised (`tune`), and never lowered.
 """
 
 from __future__ import annotations
@@ -25,13 +25,12 @@ from estimator.fit.calibration import calibrated
 from estimator.fit.likelihood import Likelihood, Likely, likely
 from estimator.fit.noise import noise_levels
 from estimator.fit.open_loop_fit import Followed, follow
-from estimator.fit.tune import scaled
+from estimator.fit.tune import Factors, scaled
 from estimator.model import Model
 from estimator.record import Array
 from estimator.work import Runs
 
 AT_BOUND = 0.1  # sd
-ENOUGH = 1.1  # a factor that is sought to a tenth of its logarithm says no more than 1
 ALIKE = 0.95  # a correlation worth naming
 TELLING = 0.9  # of the prior's sd: a parameter known no better is the table's
 
@@ -58,7 +57,7 @@ class Fitted:
 class Fit:
     """A fit's outcome.
 
-    raised         factor by which the process noise had to be raised, 1: not at all
+    raised         factors by which the process noise had to be raised, 1: not at all
     alike          pairs of parameters whose errors correlate by more than 0.95, with the correlation
     before, after  errors by horizon of the model as it came and as it left
     converged      whether the search came to its end; `stopped`: by the user;  steps: open-loop runs it took
@@ -67,7 +66,7 @@ class Fit:
 
     model: Model
     parameters: tuple[Fitted, ...]
-    raised: float
+    raised: Factors
     alike: tuple[tuple[str, str, float], ...]
     before: dict[str, Error]
     after: dict[str, Error]
@@ -114,11 +113,10 @@ def _outcome(model: Model, found: Likely, followed: Followed, trials: Trials, ru
     )  # fmt: skip
 
 
-def _raised(model: Model, trials: Trials) -> tuple[Model, float]:
-    """The model with its process noise raised to what ten blind minutes show, and the factor (1: it was enough)."""
+def _raised(model: Model, trials: Trials) -> tuple[Model, Factors]:
+    """The model with its process noise raised to what is seen where it is blind, and the factors; 1: it was enough."""
     fixed = [path for path in noise_levels(model, trials)["process"] if model.values[path].fixed]
-    louder, factor = scaled(model, trials, fixed, lowest=0.0)
-    return (louder, factor) if factor > ENOUGH else (model, 1.0)
+    return scaled(model, trials, fixed, lowest=0.0)
 
 
 def _fitted(before: Model, after: Model, path: str, variance: float) -> Fitted:

@@ -36,6 +36,12 @@ def noise_levels(model: Model, trials: Iterable[Trial]) -> dict[str, list[str]]:
     return kinds
 
 
+def of_places(paths: Sequence[str], model: Model, trial: Trial) -> list[str]:
+    """Those process noises that are independent from place to place: the screw's own, not a heat's or a body's."""
+    posed = trial.pose(model)
+    return [path for path in paths if np.linalg.matrix_rank(tangent(trial, posed, model, path).network.noise[0]) > 1]
+
+
 def coloured(channels: Sequence[ChannelQuality]) -> bool:
     """Whether the innovations of most of these channels stay alike for longer than chance makes them."""
     beyond = [c.whiteness - CHANCE / np.sqrt(c.readings) for c in channels if np.isfinite(c.whiteness)]

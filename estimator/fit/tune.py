@@ -4,9 +4,10 @@ Measurement noise is what a second shows: the likelihood of each reading given a
 innovations stay alike for seconds, part of a reading's error lasts, and its noise is not lowered.
 
 Process noise is what only minutes show: it stands for heat that no effect describes, and the errors that it makes build
-up so slowly that a likelihood of one second ahead takes them for nothing. So all process noises together are scaled by
-the one factor that is most likely after ten minutes without readings (`blind`); their proportions stay. Where the
-recordings tell little about it, it stays near 1.
+up so slowly that a likelihood of one second ahead takes them for nothing. So it is scaled by factors that are most
+likely where nothing was read: the screw's own, from place to place, at thermometers that are never seen (`unseen`) and
+after ten minutes without readings (`blind`), then all others together after these ten minutes; their proportions stay.
+Where the recordings tell little about a factor, it stays near 1.
 
 What stands for lasting errors of single sensors (spread of lags, unknown zeros and their drift) is no noise and is left
 alone.
@@ -14,28 +15,31 @@ alone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
-from estimator.accuracy.blind import blind
+from estimator.accuracy.blind import Scored, blind
 from estimator.accuracy.horizon import errors
 from estimator.accuracy.noise_floor import Error, missing_physics, noise_floor
 from estimator.accuracy.quality import ChannelQuality, quality
-from estimator.batch.trials import Trials, trials_of
+from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials, slowed, trials_of
 from estimator.errors import SetupError
 from estimator.faults.use import Use
 from estimator.fit.likelihood import likely
-from estimator.fit.noise import channels_of, coloured, noise_levels
+from estimator.fit.noise import channels_of, coloured, noise_levels, of_places
+from estimator.fit.unseen import unseen
 from estimator.model import Model
 from estimator.work import Progress, Runs, silent
 
 WIDEST = np.log(30.0)  # the factor on process noise is sought between 1/30 and 30
 STEP = 0.5  # of its logarithm, from which the search begins: there may be several peaks
 KNOWN = 1.0  # sd of that logarithm before anything was seen
-CLOSE = 0.1  # to which the logarithm of a factor is sought
+CLOSE = 0.1  # to which the logarithm of a factor is sought, ...
+ENOUGH = 1.1  # ... so that noise is not raised for less
 
 
 @dataclass(frozen=True)
@@ -50,16 +54,24 @@ class Level:
 
 
 @dataclass(frozen=True)
+class Factors:
+    """By which process noise was scaled: the screw's own, and all others; 1 where nothing told it."""
+
+    places: float = 1.0
+    others: float = 1.0
+
+
+@dataclass(frozen=True)
 class Tuned:
     """Outcome: the model, its levels, each channel's quality, errors by horizon, and the noise floor of its sensors.
 
-    factor   by which process noise was scaled;  uses: what was used of each recording
+    factors  by which process noise was scaled;  uses: what was used of each recording
     missing  open-loop error over the noise floor, where that is far: noise stands in for physics then; else NaN
     """
 
     model: Model
     levels: tuple[Level, ...]
-    factor: float
+    factors: Factors
     before: tuple[ChannelQuality, ...]
     after: tuple[ChannelQuality, ...]
     errors: dict[str, Error]
@@ -75,7 +87,7 @@ def tune(model: Model, runs: Runs) -> Tuned:
     if not any(kinds.values()):
         raise SetupError(f"{model.name}: no effect has a noise level; nothing to tune")
     better = _measured(model, trials, kinds["measurement"], progress)
-    better, factor = scaled(better, trials, kinds["process"], progress)
+    better, factors = scaled(better, trials, kinds["process"], progress)
     better = _measured(better, trials, kinds["measurement"], progress)
     levels = tuple(
         Level(path, kind, model[path], better[path], model.param(path).unit)
@@ -84,7 +96,7 @@ def tune(model: Model, runs: Runs) -> Tuned:
     )
     found, floor = errors(trials, better), noise_floor(better, trials[0])
     return Tuned(
-        better, levels, factor, quality(trials, model), quality(trials, better), found, floor,
+        better, levels, factors, quality(trials, model), quality(trials, better), found, floor,
         missing_physics(found["open_loop"], floor), trials.uses,
     )  # fmt: skip
 
@@ -107,12 +119,31 @@ def _measured(model: Model, trials: Trials, paths: Sequence[str], progress: Prog
 
 def scaled(
     model: Model, trials: Trials, paths: Sequence[str], progress: Progress = silent, lowest: float = -WIDEST
-) -> tuple[Model, float]:
-    """Levels scaled together to be most likely after ten blind minutes, and the factor; 1 where no run is so long.
+) -> tuple[Model, Factors]:
+    """Process noises scaled to be most likely where nothing was read, and the factors.
 
     lowest  logarithm of the least factor that is looked at; from 0 on it stays where two looks upwards gain nothing
     """
-    if not paths or not any(len(blind(trial, model).error) for trial in trials):
+    places = of_places(paths, model, trials[0]) if paths else []
+    slow = Trials(trials.each(lambda trial: slowed(trial, model)), trials.workers)
+    if not any(len(unseen(trial, model).error) for trial in slow):
+        places = []
+    others = [path for path in paths if path not in places]
+    model, of_screw = _likeliest(model, slow, places, _anywhere, "places unseen", progress, lowest)
+    model, of_others = _likeliest(model, trials, others, blind, "blind minutes", progress, lowest)
+    return model, Factors(of_screw, of_others)
+
+
+def _anywhere(trial: Trial, model: Model) -> Scored:
+    return unseen(trial, model) + blind(trial, model)
+
+
+def _likeliest(
+    model: Model, trials: Trials, paths: Sequence[str], scored: Callable[[Trial, Model], Scored],
+    stage: str, progress: Progress, lowest: float,
+) -> tuple[Model, float]:  # fmt: skip
+    """Levels scaled together to be most likely by what is scored, and the factor; 1 where nothing is."""
+    if not paths or not any(len(scored(trial, model).error) for trial in trials):
         return model, 1.0
     count = 0
 
@@ -124,8 +155,8 @@ def scaled(
         nonlocal count
         count += 1
         moved = at(log_factor)
-        value = sum(trials.each(lambda trial: blind(trial, moved).loglike))
-        progress(f"blind minutes, run {count}: log-likelihood {value:.1f}", count)
+        value = sum(trials.each(lambda trial: scored(trial, moved).loglike))
+        progress(f"{stage}, run {count}: log-likelihood {value:.1f}", count)
         return 0.5 * (log_factor / KNOWN) ** 2 - value
 
     few = [unlikely(look) for look in (0.0, STEP, 4.0 * STEP)] if lowest == 0.0 else []
@@ -135,4 +166,6 @@ def scaled(
     best = grid[np.argmin([unlikely(float(x)) for x in grid])]
     near = max(best - STEP, lowest), min(best + STEP, WIDEST)
     found = scipy.optimize.minimize_scalar(unlikely, bounds=near, method="bounded", options={"xatol": CLOSE})
+    if lowest == 0.0 and np.exp(found.x) < ENOUGH:
+        return model, 1.0
     return at(found.x), float(np.exp(found.x))

@@ -294,7 +294,7 @@ def test_tune_writes_a_model_of_other_noise_levels_and_nothing_else(folder):
         else:
             assert after.values[path] == value, path
     assert after["thermometers.sd"] > 0.015
-    assert told["process_factor"] == 1.0  # seven minutes: nothing was blind for ten
+    assert told["process_factors"]["others"] == 1.0  # seven minutes: nothing was blind for ten
 
 
 def test_tune_says_in_a_table_what_changed_and_as_json_all_it_knows(tmp_path):
@@ -306,10 +306,12 @@ def test_tune_says_in_a_table_what_changed_and_as_json_all_it_knows(tmp_path):
     told = json.loads((tmp_path / "tune.json").read_text())
     assert status == 0
     assert {
-        "levels", "channels", "errors", "noise_floor", "process_factor", "missing_physics", "sentences",
+        "levels", "channels", "errors", "noise_floor", "process_factors", "missing_physics", "sentences",
     } <= set(told)  # fmt: skip
     assert told["levels"]["thermometers.sd"]["after"] == pytest.approx(0.05, rel=0.05)
-    assert told["levels"]["conduction.noise"]["after"] == pytest.approx(0.02 * told["process_factor"], rel=1e-4)
+    assert told["levels"]["conduction.noise"]["after"] == pytest.approx(
+        0.02 * told["process_factors"]["places"], rel=1e-4
+    )
     assert told["channels"]["TC1"]["nis"]["after"] == pytest.approx(1.0, abs=0.15)
     assert told["noise_floor"]["elongation_um"] is None
     for path, level in told["levels"].items():

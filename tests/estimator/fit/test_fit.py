@@ -20,6 +20,7 @@ from estimator.errors import InputError, SetupError
 from estimator.fit.fit import fit
 from estimator.fit.misfits import Misfits
 from estimator.fit.open_loop_fit import LEAST, Search, follow
+from estimator.fit.tune import Factors
 from estimator.model import Prior, Value
 from estimator.terms import Heat
 from estimator.work import Runs
@@ -92,12 +93,14 @@ def test_a_fit_that_makes_the_elongation_worse_says_so(found):
 def test_a_model_that_misses_an_effect_is_trusted_less(rig, full, driven, live):
     """Without the bearings ten blind minutes end more than a kelvin off: the filter must not believe the model."""
     lived = live(full.with_values(TRUE), rig, driven(rig, 1500, (20, 900)), seed=5).recording
-    assert fit(only(full, *TRUE), Runs(rig, [lived])).raised == 1.0
+    assert fit(only(full, *TRUE), Runs(rig, [lived])).raised == Factors()
     poor = only(full - "anchor_friction" - "free_friction", "nut_friction.power")
     left = fit(poor, Runs(rig, [lived]))
     assert left.after["open_loop"].temperature_K > 0.5
-    assert left.raised > 5
-    assert left.model["conduction.noise"] == pytest.approx(left.raised * full["conduction.noise"])
+    assert left.raised.others > 5
+    assert left.model["nut_friction.noise"] == pytest.approx(left.raised.others * full["nut_friction.noise"])
+    assert left.raised.places > 5
+    assert left.model["conduction.noise"] == pytest.approx(left.raised.places * full["conduction.noise"])
 
 
 def test_the_fitted_model_knows_what_it_was_fitted_to(found, rig, lived, full):
