@@ -32,9 +32,6 @@ class Scored:
     channel: Array
     weight: Array
 
-    def __add__(self, other: Scored) -> Scored:
-        return Scored(*(np.concatenate([getattr(each, key) for each in (self, other)]) for key in vars(self)))
-
     @property
     def loglike(self) -> float:
         """Composite log-likelihood."""

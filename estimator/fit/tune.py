@@ -5,9 +5,10 @@ innovations stay alike for seconds, part of a reading's error lasts, and its noi
 
 Process noise is what only minutes show: it stands for heat that no effect describes, and the errors that it makes build
 up so slowly that a likelihood of one second ahead takes them for nothing. So it is scaled by factors that are most
-likely where nothing was read: the screw's own, from place to place, at thermometers that are never seen (`unseen`) and
-after ten minutes without readings (`blind`), then all others together after these ten minutes; their proportions stay.
-Where the recordings tell little about a factor, it stays near 1.
+likely where nothing was read: the screw's own, from place to place, at thermometers that are never seen (`unseen`),
+then all others together after ten minutes without readings (`blind`), where their proportions stay. Where there are no
+others, the screw's own is raised to what these minutes show, and never lowered. Where the recordings tell little about
+a factor, it stays near 1.
 
 What stands for lasting errors of single sensors (spread of lags, unknown zeros and their drift) is no noise and is left
 alone.
@@ -129,13 +130,12 @@ def scaled(
     if not any(len(unseen(trial, model).error) for trial in slow):
         places = []
     others = [path for path in paths if path not in places]
-    model, of_screw = _likeliest(model, slow, places, _anywhere, "places unseen", progress, lowest)
-    model, of_others = _likeliest(model, trials, others, blind, "blind minutes", progress, lowest)
-    return model, Factors(of_screw, of_others)
-
-
-def _anywhere(trial: Trial, model: Model) -> Scored:
-    return unseen(trial, model) + blind(trial, model)
+    model, of_screw = _likeliest(model, slow, places, unseen, "places unseen", progress, lowest)
+    if others:
+        model, of_others = _likeliest(model, trials, others, blind, "blind minutes", progress, lowest)
+        return model, Factors(of_screw, of_others)
+    model, again = _likeliest(model, trials, places, blind, "blind minutes", progress, 0.0)
+    return model, Factors(of_screw * again)
 
 
 def _likeliest(
