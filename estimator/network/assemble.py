@@ -201,7 +201,7 @@ def spread(q: Any, over: Any, rows: Array) -> Array:
     """q over, (ticks, cells), projected on the states: (ticks, n); (1, n) for a q without ticks."""
     q = np.atleast_2d(q)
     if q.shape[1] == 1:
-        return q * (np.broadcast_to(over, (*np.shape(over)[:-1], len(rows))) @ rows)
+        return q * (over @ rows if np.shape(over)[-1:] == rows.shape[:1] else np.multiply(over, rows.sum(axis=0)))
     return np.asarray((q * over) @ rows)
 
 
