@@ -8,7 +8,7 @@ speed and a place of the nut that hold for a while); q and d belong to a tick.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -166,7 +166,7 @@ def _dtype(terms: Sequence[Term]) -> Any:
 def values(term: Term, but: str = "") -> Iterator[object]:
     """Everything that a term says, the weights of a Read one by one; one field left out."""
     for key, value in vars(term).items():
-        for part in value.values() if isinstance(value, Mapping) else () if key == but else (value,):
+        for part in value.values() if key == "weights" else () if key == but else (value,):
             yield part.weight if isinstance(part, Spot) else part
 
 
