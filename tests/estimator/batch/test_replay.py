@@ -62,13 +62,14 @@ def lived(half, small_model, driven, live) -> tuple[Model, Rig, Recording]:
     return lived_on(half, small_model, 100.0, driven, live)
 
 
-@pytest.fixture(scope="module", params=["half", "rig"])
-def anywhere(request, driven, live) -> tuple[Model, Rig, Recording]:
-    """The same, and on the paper's rig."""
-    if request.param == "half":
-        return request.getfixturevalue("lived")
-    rig, full = (request.getfixturevalue(name) for name in ("rig", "full"))
+@pytest.fixture(scope="module")
+def on_the_papers_rig(rig, full, driven, live) -> tuple[Model, Rig, Recording]:
     return lived_on(rig, full, 400.0, driven, live)
+
+
+@pytest.fixture(params=["lived", "on_the_papers_rig"])
+def anywhere(request) -> tuple[Model, Rig, Recording]:
+    return request.getfixturevalue(request.param)
 
 
 def test_counted_from_a_zero_only_lengths_are_others(anywhere):
@@ -157,13 +158,21 @@ BREAKS = [
 
 
 @pytest.mark.parametrize("broken", BREAKS)
-def test_replay_is_the_filter_with(broken, anywhere):
-    model, rig, run = anywhere
+def test_replay_is_the_filter_with(broken, lived):
+    model, rig, run = lived
     run = copy(run)
     broken(run)
     track = both(model, rig, run)
     assert len(track) == TICKS
     assert np.isfinite(track.elongation_um[-1])
+
+
+def test_replay_is_the_filter_on_the_papers_rig_with_all_of_it_at_once(on_the_papers_rig):
+    model, rig, run = on_the_papers_rig
+    run = copy(run)
+    for broken in BREAKS:
+        broken(run)
+    assert np.isfinite(both(model, rig, run).elongation_um[-1])
 
 
 def test_a_tick_without_readings_coasts_and_a_start_without_thermometer_waits(lived):
@@ -215,9 +224,9 @@ def test_a_thermometer_that_was_off_from_the_first_sample_on(lived):
     assert track.fault[-1, 1] == Fault.OFF
 
 
-def test_all_thermometers_that_began_with_another_temperature(anywhere):
+def test_all_thermometers_that_began_with_another_temperature(lived):
     """What they read before they were ready is no start: the run begins anew."""
-    model, rig, run = anywhere
+    model, rig, run = lived
     run = copy(run)
     run.channels[:12, rig.is_thermometer] += SPIKE_K
     track = both(model, rig, run)
@@ -252,9 +261,9 @@ def muted(*spans: tuple[int, float, float], rig: Rig) -> Callable[[float], np.nd
     return mute
 
 
-def test_muted_spans(anywhere):
+def test_muted_spans(lived):
     """Also from the start on, of all channels at a time, and over a spike, which is still there afterwards."""
-    model, rig, run = anywhere
+    model, rig, run = lived
     run = copy(run)
     m = len(rig.names)
     run.channels[100:108, 2] += SPIKE_K
@@ -268,8 +277,8 @@ def test_muted_spans(anywhere):
     assert (track.mode[119:124] == Mode.COASTING).all()
 
 
-def test_a_channel_that_no_effect_reads_is_shown_but_never_fused(anywhere):
-    model, rig, run = anywhere
+def test_a_channel_that_no_effect_reads_is_shown_but_never_fused(lived):
+    model, rig, run = lived
     track = both(model - "displacement", rig, run)
     assert not track.fused[:, -1].any()
     assert np.isinf(track.innovation_sd[:, -1]).all()
