@@ -109,6 +109,7 @@ def test_an_input_that_was_never_read_is_said_first(tmp_path):
 def test_a_copy_of_a_recording_is_no_other_witness(tmp_path):
     shutil.copytree(ROD, tmp_path / "rod")
     log = tmp_path / "rod" / "steps.csv"
+    log.write_text("".join(log.read_text().splitlines(keepends=True)[:200]))
     shutil.copy(log, tmp_path / "rod" / "copy.csv")
     status, out, err = run("suggest", log, tmp_path / "rod" / "copy.csv", "--json")
     assert status == 0
