@@ -18,7 +18,6 @@ from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.wrong_input import ZERO, _likely, corrected, gone
 from estimator.work import Runs
 
-
 NEAR = ["nut_speed_exponent", "churning", "friction_thinning", "radiation", "local_heat_driving", "channel_offset"]
 RIVALS = [CATALOGUE[name] for name in NEAR]  # what a wrong speed or place comes nearest to
 
