@@ -19,7 +19,7 @@ from estimator.terms import SCREW, Heat, Link, Read, Store
 from tests.ballscrew.monitor.test_session import Clock, Receiver
 from tests.live_fake import Frames, lived, rig_frames
 
-END_S, FAILS_S = 65.0, 40.0
+END_S, FAILS_S = 90.0, 60.0
 
 
 def failing(u):
@@ -27,7 +27,7 @@ def failing(u):
 
 
 class Jet(Effect):
-    """Cools nothing, and after forty seconds makes no number of it: q = 0 / 0."""
+    """Cools nothing, and after a minute makes no number of it: q = 0 / 0."""
 
     def terms(self, p, u, rig):
         yield Heat(SCREW, failing(u))
