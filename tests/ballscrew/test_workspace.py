@@ -17,7 +17,6 @@ from tests.conftest import ballscrew as run
 PAPER = Path(__file__).parents[2] / "recordings"
 
 ROOT = Path(__file__).parents[2]
-
 ROD = ROOT / "examples" / "heated_rod"
 
 

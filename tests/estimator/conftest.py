@@ -25,7 +25,6 @@ DRIVES = (  # rad/s, stroke mm, from s, to s
     (174.5, (40, 90), (20, 500)),
 )
 SECONDS = 1200
-
 Lives = Callable[..., list[Recording]]
 
 

@@ -16,7 +16,6 @@ from estimator.rig_folder.rig_folder import load_rig
 from tests import log_fake
 
 RECORDINGS = Path(__file__).parents[3] / "recordings"
-
 RIG = load_rig(RECORDINGS)
 
 

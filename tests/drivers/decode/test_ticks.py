@@ -25,7 +25,6 @@ from tests import log_fake
 from tests.log_fake import Row
 
 RIG = load_rig(Path(__file__).parents[3] / "recordings")
-
 STATUS = 0x214
 
 
@@ -103,7 +102,6 @@ def twice(rows: list[Row], k: int, s: float, n: int) -> list[Row]:
 
 
 BREAKS = (lose_status, silence, jump, stray, stand_still, jitter, swap, foreign, corrupt, twice)
-
 BREAK = st.tuples(st.sampled_from(BREAKS), st.integers(0, 19), st.floats(0.01, 8.0), st.integers(1, 5))
 
 
@@ -123,7 +121,6 @@ def test_live_and_review_agree(tmp_path: Path, breaks: list, hertz: int, seed: i
 
 
 BASE = log_fake.log(18, 20, (3, 12))
-
 SCANS = 20 + 0.1 * np.arange(18)
 
 
@@ -186,7 +183,6 @@ def test_a_late_reading_is_as_old_as_it_is(tmp_path: Path, tick_s: float, age_s:
 
 
 LONG = log_fake.log(40, 5, (3, 30))
-
 NARROW = replace(RIG, log=replace(RIG.log, scan_number="TelemeterStatus.TelCounter"))  # 4 bits, 0 ... 14
 
 

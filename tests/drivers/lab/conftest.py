@@ -34,9 +34,7 @@ heater = { unit = "W", column = "P/kW", scale = 1000, hi = 500 }
 ambient = {}
 """
 NAMES = ["t", "left", "B", "P/kW", "ambient"]
-
 STEP, ROWS = 5.0, 60
-
 Rows = list[list[str]]
 
 

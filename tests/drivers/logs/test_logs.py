@@ -24,7 +24,6 @@ from tests import log_fake
 from tests.drivers.decode.test_ticks import RIG, assert_same
 
 ROWS = log_fake.log(12, 10, (3, 9))
-
 CANDUMP = 'candump text like "(1699999999.123456) can0 210#0011223344556677"'
 
 

@@ -22,9 +22,7 @@ from tests.drivers.decode.test_ticks import RIG, assert_same
 from tests.processes import until
 
 START = 1_700_000_000.0  # 2023-11-14 22:13:20 UTC
-
 STEM = "2023-11-14T22-13-20Z"
-
 HOUR = 3600.0
 
 
@@ -41,11 +39,8 @@ def sidecar(path: Path) -> dict:
 
 
 TIMES = st.integers(0, 4_000_000_000_000_000).map(lambda us: us / 1e6)
-
 IDS = st.one_of(st.tuples(st.integers(0, 0x7FF), st.just(False)), st.tuples(st.integers(0, 0x1FFFFFFF), st.just(True)))
-
 DATA = st.binary(max_size=8)
-
 LONG = st.binary(max_size=64)
 
 

@@ -16,7 +16,6 @@ from estimator.step import SERIES, Track
 from tests.conftest import stepped
 
 TICKS = 150
-
 SPIKE_K = 30.0
 
 

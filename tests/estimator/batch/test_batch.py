@@ -12,7 +12,6 @@ from estimator.batch.batch import ahead, loglike, passes, score, smoothed
 from estimator.batch.system import System
 
 T, N, MOVING, CHANNELS, REGIMES = 30, 11, 6, 6, 2
-
 SPAN = 4  # the channel with a dense row and an entry that varies
 
 

@@ -27,7 +27,6 @@ from tests.conftest import stepped
 from tests.estimator.batch.conftest import TICKS, both, copy
 
 ROOT = Path(__file__).parents[3]
-
 PAPER, ROD = ROOT / "recordings", ROOT / "examples" / "heated_rod"
 
 

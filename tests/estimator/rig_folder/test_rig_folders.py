@@ -26,9 +26,7 @@ from estimator.rig_folder.rig_folder import load_rig
 from tests.conftest import ballscrew as run
 
 ROOT = Path(__file__).parents[3]
-
 SEVEN, ROD = ROOT / "examples" / "seven_channels", ROOT / "examples" / "heated_rod"
-
 KNOWN = {"still_air.h": 9.0, "heater.share": 0.95, "chilled_end.g": 1.2}  # what made the rod's data
 
 

@@ -22,7 +22,6 @@ from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun
 
 SECONDS, WAITING, BATCH = 400, 5, 50
-
 Ticks = list[tuple[Sample, Step]]
 
 
