@@ -6,6 +6,8 @@ import ast
 import re
 import subprocess
 import sys
+from collections.abc import Callable
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -48,10 +50,16 @@ RUNS_ITS_OWN_TEXT = ROOT / "estimator" / "unknown" / "written.py"  # an effect a
 FILES = sorted(path for top in OURS for path in (ROOT / top).rglob("*.py"))
 
 
-def imported(path: Path) -> set[str]:
+@cache
+def tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@cache
+def imported(path: Path) -> frozenset[str]:
     """Every module that a file imports, with dots; `from x import y` counts as x.y too where x is a package of ours."""
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree(path)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -59,7 +67,7 @@ def imported(path: Path) -> set[str]:
             found.add(node.module)
             package = ROOT / node.module.replace(".", "/")
             found |= {f"{node.module}.{a.name}" for a in node.names if package.is_dir()}
-    return found
+    return frozenset(found)
 
 
 def module_of(path: Path) -> str:
@@ -94,7 +102,7 @@ def test_no_folder_is_a_hall():
 def test_every_folder_says_at_its_door_which_files_it_has():
     for door in FILES:
         if door.name == "__init__.py" and door.parent.name != "recordings":
-            said = ast.get_docstring(ast.parse(door.read_text(encoding="utf-8")))
+            said = ast.get_docstring(tree(door))
             named = set(re.findall(r"\w+", said))
             inside = {path.stem for path in door.parent.glob("*.py")} - {"__init__", "__main__"}
             assert inside <= named, f"{name(door)} does not name {', '.join(sorted(inside - named))}"
@@ -127,39 +135,39 @@ def name(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
-@pytest.mark.parametrize("path", files("estimator"), ids=name)
-def test_the_estimator_needs_numbers_and_toml_only(path):
+def strangers(paths: list[Path], unwanted: Callable[[str], bool]) -> dict[str, set[str]]:
+    """By file, what it imports and should not."""
+    found = {name(path): {module for module in imported(path) if unwanted(module)} for path in paths}
+    return {file: modules for file, modules in found.items() if modules}
+
+
+def test_the_estimator_needs_numbers_and_toml_only():
     allowed = {"numba", "numpy", "scipy", "filterpy", "tomlkit", "estimator"} | sys.stdlib_module_names
-    assert {top(module) for module in imported(path)} <= allowed
+    assert not strangers(files("estimator"), lambda module: top(module) not in allowed)
 
 
-@pytest.mark.parametrize("path", files("estimator"), ids=name)
-def test_the_estimator_has_no_clock_thread_or_print(path):
+def test_the_estimator_has_no_clock_thread_or_print():
     worldly = {"time", "datetime", "threading", "asyncio", "multiprocessing", "subprocess", "socket", "logging"}
-    assert not {top(module) for module in imported(path)} & worldly
-    calls = [node.func for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)]
-    barred = {"print", "input", "exec", "eval"} - ({"exec"} if path == RUNS_ITS_OWN_TEXT else set())
-    assert not [call for call in calls if isinstance(call, ast.Name) and call.id in barred]
+    assert not strangers(files("estimator"), lambda module: top(module) in worldly)
+    for path in files("estimator"):
+        calls = [node.func for node in ast.walk(tree(path)) if isinstance(node, ast.Call)]
+        barred = {"print", "input", "exec", "eval"} - ({"exec"} if path == RUNS_ITS_OWN_TEXT else set())
+        called = [call.id for call in calls if isinstance(call, ast.Name) and call.id in barred]
+        assert not called, f"{name(path)} calls {called}"
 
 
-@pytest.mark.parametrize("path", files("drivers", "virtual_rig"), ids=name)
-def test_the_virtual_rig_shares_nothing_with_what_is_judged_on_it(path):
-    ours = {module for module in imported(path) if top(module) in OURS}
-    assert {module for module in ours if not module.startswith("drivers.virtual_rig")} == set()
+def test_the_virtual_rig_shares_nothing_with_what_is_judged_on_it():
+    own = "drivers.virtual_rig"
+    assert not strangers(files("drivers", "virtual_rig"), lambda m: top(m) in OURS and not m.startswith(own))
 
 
-@pytest.mark.parametrize("path", files("drivers"), ids=name)
-def test_drivers_know_the_estimator_s_types_only(path):
-    ours = {module for module in imported(path) if top(module) in OURS - {"drivers"}}
-    assert {top(module) for module in ours} <= {"estimator"}
-    assert {module.split(".")[1] for module in ours if "." in module} <= TYPES
+@pytest.mark.parametrize(("package", "beside"), [("drivers", set()), ("viz", SAID)])
+def test_drivers_and_views_know_the_estimator_s_types_only(package, beside):
+    def unknown(module: str) -> bool:
+        parts = module.split(".")
+        return parts[0] != "estimator" or (len(parts) > 1 and parts[1] not in TYPES)
 
-
-@pytest.mark.parametrize("path", files("viz"), ids=name)
-def test_views_know_the_estimator_s_types_only(path):
-    ours = {module for module in imported(path) if top(module) in OURS - {"viz"}} - SAID
-    assert {top(module) for module in ours} <= {"estimator"}
-    assert {module.split(".")[1] for module in ours if "." in module} <= TYPES
+    assert not strangers(files(package), lambda m: top(m) in OURS - {package} and m not in beside and unknown(m))
 
 
 def test_nobody_imports_the_application():
@@ -167,9 +175,8 @@ def test_nobody_imports_the_application():
     assert {Path(user).parts[0] for user in users} == {"ballscrew"}
 
 
-@pytest.mark.parametrize("path", files("ballscrew", "commands"), ids=name)
-def test_no_command_imports_another(path):
-    assert not [module for module in imported(path) if module.startswith("ballscrew.commands")]
+def test_no_command_imports_another():
+    assert not strangers(files("ballscrew", "commands"), lambda module: module.startswith("ballscrew.commands"))
 
 
 def test_the_filter_uses_filterpy():

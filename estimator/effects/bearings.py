@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from types import SimpleNamespace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from estimator.effect import Effect, Param
 from estimator.inputs.inputs import Inputs
 from estimator.record import Array
-from estimator.rig import Rig
+from estimator.rig import Rig, Screw, Support
 from estimator.terms import SCREW, Heat, Link, Store, Term
 
 SEATS = ("anchor_seat", "free_seat")
@@ -23,11 +24,24 @@ def under_bearing(rig: Rig, support: str, seat: SimpleNamespace | None = None) -
     seat  parameters of the effect for it, None: the bearing is where the rig file says; a column of each, (rows, 1),
           gives a row for each
     """
-    bearing = rig.the_support(support)
-    at_mm, half_mm = bearing.at_mm, bearing.width_mm / 2
-    if seat is not None:
-        at_mm, half_mm = at_mm + seat.shift, half_mm * seat.width
-    width = rig.the_screw().overlap(np.squeeze(at_mm - half_mm), np.squeeze(at_mm + half_mm))
+    screw, bearing = rig.the_screw(), rig.the_support(support)
+    if seat is None:
+        return _as_in_rig_file(screw, bearing)
+    at_mm, half_mm = bearing.at_mm + seat.shift, bearing.width_mm / 2 * seat.width
+    return _share(screw, np.squeeze(at_mm - half_mm), np.squeeze(at_mm + half_mm))
+
+
+@lru_cache
+def _as_in_rig_file(screw: Screw, bearing: Support) -> Array:
+    """The share of a bearing that stays where it is: asked for at every tick."""
+    half_mm = bearing.width_mm / 2
+    share = _share(screw, bearing.at_mm - half_mm, bearing.at_mm + half_mm)
+    share.flags.writeable = False
+    return share
+
+
+def _share(screw: Screw, from_mm: Any, to_mm: Any) -> Array:
+    width = screw.overlap(from_mm, to_mm)
     return np.asarray(width / width.sum(axis=-1, keepdims=True))
 
 

@@ -24,6 +24,7 @@ LENGTHS = 4  # readings over which that of a length is: one comes with each stro
 SCATTERS, SHARE = 6.5, 0.27
 SUDDEN = 0.7  # of the limit, from the last reading that was well: less is no jump, but a model that is wrong
 OUTLYING = 3.0  # a scatter so many times that of the median thermometer is no scatter any more
+MEANS = [0, 1, 4, 6]  # of what is known of a channel: level, scatter^2, sd, mean of the model alone
 UNKNOWN_SD = 10.0  # the limit where no level is known; and after a gap, in which the model may have gone astray
 
 
@@ -47,7 +48,7 @@ class Jumps:
         noise = np.where(self._modelled, noise, 1.0)
         self._ticks = np.where(heat, LEVEL_TICKS, LENGTHS)
         self._back = 1.0 / max(LEVEL_TICKS, MOVED_S / tick_s)
-        # level, scatter^2, last value, count of readings, sd; read at the last tick, mean of the model alone
+        # rows: level, scatter^2, last value, count of readings, sd; read at the last tick, mean of the model alone
         self._unknown = np.array([0.0 * heat, noise**2, np.nan * heat, 0.0 * heat, noise])
         self._state = np.vstack([self._unknown, 1.0 * heat, np.nan * heat])
 
@@ -87,13 +88,14 @@ class Jumps:
         gain = np.where(now, 1.0 / np.minimum(trail[:-1, 3] + 1.0, self._ticks), 0.0)
         difference = np.where(now & np.isfinite(last[:-1]), seen.value - last[:-1], 0.0)
         slow = np.where(difference == 0.0, 0.0, 1.0 / (SCATTER * self._ticks))
-        gains = np.stack([gain, slow, gain], axis=1)
-        means = np.stack([np.where(now, seen.value, 0.0), difference**2 / 2.0, np.where(now, seen.sd, 0.0)], axis=1)
-        mean, path = self._state[[0, 1, 4]], self._state[6]
-        for k, alone in enumerate(seen.alone):
-            mean = mean + gains[k] * (means[k] - mean)
-            path = np.where(np.isfinite(path), path + self._back * (alone - path), alone)
-            trail[k + 1, [0, 1, 4]], trail[k + 1, 6] = mean, path
+        gains = np.stack([gain, slow, gain, np.full_like(gain, self._back)], axis=1)
+        value, sd = (np.where(now, each, 0.0) for each in (seen.value, seen.sd))
+        towards = np.stack([value, difference**2 / 2.0, sd, seen.alone], axis=1)
+        mean = self._state[MEANS]
+        mean[-1] = np.where(np.isfinite(mean[-1]), mean[-1], seen.alone[0])
+        for k in range(len(now)):
+            mean = towards[k] = mean + gains[k] * (towards[k] - mean)
+        trail[1:, MEANS] = towards
         return trail
 
     def learn(self, deviations: Deviations, k: int, well: Array) -> None:

@@ -59,6 +59,11 @@ class Unexplained:
 def unexplained(change: Array, model: Array, scatter: Array, scales: Array = SCALES) -> Unexplained:
     """Of changes (..., n), model = D D' + A (..., n, n), scatter = B (n, n): each by the scale that suits the others
     best."""
+    if len(scales) == 1:  # of most blocks nothing else is asked
+        inverse = np.linalg.inv(scales[0] ** 2 * model + scatter)
+        precision = np.diagonal(inverse, axis1=-2, axis2=-1)
+        value = (inverse @ change[..., None])[..., 0] / precision
+        return Unexplained(value, precision**-0.5, np.full_like(value, scales[0]))
     white = np.linalg.inv(np.linalg.cholesky(scatter))
     share, ways = np.linalg.eigh(white @ model @ white.T)
     ways = white.T @ ways

@@ -15,10 +15,15 @@ COLOURED = 0.15  # an autocorrelation beyond that of chance from which on innova
 CHANCE = 2.0  # times 1 / sqrt(readings): about the largest of many autocorrelations of white innovations
 
 
-def is_level(path: str, model: Model, trials: Iterable[Trial]) -> bool:
-    """Whether a parameter moves what is not known, and nothing of what is predicted."""
-    moved = [tangent(trial, trial.pose(model), model, path) for trial in trials]
-    return any(each.moves_noise for each in moved) and not any(each.moves_mean for each in moved)
+def levels_in(paths: Iterable[str], model: Model, trials: Iterable[Trial]) -> tuple[str, ...]:
+    """Those of some parameters that move what is not known, and nothing of what is predicted."""
+    posed = [(trial, trial.pose(model)) for trial in trials]
+
+    def is_level(path: str) -> bool:
+        moved = [tangent(trial, at, model, path) for trial, at in posed]
+        return any(each.moves_noise for each in moved) and not any(each.moves_mean for each in moved)
+
+    return tuple(filter(is_level, paths))
 
 
 def noise_levels(model: Model, trials: Iterable[Trial]) -> dict[str, list[str]]:

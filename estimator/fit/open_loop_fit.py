@@ -22,7 +22,7 @@ import numpy as np
 import scipy
 
 from estimator.fit.misfits import Misfits
-from estimator.fit.noise import is_level
+from estimator.fit.noise import levels_in
 from estimator.fit.untold import untold
 from estimator.model import Model
 from estimator.record import Array
@@ -57,7 +57,7 @@ class Followed:
 def follow(model: Model, runs: Runs, paths: Sequence[str], learned: bool = False) -> Followed:
     """The model with these parameters fitted open loop; `learned`: what it knows of them is their prior, not tables."""
     misfits = Misfits(model, runs)
-    levels = tuple(path for path in paths if is_level(path, model, misfits.trials))
+    levels = levels_in(paths, model, misfits.trials)
     mean = [path for path in paths if path not in levels]
     left = _left(misfits, model, mean, learned)
     told = tuple(path for path in mean if path not in left)

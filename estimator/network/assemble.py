@@ -8,7 +8,7 @@ speed and a place of the nut that hold for a while); q and d belong to a tick.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -166,7 +166,7 @@ def _dtype(terms: Sequence[Term]) -> Any:
 def values(term: Term, but: str = "") -> Iterator[object]:
     """Everything that a term says, the weights of a Read one by one; one field left out."""
     for key, value in vars(term).items():
-        for part in value.values() if isinstance(value, Mapping) else () if key == but else (value,):
+        for part in value.values() if key == "weights" else () if key == but else (value,):
             yield part.weight if isinstance(part, Spot) else part
 
 
@@ -201,7 +201,7 @@ def spread(q: Any, over: Any, rows: Array) -> Array:
     """q over, (ticks, cells), projected on the states: (ticks, n); (1, n) for a q without ticks."""
     q = np.atleast_2d(q)
     if q.shape[1] == 1:
-        return q * (np.broadcast_to(over, (*np.shape(over)[:-1], len(rows))) @ rows)
+        return q * (over @ rows if np.shape(over)[-1:] == rows.shape[:1] else np.multiply(over, rows.sum(axis=0)))
     return np.asarray((q * over) @ rows)
 
 

@@ -11,6 +11,7 @@ with psi(x) = (e^(x dt) - 1) / x, W the noise and S^-1 = S'M.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -51,12 +52,19 @@ class Modes:
 
     def along(self, mass: Array, conductance: Array) -> tuple[Array, Array]:
         """How F and J move with mass and conductance, (n, n) each."""
-        S, a, dt = self._shapes, -self._rates, self._dt
+        S, (of_F, of_J) = self._shapes, self._slopes
         to_mass = S.T @ mass @ S
         to_A = to_mass * self._rates - S.T @ conductance @ S
-        F = to_A * _divided(lambda x: np.exp(x * dt), a[:, None], a[None, :], dt)
-        J = to_A * _divided(lambda x: _psi(x, dt), a[:, None], a[None, :], dt) - _psi(a, dt)[:, None] * to_mass
+        F, J = to_A * of_F, to_A * of_J - _psi(-self._rates, self._dt)[:, None] * to_mass
         return S @ F @ S.T @ self._mass, S @ J @ S.T
+
+    @cached_property
+    def _slopes(self) -> tuple[Array, Array]:
+        """Divided differences (n, n) of what makes F and J of A: the same whatever moves."""
+        a, dt = -self._rates, self._dt
+        functions = (lambda x: np.exp(x * dt), lambda x: _psi(x, dt))
+        of_F, of_J = (_divided(function, a[:, None], a[None, :], dt) for function in functions)
+        return of_F, of_J
 
     def pull_back(self, score: Transition) -> tuple[Array, Array, Array]:
         """Derivatives with respect to F, J and Q (symmetric) into those to mass, conductance and noise, each (n, n).
@@ -69,8 +77,8 @@ class Modes:
         psi = _psi(a, dt)
         spread = to_Q * _psi(a[:, None] + a, dt)
         at_Q = _divided(lambda x: _psi(x, dt), a[:, None, None] + a, a[None, :, None] + a, dt)
-        to_A = to_F * _divided(lambda x: np.exp(x * dt), a[:, None], a[None, :], dt)
-        to_A += to_J * _divided(lambda x: _psi(x, dt), a[:, None], a[None, :], dt)
+        of_F, of_J = self._slopes
+        to_A = to_F * of_F + to_J * of_J
         to_A += 2 * np.einsum("ij,kj,ikj->ik", to_Q, W, at_Q)
         to_mass = to_A * self._rates - psi[:, None] * to_J - 2 * spread @ W
         return S @ to_mass @ S.T, -S @ to_A @ S.T, S @ spread @ S.T

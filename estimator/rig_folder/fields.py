@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import tomllib
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from types import UnionType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
@@ -17,6 +18,7 @@ Record = TypeVar("Record")
 LARGEST = 1_000_000  # bytes of a file
 LONGEST, SHORT = 200, 64  # characters of a text (or entries of a list), of a name
 KINDS = {int: "int", str: "str", bool: "bool"}
+_hints = cache(get_type_hints)  # of a class of ours, asked for each of a model's hundred values
 
 
 def load(path: Path) -> dict[str, Any]:
@@ -47,7 +49,7 @@ def record(cls: type[Record], table: Any, place: str) -> Record:
         required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
         if required and name not in table:
             raise SetupError(f"{place}: '{name}' is missing")
-    hints, bounds = get_type_hints(cls), BOUNDS.get(cls, {})
+    hints, bounds = _hints(cls), BOUNDS.get(cls, {})  # type: ignore[arg-type]
     return cls(**{k: checked(value, hints[k], f"{place}.{k}", bounds.get(k)) for k, value in table.items()})
 
 

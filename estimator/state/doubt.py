@@ -14,7 +14,7 @@ Estimates do not change by it: their uncertainty does.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,8 +134,8 @@ class Doubt:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
         K, q, forcing = len(ticks.regime), len(self._moved), self._run.forcing
         B, (heat, outside, offset) = np.zeros((K, self._run.state.n, q)), self._own_pushes(drive, ticks)
-        for r in set(ticks.regime.tolist()):
-            at, of = ticks.regime == r, self._regime_slopes(r)
+        for r, of in self._regime_slopes(sorted(set(ticks.regime.tolist()))):
+            at = ticks.regime == r
             put = heat[:, at] + ticks.outside[at] @ of.inflow.mT + outside[:, at] @ forcing.inflow(r).T
             states = put @ forcing.transition(r).J.T + course.z[:-1][at] @ of.F.mT + ticks.heat[at] @ of.J.mT
             B[at] = states.transpose(1, 2, 0)
@@ -158,13 +158,16 @@ class Doubt:
             heat[i], outside[i], offset[:, :, i] = own.heat, own.outside, own.offset
         return heat, outside, offset
 
-    def _regime_slopes(self, regime: int) -> RegimeSlopes:
-        """How one regime's tick moves with each parameter."""
-        if regime not in self._slopes:
-            if len(self._slopes) >= REMEMBERED:
+    def _regime_slopes(self, met: Sequence[int]) -> Iterator[tuple[int, RegimeSlopes]]:
+        """How a tick of each of these regimes moves with each parameter; those not met yet are worked out together."""
+        for first in range(0, len(met), REMEMBERED):
+            some = met[first : first + REMEMBERED]
+            new = [regime for regime in some if regime not in self._slopes]
+            if len(self._slopes) + len(new) > REMEMBERED:
                 self._slopes.clear()
-            self._slopes[regime] = regime_slopes(self._moved, self._run, regime)
-        return self._slopes[regime]
+                new = [*some]
+            self._slopes |= zip(new, regime_slopes(self._moved, self._run, new), strict=True)
+            yield from ((regime, self._slopes[regime]) for regime in some)
 
 
 @dataclass(frozen=True)
@@ -176,18 +179,20 @@ class RegimeSlopes:
     inflow: Array
 
 
-def regime_slopes(moved: Sequence[Moved], run: Run, regime: int) -> RegimeSlopes:
-    """How one regime's tick moves with each parameter."""
-    q, n = len(moved), run.state.n
-    of = RegimeSlopes(np.zeros((q, n, n)), np.zeros((q, n, n)), np.zeros((q, n, run.forcing.place.boundaries)))
-    for i, each in enumerate(moved):
+def regime_slopes(moved: Sequence[Moved], run: Run, regimes: Sequence[int]) -> list[RegimeSlopes]:
+    """How a tick of each of some regimes moves with each parameter."""
+    q, n, boundaries = len(moved), run.state.n, run.forcing.place.boundaries
+    shapes = (q, n, n), (q, n, n), (q, n, boundaries)
+    found = [RegimeSlopes(*map(np.zeros, shapes)) for _ in regimes]
+    for i, each in enumerate(moved) if regimes else ():
         if not each.in_regimes:
             continue
-        network = each.network([regime])
-        of.inflow[i] = network.inflow[0]
-        if np.any(network.mass) or np.any(network.conductance):
-            of.F[i], of.J[i] = run.forcing.modes_of(regime).along(network.mass, network.conductance[0])
-    return of
+        network = each.network(regimes)
+        for of, regime, inflow, conductance in zip(found, regimes, network.inflow, network.conductance, strict=True):
+            of.inflow[i] = inflow
+            if np.any(network.mass) or np.any(conductance):
+                of.F[i], of.J[i] = run.forcing.modes_of(regime).along(network.mass, conductance)
+    return found
 
 
 def stacked(columns: Sequence[Array], shape: tuple[int, ...]) -> Array:

@@ -108,7 +108,7 @@ class Reporter:
         elongation = state.elongation(grown_um)
         self._bed.read(rows, estimates.input_fault)
         position = self._position.held(rows.inputs.get("position", np.full(len(rows), np.nan)))
-        table, table_sd = self._table_error(position[:, None], estimates)
+        table, table_sd = self._table_error(position[:, None], estimates, z, P_z)
         variance = variances(elongation[:, None], P)[:, 0] + (estimates.doubt_um**2).sum(axis=1)
         return Track(
             view.x_mm,
@@ -144,7 +144,7 @@ class Reporter:
 
     def table_errors(self, at_mm: Array, estimates: Estimates) -> TableErrors:
         """The error at the table, were it at places (p,) mm, of the ticks that were tracked last."""
-        return TableErrors(at_mm, *self._table_error(at_mm, estimates))
+        return TableErrors(at_mm, *self._table_error(at_mm, estimates, *self._temperatures(estimates)))
 
     def _temperatures(self, estimates: Estimates) -> tuple[Array, Array]:
         """Temperatures (K, n) and their covariance (K, n, n), what they are in doubt by counted in."""
@@ -152,7 +152,7 @@ class Reporter:
         doubt = estimates.doubt[:, at]
         return estimates.x[:, at], estimates.P[:, at, at] + doubt @ doubt.mT
 
-    def _table_error(self, at_mm: Array, estimates: Estimates) -> tuple[Array, Array]:
+    def _table_error(self, at_mm: Array, estimates: Estimates, z: Array, P_z: Array) -> tuple[Array, Array]:
         """Growth since the start by weights w of View.table_error at (p,), or (K, p), mm, and its sd: (K, p) um each.
 
         growth (1 + e), e the error of the expansion coefficient;   var = w' P_z w + growth^2 P_e + (sum(w) zero_sd)^2,
@@ -160,7 +160,6 @@ class Reporter:
         """
         weights = self._view.table_error(at_mm)
         at = self._state.expansion
-        z, P_z = self._temperatures(estimates)
         rise = z - self._run.zero
         growth = (weights * rise[:, None]).sum(axis=-1)
         variance = variances(weights, P_z) + growth**2 * estimates.P[:, at, at, None]

@@ -24,8 +24,7 @@ DRIVES = (  # rad/s, stroke mm, from s, to s
     (43.6, (0, 100), (20, 900)),
     (174.5, (40, 90), (20, 500)),
 )
-SECONDS = 1500
-
+SECONDS = 1200
 Lives = Callable[..., list[Recording]]
 
 

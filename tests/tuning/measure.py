@@ -50,6 +50,10 @@ class Folder:
         """All recordings of the folder."""
         return [path.name for path in find_recordings([self.path])]
 
+    def keep(self, name: str, recording: Recording) -> None:
+        """Take this for one of the folder's recordings."""
+        self._read[name] = recording
+
     def recording(self, name: str) -> Recording:
         """One recording, named as seen from the folder."""
         if name not in self._read:

@@ -20,7 +20,7 @@ from drivers.recordings import read_recording
 from tests import log_fake
 from tests.conftest import ballscrew as run
 from tests.drivers.decode.test_ticks import RIG
-from tests.drivers.logs.test_logs import endless
+from tests.drivers.logs.test_outside import endless
 
 START = 1_700_000_000.005  # python-can's ASC writer would make half a second of these 5 ms
 SUFFIXES = [".log", ".blf", ".asc", ".trc"]

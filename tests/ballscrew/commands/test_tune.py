@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -13,8 +14,9 @@ from drivers.recordings import read_recording
 from estimator.accuracy.noise_floor import Error
 from estimator.accuracy.quality import ChannelQuality, innovations, overall
 from estimator.batch.trial import Trial
-from estimator.fit.tune import Level, Tuned
-from estimator.rig_folder.model_toml import load_model
+from estimator.fit.tune import Factors, Level, Tuned
+from estimator.rig_folder.model_toml import load_model, save_model
+from tests.ballscrew.test_workspace import ROD
 from tests.conftest import PAPER
 from tests.conftest import ballscrew as run
 from tests.viz_read import fixed, rows, view_names
@@ -91,9 +93,77 @@ def test_all_channels_together_count_every_reading_alike() -> None:
 def test_what_a_person_should_know_is_said() -> None:
     levels = Level("displacement.sd", "measurement", 0.15, 0.15, "um"), Level("conduction.noise", "process", 1, 4, "W")
     off = {"open_loop": Error(0.9, 1.0)}
-    missing, louder, stays = sentences(Tuned(None, levels, 4.0, (), (), off, Error(0.1, 0.1), 9.0, ()))
+    missing, louder, stays = sentences(Tuned(None, levels, Factors(4.0, 0.5), (), (), off, Error(0.1, 0.1), 9.0, ()))
     assert missing.startswith("noise stands in for missing physics here: the model alone is 0.90 K off, 9.0 times")
     assert louder.startswith("process noise rose 4.0 times")
     assert stays.startswith("not lowered: displacement.sd; innovations there are not white")
     fine = Level("displacement.sd", "measurement", 0.15, 0.1, "um"), Level("conduction.noise", "process", 1, 2, "W")
-    assert sentences(Tuned(None, fine, 2.0, (), (), off, Error(0.1, 0.1), float("nan"), ())) == []
+    assert sentences(Tuned(None, fine, Factors(2.0, 2.0), (), (), off, Error(0.1, 0.1), float("nan"), ())) == []
+
+
+def test_tune_writes_a_model_of_other_noise_levels_and_nothing_else(rig_folder):
+    """From thermometers said to be twice as good as they are."""
+    out = rig_folder / "tuned.toml"
+    save_model(load_model(rig_folder / "model.toml").with_values({"thermometers.sd": 0.01}), rig_folder / "model.toml")
+    status, text, _ = run("tune", rig_folder / "logs", "-o", out, "--json")
+    told = json.loads(text)
+    assert status == 0
+    before, after = load_model(rig_folder / "model.toml"), load_model(out)
+    assert {level["of"] for level in told["levels"].values()} == {"measurement", "process"}
+    for path, value in before.values.items():
+        if path in told["levels"]:
+            level = told["levels"][path]
+            assert level["before"] == pytest.approx(value.value, rel=1e-4)
+            assert after[path] == pytest.approx(level["after"], rel=1e-4), path
+            assert after.values[path].fixed == value.fixed
+        else:
+            assert after.values[path] == value, path
+    assert after["thermometers.sd"] > 0.015
+    assert told["process_factors"]["others"] == 1.0  # seven minutes: nothing was blind for ten
+
+
+def test_tune_says_in_a_table_what_changed_and_as_json_all_it_knows(tmp_path):
+    """On the rod's committed run of more than an hour, from a model that is too sure of itself."""
+    sure = {"conduction.noise": 0.02, "thermometers.sd": 0.1, "thermometers.lag_noise": 0.0}
+    save_model(load_model(ROD / "model.toml").with_values(sure), tmp_path / "sure.toml")
+    words = ["tune", ROD / "steps.csv", "--model", tmp_path / "sure.toml", "-o", tmp_path / "tuned.toml"]
+    status, text, _ = run(*words, "--json", tmp_path / "tune.json")
+    told = json.loads((tmp_path / "tune.json").read_text())
+    assert status == 0
+    assert {
+        "levels", "channels", "errors", "noise_floor", "process_factors", "missing_physics", "sentences",
+    } <= set(told)  # fmt: skip
+    assert told["levels"]["thermometers.sd"]["after"] == pytest.approx(0.05, rel=0.05)
+    assert told["levels"]["conduction.noise"]["after"] == pytest.approx(
+        0.02 * told["process_factors"]["places"], rel=1e-4
+    )
+    assert told["channels"]["TC1"]["nis"]["after"] == pytest.approx(1.0, abs=0.15)
+    assert told["noise_floor"]["elongation_um"] is None
+    for path, level in told["levels"].items():
+        (line,) = [line for line in text.splitlines() if line.startswith(path)]
+        numbers = [f"{level[key]:.4g}" for key in ("before", "after")]
+        assert " ".join(line.split()) == " ".join([path, level["of"], *numbers, level["unit"]])
+    assert all(sentence in text for sentence in told["sentences"])
+    assert f"model: {tmp_path / 'tuned.toml'}" in text
+    assert load_model(tmp_path / "tuned.toml")["heater.share"] == load_model(ROD / "model.toml")["heater.share"]
+
+
+def test_a_quiet_tune_is_silent_and_never_opens_the_truth(rig_folder):
+    (rig_folder / "logs" / "FS-20.truth.csv").write_bytes(b"\xff not a table")
+    opened = []
+    real = Path.open
+    spy = mock.patch.object(Path, "open", lambda self, *a, **k: opened.append(self.name) or real(self, *a, **k))
+    with spy:
+        assert run("tune", rig_folder / "logs", "-o", rig_folder / "tuned.toml", "--quiet") == (0, "", "")
+    assert "FS-20.truth.csv" not in opened
+    assert "model.toml" in opened
+    assert set(load_model(rig_folder / "tuned.toml").values) == set(load_model(rig_folder / "model.toml").values)
+
+
+def test_ctrl_c_in_tuning_ends_with_130_and_no_model(tmp_path):
+    interrupt = mock.patch("estimator.fit.tune.blind", side_effect=KeyboardInterrupt)
+    with interrupt:
+        status, _, err = run("tune", ROD / "steps.csv", "-o", tmp_path / "tuned.toml")
+    assert status == 130
+    assert err.splitlines()[-1] == "stopped by Ctrl-C"
+    assert not (tmp_path / "tuned.toml").exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from itertools import islice
 
 import pytest
 
@@ -64,8 +65,11 @@ def test_what_cannot_be_read_is_said(asking, tmp_path):
     assert "torn.log" in said
 
 
-def test_where_nothing_shows_yet_it_says_nothing_and_asks_soon_again(asking, fs20_log):
-    explainer = asking(fs20_log)
+def test_where_nothing_shows_yet_it_says_nothing_and_asks_soon_again(asking, fs20_log, tmp_path):
+    """In the first two minutes of a drive."""
+    with fs20_log.open() as whole:
+        (tmp_path / "early.log").write_text("".join(islice(whole, 3000)))
+    explainer = asking(tmp_path / "early.log")
     explainer.look(PARTED)
     explainer._running.wait()
     assert explainer.look([]) == ""

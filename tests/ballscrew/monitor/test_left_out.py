@@ -16,7 +16,7 @@ from drivers.bus.publisher import Publisher
 from estimator.effect import Effect
 from estimator.step import Mode
 from estimator.terms import SCREW, Heat, Link, Read, Store
-from tests.ballscrew.monitor.test_session import Clock, Receiver
+from tests.ballscrew.monitor.conftest import Clock, Receiver
 from tests.live_fake import Frames, lived, rig_frames
 
 END_S, FAILS_S = 90.0, 60.0

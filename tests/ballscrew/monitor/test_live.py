@@ -106,6 +106,7 @@ def recorded(folder: Path) -> list[tuple[int, bytes]]:
 def test_two_processes_record_estimate_and_publish(frames, tmp_path):
     with hub_running() as port, live(port, tmp_path, "--speed-up", str(SPEED_UP), "--publish") as process:
         said(tmp_path, "listening on can0")
+        refused(port, tmp_path, process)
         heard = send(port, frames)
         until(lambda: len(final(tmp_path)) >= 89, "no estimate of the last tick")
         process.send_signal(signal.SIGTERM)
@@ -173,17 +174,16 @@ def memory_kB(pid: int) -> int:
     return int(re.search(r"VmRSS:\s+(\d+) kB", Path(f"/proc/{pid}/status").read_text())[1])
 
 
-def test_a_second_instance_is_refused(tmp_path, frames):
-    with hub_running() as port, live(port, tmp_path) as first:
-        until(lambda: (tmp_path / "rec" / ".lock").exists(), "no lock")
-        other = tmp_path / "other"
-        other.mkdir()
-        (other / "rec").symlink_to(tmp_path / "rec")
-        with live(port, other) as second:
-            assert second.wait(PATIENCE_S) == 2
-        said = (other / "said.txt").read_text()
-        assert str(first.pid) in said
-        assert "Traceback" not in said
+def refused(port: int, folder: Path, first: subprocess.Popen[str]) -> None:
+    """A second instance that would record into the same folder names the first, and ends."""
+    other = folder / "other"
+    other.mkdir()
+    (other / "rec").symlink_to(folder / "rec")
+    with live(port, other) as second:
+        assert second.wait(PATIENCE_S) == 2
+    text = (other / "said.txt").read_text()
+    assert str(first.pid) in text
+    assert "Traceback" not in text
 
 
 def test_a_hub_that_comes_late_goes_and_comes_back(tmp_path, frames):
@@ -226,7 +226,7 @@ def test_wrong_usage_is_one_line(options, says):
     assert "Traceback" not in err
 
 
-def test_started_again_it_goes_on_with_the_recording_and_fresh_does_not(tmp_path):
+def test_started_again_it_goes_on_with_the_recording(tmp_path):
     """Recorded until a moment ago; what comes now is what the rig sends after a gap of a few seconds."""
     frames, folder = rig_frames(47.0), tmp_path / "rec"
     whole = Monitor(load_model(RECORDINGS / "model.toml"), load_rig(RECORDINGS))
@@ -249,10 +249,13 @@ def test_started_again_it_goes_on_with_the_recording_and_fresh_does_not(tmp_path
         assert all(38.0 < line["resumed_s"] < 41.0 for line in told)
         last = next(line for line in reversed(told) if not line["provisional"])
         assert abs(last["elongation_um"] - usual.elongation_um) < 0.2 + 2 * last["sigma_um"]
-        with live(port, tmp_path, "--fresh") as process:
-            said(tmp_path, "listening on can0")
-            send(port, [frame for frame in frames if since(frames, frame) < 2.5], 1.0)
-            process.send_signal(signal.SIGTERM)
-            assert process.wait(PATIENCE_S) == 0
-        assert {line["resumed_s"] for line in lines(tmp_path)} == {None}
-        assert lines(tmp_path)[0]["t"] < 3.0
+
+
+def test_what_was_recorded_is_asked_for_unless_it_is_to_begin_anew(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr("ballscrew.commands.live.earlier", lambda folder, *_: asked.append(folder) or [])
+    for words in ([], ["--fresh"], ["--speed-up", 2.0]):
+        bus = ["--interface", "virtual", "--channel", "fresh", "--record", tmp_path / "rec", "--seconds", 0.01]
+        status, _, err = ballscrew("live", *bus, *words)
+        assert status == 0, err
+    assert asked == [tmp_path / "rec"]

@@ -3,115 +3,19 @@
 from __future__ import annotations
 
 import io
-import json
-import os
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from rich.console import Console
 
 from ballscrew.monitor import session as loop
-from ballscrew.monitor.json_lines import WAITING, JsonLines
-from ballscrew.monitor.monitor import MOST_ALONE, Monitor
+from ballscrew.monitor.monitor import MOST_ALONE
 from ballscrew.monitor.panel import panel
-from ballscrew.monitor.session import Session
-from ballscrew.monitor.status import Status
 from drivers.received import Notice
-from estimator.errors import SetupError
 from estimator.step import Mode
-from tests.live_fake import DRIVE, STATUS, Frames, changed, channel, dropped, rig_frames, since
-from tests.processes import until
+from tests.ballscrew.monitor.conftest import Receiver
+from tests.live_fake import DRIVE, changed, channel, dropped, since
 from viz.drawing.scale import clock
-
-
-class Clock:
-    silent_s, trouble = 0.0, ""
-
-    def silence(self) -> float:
-        return self.silent_s
-
-
-class Receiver:
-    """Gives its items ten at a time."""
-
-    state, failure, missed, dropped, errors, age_s = "open", None, 0, 0, 0, 0.0
-
-    def __init__(self, items: list) -> None:
-        self.items, self.frames = list(items), len(items)
-
-    @property
-    def waiting(self) -> bool:
-        return bool(self.items)
-
-    def start(self) -> None: ...
-
-    def stop(self) -> None: ...
-
-    def take(self, wait_s: float) -> list:
-        found, self.items = self.items[:10], self.items[10:]
-        return found
-
-
-class Publisher:
-    trouble, sent = "", 0
-
-    def __init__(self) -> None:
-        self.sent_valid, self.positions = [], []
-
-    def start(self) -> None: ...
-
-    def send(self, step, trust, position_mm) -> None:
-        self.sent_valid.append((step.time_s, trust.valid))
-        self.positions.append(position_mm)
-
-
-class Views:
-    trouble = ""
-
-    def __init__(self) -> None:
-        self.ticks, self.texts, self.states, self.judged, self.published = 0, [], [], [], []
-        self.times, self.begun = [], []
-
-    def begin(self) -> None:
-        self.begun.append(self.ticks)
-
-    def show(self, sample, step) -> None:
-        self.ticks += 1
-
-    def judge(self, time_s, why, alarms, published) -> None:
-        self.judged.append((time_s, why, alarms))
-        self.published.append(published)
-
-    def say(self, time_s, text, level) -> None:
-        self.texts.append((text, level))
-        self.times.append(time_s)
-
-    def stand(self, standing) -> None:
-        self.states.append(standing)
-
-
-@pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(45.0)
-
-
-@pytest.fixture
-def session(paper, monkeypatch):
-    """session(items): all parts of it, with what was said and each status; a busy machine takes its time at the end."""
-    monkeypatch.setattr(loop, "DRAIN_S", 1000.0)
-
-    def of(items: list) -> tuple[Session, list[str], list[Status]]:
-        said, ticks = [], []
-        session = Session(
-            Monitor(paper[1], paper[0]), Receiver(items), Clock(), "a bus", lambda text, level: said.append(text),
-            ticks.append, None, Publisher(), Views(),
-        )  # fmt: skip
-        session.run(lambda: bool(session.receiver.items), lambda status: None)
-        session.finish()
-        return session, said, ticks
-
-    return of
 
 
 def test_every_tick_is_told_shown_and_published(session, frames):
@@ -218,49 +122,6 @@ def test_a_backlog_is_published_once(session, frames, monkeypatch):
     assert len(live.publisher.sent_valid) <= 3
 
 
-def test_the_end_does_not_wait_for_thousands_of_ticks(paper, frames, monkeypatch):
-    """After 50 minutes of silence one frame closes 3000 ticks; who asks for the end then gets it."""
-    monkeypatch.setattr(loop, "DRAIN_S", 0.0)
-    scan = [f for f in frames if f.id == STATUS][20]
-    after = [f._replace(time_s=f.time_s + 3000.0) for f in frames if f.time_s > scan.time_s]
-    said, ticks = [], []
-    monitor = Monitor(paper[1], replace(paper[0], log=replace(paper[0].log, scan_number=None)))
-    items = [f for f in frames if f.time_s <= scan.time_s] + after
-    live = Session(monitor, Receiver(items), Clock(), "a bus", lambda text, level: said.append(text), ticks.append)
-    live.run(lambda: len(ticks) < 50, lambda status: None)
-    live.finish()
-    assert len(ticks) == 50
-    assert said[-1] == "ended behind the bus: what came last is not in the estimate"
-
-
-def test_the_end_does_not_wait_for_a_backlog_without_ticks(session, frames, monkeypatch):
-    monkeypatch.setattr(loop, "DRAIN_S", 0.0)
-    live, said, _ = session(frames[:500])
-    live.receiver.items = [f._replace(id=0x7FF) for f in frames]
-    live.finish()
-    assert not live.receiver.items
-    assert live.monitor.tally.counts().get("unknown id 0x7FF", 0) == 0
-    assert said[-1].startswith("ended behind the bus")
-
-
-def test_a_defect_of_ours_is_told_once_and_the_loop_goes_on(session, frames, monkeypatch):
-    feed = Monitor.feed
-
-    def failing(monitor: Monitor, frame) -> list:
-        if 500 < len(seen) < 600:
-            seen.append(frame)
-            raise ZeroDivisionError("a defect")
-        seen.append(frame)
-        return feed(monitor, frame)
-
-    seen: list = []
-    monkeypatch.setattr(Monitor, "feed", failing)
-    live, said, ticks = session(frames)
-    assert said.count("the estimate failed and begins anew: ZeroDivisionError: a defect") == 1
-    assert len(ticks) > 30
-    assert live.latest.trust.valid
-
-
 def test_validity_is_told_when_it_changes(session, frames):
     live, said, _ = session(dropped(frames, 30.0, [DRIVE], 36.0))
     told = [text for text in said if text.startswith("estimate valid")]
@@ -275,15 +136,6 @@ def test_text_from_outside_is_no_markup(session, frames):
     console = Console(file=io.StringIO(), width=110)
     console.print(panel(live.status()))
     assert "[/dev/ttyACM0]" in console.file.getvalue()
-
-
-def test_an_interface_that_cannot_be_is_the_end(session):
-    Receiver.failure = SetupError("--interface nonsense: no such interface")
-    try:
-        with pytest.raises(SetupError, match="nonsense"):
-            session([Notice("x")])
-    finally:
-        Receiver.failure = None
 
 
 def test_what_is_said_once_is_not_said_again(session, frames):
@@ -327,45 +179,3 @@ def test_readings_that_are_none_are_refused_and_no_frame_is_dropped(session, fra
     )
     assert ticks[-1].json()["refused"] == {}
     assert live.status().dropped == sum(f.id == DRIVE and since(frames, f) >= 30 for f in frames)
-
-
-def test_json_lines_on_a_full_disk_cost_lines_and_nothing_else(session, frames):
-    class Disk(io.BytesIO):
-        written, fails = 0, (1, 2)
-
-        def write(self, line) -> int:
-            self.written += 1
-            if self.written - 1 in self.fails:
-                raise OSError(28, "No space left on device")
-            return super().write(line)
-
-    _, _, ticks = session(frames[:400])
-    disk, full = Disk(), "--json: No space left on device: lines are lost"
-    lines = JsonLines(disk)
-    for k, (trouble, lost) in enumerate((("", 0), (full, 1), (full, 2), ("", 2))):
-        lines(ticks[k])
-        until(lambda told=(k + 1, trouble, lost): told == (disk.written, lines.trouble, lines.lost))
-    lines.close()
-    assert json.loads(disk.getvalue().splitlines()[-1])["t"] == pytest.approx(ticks[3].moment.step.time_s, abs=1e-9)
-
-
-def test_a_reader_that_stalls_holds_up_no_tick_and_gets_what_there_was_room_for(session, frames):
-    _, _, ticks = session(frames[:400])
-    reader, writer = os.pipe()
-    asked = 0
-    with open(writer, "wb", buffering=0) as file:
-        lines = JsonLines(file)
-        while lines.lost < WAITING:
-            lines(ticks[0])
-            asked += 1
-        assert lines.trouble == "--json: their reader is behind: lines are lost"
-        with open(reader, "rb") as late:
-            texts = {late.readline() for _ in range(asked - lines.lost)}
-        assert [json.loads(text)["t"] for text in texts] == [pytest.approx(ticks[0].moment.step.time_s, abs=1e-9)]
-        lines.close()
-        assert lines.trouble == ""
-
-
-def test_before_the_first_tick_the_status_says_so(session):
-    live, _, _ = session([])
-    assert "waiting for the first tick" in live.status().line()

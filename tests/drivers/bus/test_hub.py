@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import re
-import signal
 import socket
-import subprocess
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from unittest import mock
 
 import can
@@ -19,27 +17,7 @@ from drivers.bus.hub import Hub, _Client
 from drivers.bus.stamp import Stamp
 from estimator.errors import SetupError
 from tests.hub_fake import hub_running
-from tests.processes import PATIENCE_S, ended, started, until
-
-
-@pytest.fixture
-def hub() -> Hub:
-    return Hub()
-
-
-@pytest.fixture
-def port(hub: Hub) -> Iterator[int]:
-    with hub_running(hub) as opened:
-        yield opened
-
-
-@pytest.fixture
-def bus(port: int) -> Iterator[Callable[..., can.BusABC]]:
-    """bus(channel): python-can's client."""
-    with ExitStack() as stack:
-        yield lambda channel="can0", port=port: stack.enter_context(
-            can.Bus(interface="socketcand", channel=channel, host="127.0.0.1", port=port)
-        )
+from tests.processes import PATIENCE_S, ended, until
 
 
 class Raw:
@@ -277,49 +255,6 @@ def test_a_port_in_use_is_one_line(port) -> None:
     )
 
 
-@contextmanager
-def command(*words: str) -> Iterator[tuple[subprocess.Popen[str], int]]:
-    """`ballscrew hub` as a process, and its port."""
-    whole = ["hub", "--port", "0", *words]
-    with started("ballscrew", *whole, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        assert process.stdout
-        first = process.stdout.readline()
-        assert first.startswith("hub: socketcand on ")
-        yield process, int(first.rpartition(":")[2])
-
-
-def test_the_command_serves_simulate_and_ends_on_ctrl_c(bus, port) -> None:
-    """What it prints is what connects."""
-    with command() as (process, own):
-        example = process.stdout.readline().split()
-        listener = bus(port=own)
-        play = [*example[1:], "--seconds", "3", "--max-drive", "3s", "--speed-up", "100"]
-        done = ended("ballscrew", *play)
-        assert done.returncode == 0, done.stderr
-        heard = set()
-        while not heard >= {0x210, 0x214, 0x230, 0x240}:
-            one = listener.recv(PATIENCE_S)
-            assert one is not None
-            heard.add(one.arbitration_id)
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=PATIENCE_S)
-    assert process.returncode == 130
-    assert re.search(r"hub: ended after \d+ frames, 0 dropped", out)
-    assert err.strip() == "stopped by Ctrl-C"
-
-
-def test_a_rig_that_plays_to_a_hub_that_goes_ends_with_one_line() -> None:
-    with ExitStack() as stack:
-        with hub_running() as port:
-            where = ["--interface", "socketcand", "--channel", "can0", "--bus-kwargs", "host=127.0.0.1", f"port={port}"]
-            words = ["simulate", "FS-20", "--seconds", "60", *where]
-            process = stack.enter_context(started("ballscrew", *words, stderr=subprocess.PIPE, stdout=subprocess.PIPE))
-            assert process.stdout.readline().startswith("playing FS-20")
-        _, err = process.communicate(timeout=PATIENCE_S)
-    assert process.returncode == 2
-    assert re.fullmatch(rf"error: socketcand can0 host=127.0.0.1 port={port}: the bus is gone: \w+: .*\n", err)
-
-
 @pytest.mark.parametrize(("closing", "waiting"), [(True, 0), (False, 8_000_000)], ids=["gone", "reads nothing"])
 def test_answers_to_a_client_that_does_not_take_them_are_dropped(hub, closing, waiting) -> None:
     """asyncio would tell of each, thousands at once, or keep them all."""
@@ -331,15 +266,3 @@ def test_answers_to_a_client_that_does_not_take_them_are_dropped(hub, closing, w
     client.hear(b"< frame 123 1.0 11 >", 1)
     transport.write.assert_not_called()
     assert hub.dropped == (not closing)
-
-
-def test_the_command_ends_on_sigterm_and_warns_when_others_can_reach_it() -> None:
-    with command("--bind", "0.0.0.0") as (process, port):
-        with raw(port) as client:
-            client.joins()
-            process.terminate()
-            _, err = process.communicate(timeout=PATIENCE_S)
-        assert process.returncode == 0
-        assert err == (
-            "note: --bind 0.0.0.0: whoever reaches this address can read and send frames, without a password\n"
-        )

@@ -16,29 +16,7 @@ from drivers.recordings import read_recording
 from estimator.errors import InputError
 from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
-
-ROD = """
-name = "heated rod"
-tick_s = 1.0
-[screw]
-from_mm = 0
-to_mm = 400
-outer_mm = 20
-[log]
-time_column = "t"
-[channels]
-A = { at_mm = 50, column = "left" }
-B = { at_mm = 350, hi = 90 }
-[inputs]
-heater = { unit = "W", column = "P/kW", scale = 1000, hi = 500 }
-ambient = {}
-"""
-
-
-@pytest.fixture
-def rod(tmp_path: Path) -> Rig:
-    (tmp_path / "rig.toml").write_text(ROD)
-    return load_rig(tmp_path)
+from tests.drivers.lab.conftest import ROD
 
 
 @pytest.fixture(params=["UTC", "Europe/Berlin", "America/New_York"])

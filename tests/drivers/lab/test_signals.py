@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,21 +11,13 @@ import pytest
 from drivers.recordings import read_recording
 from estimator.errors import InputError
 from estimator.rig import Rig
-from tests.drivers.lab.test_field import NAMES, ROWS, STEP, rows, write
-from tests.drivers.lab.test_lab import rod
+from tests.drivers.lab.conftest import NAMES, ROWS, rows, write
 
 asammdf = pytest.importorskip("asammdf")
-__all__ = ["rod"]
-
-
-@pytest.fixture
-def rig(rod: Rig) -> Rig:
-    """The rod with a tick as long as its rows are apart."""
-    return replace(rod, tick_s=STEP)
 
 
 def mf4(path: Path, names: dict[str, str], apart_s: float = 0.0) -> Path:
-    """The rows of `test_field`, each column a signal of its own group, in its unit, `apart_s` after the one before."""
+    """The rows of the CSVs, each column a signal of its own group, in its unit, `apart_s` after the one before."""
     table = np.array(rows(), dtype=float)
     with asammdf.MDF(version="4.10") as mdf:
         for k, (name, unit) in enumerate(names.items(), start=1):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,60 +14,20 @@ from estimator.batch import replay as module
 from estimator.batch.replay import Replay, replay
 from estimator.effect import Effect, Param
 from estimator.effects.readings import Thermometers
-from estimator.faults.fault import Fault
-from estimator.faults.judge import START_S, TOGETHER_TICKS
-from estimator.faults.suspects import HELD_S
 from estimator.filter import Filter
-from estimator.model import Model, model_of
+from estimator.model import model_of
 from estimator.network import regime
 from estimator.record import Recording
 from estimator.rig import Channel, Rig, Signal
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
-from estimator.step import SERIES, Mode, Track
+from estimator.step import SERIES, Mode
 from estimator.terms import Heat, Link, Store
 from tests.conftest import stepped
+from tests.estimator.batch.conftest import TICKS, both, copy
 
 ROOT = Path(__file__).parents[3]
 PAPER, ROD = ROOT / "recordings", ROOT / "examples" / "heated_rod"
-TICKS = 150
-SPIKE_K = 30.0
-
-
-def both(model, rig, recording, mute=None) -> Track:
-    """The filter's track, after every field of the replay has been found equal to it."""
-    slow, fast = stepped(Filter(model, rig, mute), recording), replay(model, rig, recording, mute)
-    assert (fast.bodies, fast.names) == (slow.bodies, slow.names)
-    np.testing.assert_array_equal(fast.x_mm, slow.x_mm)
-    for key in SERIES:
-        a, b = getattr(fast, key), getattr(slow, key)
-        assert a.shape == b.shape, key
-        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9, err_msg=key)
-    return slow
-
-
-def lived_on(rig: Rig, model: Model, stroke_mm: float, driven, live) -> tuple[Model, Rig, Recording]:
-    """A recording with noise: a drive and some rest, air and board that warm up."""
-    spans = np.array([TICKS, 20, 90]) * rig.tick_s
-    drive = driven(rig, spans[0], tuple(spans[1:]), stroke=(0.0, stroke_mm))
-    for name in ("ambient", "board"):
-        drive.inputs[name][:] = 22 + np.linspace(0, 3, TICKS)
-    return model, rig, live(model, rig, drive, seed=1, process=True).recording
-
-
-@pytest.fixture(scope="module")
-def lived(half, small_model, driven, live) -> tuple[Model, Rig, Recording]:
-    """On the small rig at two ticks a second; the judge at one a second, on the paper's rig: faults/test_judge.py."""
-    return lived_on(half, small_model, 100.0, driven, live)
-
-
-@pytest.fixture(scope="module", params=["half", "rig"])
-def anywhere(request, driven, live) -> tuple[Model, Rig, Recording]:
-    """The same, and on the paper's rig."""
-    if request.param == "half":
-        return request.getfixturevalue("lived")
-    rig, full = (request.getfixturevalue(name) for name in ("rig", "full"))
-    return lived_on(rig, full, 400.0, driven, live)
 
 
 def test_counted_from_a_zero_only_lengths_are_others(anywhere):
@@ -108,12 +67,6 @@ def test_the_error_at_a_place_is_that_at_the_table_when_it_is_there(anywhere):
     np.testing.assert_allclose(table.sd_um[at], track.error_at_table_sd_um[ticks], rtol=1e-12)
     np.testing.assert_array_equal(table.at(table.at_mm[[2, 0]]).error_um, table.error_um[:, [2, 0]])
     assert np.isfinite(table.error_um[5:]).all() == (rig.nut is not None and "anchor" in rig.supports)
-
-
-def copy(run: Recording) -> Recording:
-    """The recording with arrays of its own, to break."""
-    own = {key: getattr(run, key).copy() for key in ("channels", "ages_s", "omega", "coverage")}
-    return replace(run, inputs={name: column.copy() for name, column in run.inputs.items()}, **own)
 
 
 def nothing(run: Recording) -> None:
@@ -157,13 +110,21 @@ BREAKS = [
 
 
 @pytest.mark.parametrize("broken", BREAKS)
-def test_replay_is_the_filter_with(broken, anywhere):
-    model, rig, run = anywhere
+def test_replay_is_the_filter_with(broken, lived):
+    model, rig, run = lived
     run = copy(run)
     broken(run)
     track = both(model, rig, run)
     assert len(track) == TICKS
     assert np.isfinite(track.elongation_um[-1])
+
+
+def test_replay_is_the_filter_on_the_papers_rig_with_all_of_it_at_once(on_the_papers_rig):
+    model, rig, run = on_the_papers_rig
+    run = copy(run)
+    for broken in BREAKS:
+        broken(run)
+    assert np.isfinite(both(model, rig, run).elongation_um[-1])
 
 
 def test_a_tick_without_readings_coasts_and_a_start_without_thermometer_waits(lived):
@@ -179,122 +140,6 @@ def test_a_tick_without_readings_coasts_and_a_start_without_thermometer_waits(li
     assert np.isnan(track.nis[30])
 
 
-def left_out(track: Track, channel: int) -> list[int]:
-    return np.flatnonzero(~track.fused[:, channel]).tolist()
-
-
-def test_a_spike_is_refused_and_one_that_stays_is_left_out(lived):
-    model, rig, run = lived
-    run = copy(run)
-    run.channels[30, 1] += SPIKE_K
-    run.channels[60:, 2] += SPIKE_K
-    track = both(model, rig, run)
-    assert left_out(track, 1) == [30]
-    assert left_out(track, 2) == list(range(60, TICKS))
-    held = round(HELD_S / rig.tick_s)
-    assert track.fault[60 : 60 + held, 2].tolist() == [Fault.JUDGED] * held
-    assert (track.fault[60 + held :, 2] == Fault.JUMPED).all()
-    np.testing.assert_array_equal(track.since_s[60:, 2], track.time_s[60])
-    assert np.isnan(track.since_s[:60]).all() or np.flatnonzero(np.isfinite(track.since_s[:60, 1])).tolist() == [30]
-
-
-def test_a_reading_missed_does_not_end_a_spike(lived):
-    model, rig, run = lived
-    run = copy(run)
-    run.channels[60:75, 2] += SPIKE_K
-    run.channels[63, 2] = np.nan
-    assert left_out(both(model, rig, run), 2)[:15] == list(range(60, 75))
-
-
-def test_a_thermometer_that_was_off_from_the_first_sample_on(lived):
-    model, rig, run = lived
-    run = copy(run)
-    run.channels[:, 1] += SPIKE_K
-    track = both(model, rig, run)
-    assert left_out(track, 1) == list(range(TICKS))
-    assert track.fault[-1, 1] == Fault.OFF
-
-
-def test_all_thermometers_that_began_with_another_temperature(anywhere):
-    """What they read before they were ready is no start: the run begins anew."""
-    model, rig, run = anywhere
-    run = copy(run)
-    run.channels[:12, rig.is_thermometer] += SPIKE_K
-    track = both(model, rig, run)
-    assert track.elongation_um[12 + TOGETHER_TICKS - 1] == pytest.approx(0.0, abs=1e-9)
-    assert left_out(track, 1) == list(range(12, 12 + TOGETHER_TICKS - 1))
-    later = both(model, rig, run.rows(slice(12 + TOGETHER_TICKS - 1, None)))
-    np.testing.assert_allclose(track.elongation_um[12 + TOGETHER_TICKS - 1 :], later.elongation_um, atol=1e-9)
-
-
-def test_all_thermometers_that_jump_together_have_other_zeros(anywhere):
-    model, rig, run = anywhere
-    run, healthy = copy(run), replay(model, rig, run)
-    from_ = TICKS - 25
-    rig_is_warm = run.time_s[from_] - run.time_s[0] > START_S
-    run.channels[from_:, rig.is_thermometer] += SPIKE_K
-    track = both(model, rig, run)
-    assert left_out(track, 1) == list(range(from_, from_ + TOGETHER_TICKS - (not rig_is_warm)))
-    if rig_is_warm:
-        error = abs(track.elongation_um - healthy.elongation_um)
-        assert (error <= 4.0 * track.sigma_um + 0.01)[from_:].all()
-
-
-def muted(*spans: tuple[int, float, float], rig: Rig) -> Callable[[float], np.ndarray]:
-    """Mute channel i between two ticks, for each (i, from, to)."""
-
-    def mute(time_s: float) -> np.ndarray:
-        out = np.zeros(len(rig.names), dtype=bool)
-        for i, lo, hi in spans:
-            out[i] |= lo <= time_s / rig.tick_s < hi
-        return out
-
-    return mute
-
-
-def test_muted_spans(anywhere):
-    """Also from the start on, of all channels at a time, and over a spike, which is still there afterwards."""
-    model, rig, run = anywhere
-    run = copy(run)
-    m = len(rig.names)
-    run.channels[100:108, 2] += SPIKE_K
-    spans = [(0, 0, 30), (m - 1, 50, 80), (2, 100, 103), *((i, 120, 125) for i in range(m))]
-    track = both(model, rig, run, muted(*spans, rig=rig))
-    assert not track.fused[:29, 0].any()
-    assert track.fused[29, 0]
-    assert np.isfinite(track.innovation[:29, 0]).all()
-    assert not track.fused[49:79, -1].any()
-    assert left_out(track, 2)[:9] == list(range(99, 108))
-    assert (track.mode[119:124] == Mode.COASTING).all()
-
-
-def test_a_channel_that_no_effect_reads_is_shown_but_never_fused(anywhere):
-    model, rig, run = anywhere
-    track = both(model - "displacement", rig, run)
-    assert not track.fused[:, -1].any()
-    assert np.isinf(track.innovation_sd[:, -1]).all()
-
-
-def test_after_the_fact_the_estimate_is_as_sure_as_live_or_surer_and_the_same_at_the_end(anywhere):
-    model, rig, run = anywhere
-    found = Replay(model, rig, run, None, lambda _: None)
-    smoothed, track = found.smoothed(), found.track
-    assert smoothed.elongation_um[-1] == pytest.approx(track.elongation_um[-1], abs=1e-9)
-    assert smoothed.sigma_um[-1] == pytest.approx(track.sigma_um[-1], abs=1e-9)
-    assert (smoothed.sigma_um <= track.sigma_um + 1e-9).all()
-    assert smoothed.sigma_um[60] < 0.95 * track.sigma_um[60]
-    assert abs(smoothed.elongation_um - track.elongation_um)[1:-1].max() > 1e-3
-
-
-def test_what_the_gate_refused_is_not_smoothed_either(lived):
-    model, rig, run = lived
-    spiked, hole = copy(run), copy(run)
-    spiked.channels[50, 2] += SPIKE_K
-    hole.channels[50, 2] = np.nan
-    a, b = (Replay(model, rig, log, None, lambda _: None).smoothed() for log in (spiked, hole))
-    np.testing.assert_allclose(a.elongation_um, b.elongation_um, rtol=0, atol=1e-9)
-
-
 def test_a_recording_that_ends_at_its_first_reading_or_before(lived):
     model, rig, run = lived
     run = copy(run)
@@ -302,15 +147,6 @@ def test_a_recording_that_ends_at_its_first_reading_or_before(lived):
     assert np.isfinite(both(model, rig, run.rows(slice(0, 8))).elongation_um).sum() == 1
     assert both(model, rig, run.rows(slice(7, 8))).mode[0] != Mode.INIT
     assert (both(model, rig, run.rows(slice(0, 5))).mode == Mode.INIT).all()
-
-
-def test_a_run_that_begins_anew_with_the_last_tick_has_nothing_to_smooth(lived):
-    model, rig, run = lived
-    run = copy(run)
-    run.channels[:12, rig.is_thermometer] += SPIKE_K
-    replayed = Replay(model, rig, run.rows(slice(0, 12 + TOGETHER_TICKS)), None, lambda _: None)
-    assert (len(replayed.track), replayed.trial) == (12 + TOGETHER_TICKS, None)
-    assert np.isnan(replayed.smoothed().elongation_um).all()
 
 
 def test_each_hears_of_the_ticks_done_up_to_the_last(lived):

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import count
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,10 +13,7 @@ from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
 from estimator.effects.local import spot
 from estimator.network import assemble
-from estimator.rig import Channel, Rig, Signal
-from estimator.rig_folder.model_toml import load_model
-from estimator.rig_folder.rig_folder import load_rig
-from estimator.terms import SCREW, Heat, Link, Read, Store
+from estimator.terms import SCREW, Heat, Link
 
 
 class Jet(Effect):
@@ -209,6 +204,7 @@ BROKEN = [
     (WithoutSentence, "documented", "the docstring's first line is no sentence of one line that ends with '.'"),
     (WithoutUnits, "documented", "power has no unit; power has no source; power has no finite bounds: lo = -inf"),
 ]
+
 ALSO = {  # what else is wrong with it then
     Switched: {"invisible at null", "seen off null"},
     Counting: {"derivative"},
@@ -266,50 +262,3 @@ def test_heat_into_a_body_that_the_model_lacks_need_not_be_seen(full, rig):
     found = {finding.check: finding for finding in battery(CATALOGUE["nut_friction"], bare, rig)}
     assert all(finding.ok for finding in found.values())
     assert found["seen off null"].detail == "power_nut = 50 leaves nothing in any reading"
-
-
-class Cup(Effect):
-    """A cup cools in the air.
-
-    C dT/dt = -g (T - T_air)
-    """
-
-    g = Param(2.0, "W/K", lo=0.0, hi=9.0, null=0.0, source="a guess")
-
-    def terms(self, p, u, rig):
-        yield Store("cup", 50.0, 0.1)
-        yield Read("T1", {"cup": 1.0}, 0.02)
-        yield Link("cup", "ambient", p.g)
-
-
-class Kettle(Effect):
-    """A coil heats the cup.
-
-    q = share P
-    """
-
-    share = Param(0.9, "1", lo=0.0, hi=1.0, null=0.0, source="what the leads do not take away")
-
-    def terms(self, p, u, rig):
-        yield Heat("cup", p.share * u["coil"])
-
-
-def test_a_rig_without_a_screw_or_nut(full):
-    inputs = {"ambient": Signal(), "coil": Signal(unit="W", lo=0.0, hi=50.0)}
-    cup = Rig("cup", 5.0, {"T1": Channel(node="cup")}, inputs)
-    base = replace(full, effects={}, values={}) + Cup
-    assert [f.detail for f in battery(Kettle, base, cup) if not f.ok] == []
-    assert [f.detail for f in battery(Cup, base, cup) if not f.ok] == []
-
-
-@pytest.mark.parametrize("name", ["heated_rod", "seven_channels"])
-def test_the_examples_own_rigs(name):
-    folder = Path(__file__).parents[3] / "examples" / name
-    model, rig = load_model(folder / "model.toml"), load_rig(folder)
-    for effect in model.effects.values():
-        found = battery(type(effect), model, rig)
-        assert [f for f in found if not f.ok] == []
-        assert {f.detail for f in found} - {""} <= {
-            "board changes nothing",
-            "board = 0.3 leaves nothing in any reading",
-        }

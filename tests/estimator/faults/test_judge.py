@@ -17,12 +17,12 @@ from estimator.faults.fault import Fault
 from estimator.filter import Filter
 from tests.conftest import stepped
 
-SECONDS, AT, ONE, OTHER = 1500, 700, 5, 12
+SECONDS, AT, ONE, OTHER = 1300, 500, 5, 12
 
 
 @pytest.fixture(scope="module")
 def lived(rig, full, driven, live):
-    """A drive of five minutes and twenty minutes of rest, process noise and unknown zeros included."""
+    """A drive of five minutes and a quarter of an hour of rest, process noise and unknown zeros included."""
     return live(full, rig, driven(rig, SECONDS, (20, 320)), seed=2, process=True)
 
 

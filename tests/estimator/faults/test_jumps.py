@@ -1,0 +1,30 @@
+"""What a channel's innovation is compared with, learnt tick by tick."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from estimator.faults.fault import Seen
+from estimator.faults.jumps import Jumps
+
+TICKS, CHANNELS = 30, 4
+
+
+def seen(value: np.ndarray) -> Seen:
+    """Innovations (K, m) of thermometers at 22 degC, that the model alone stays at."""
+    alone, none = np.full(value.shape, 22.0), np.zeros(value.shape, dtype=bool)
+    time_s, doubt = np.arange(len(value)) + 1.0, np.zeros((*value.shape, 0))
+    return Seen(time_s, alone + value, value, np.full(value.shape, 0.03), alone, none, doubt, np.zeros(len(value)))
+
+
+def test_a_model_that_stays_where_it_began_has_not_moved_and_all_at_once_is_tick_by_tick():
+    """Or a jump in the first minute would be within its limit."""
+    value = 0.02 * np.random.default_rng(0).standard_normal((TICKS, CHANNELS))
+    heat, well = np.ones(CHANNELS, dtype=bool), np.ones(CHANNELS, dtype=bool)
+    whole, apart = (Jumps(np.full(CHANNELS, 0.02), heat, 1.0) for _ in range(2))
+    together = whole.compare(seen(value), well)
+    assert (together.limit[10:] < 0.3).all()
+    for k in range(TICKS):
+        one = apart.compare(seen(value[k : k + 1]), well)
+        np.testing.assert_allclose(one.limit[0], together.limit[k], rtol=1e-12)
+        apart.learn(one, 1, well)
