@@ -10,7 +10,7 @@ import numpy as np
 
 from estimator.batch import batch
 from estimator.batch.ahead import Ahead
-from estimator.batch.judged import Judged, Readings, judged
+from estimator.batch.judged import Judged, Readings, Unled, judged
 from estimator.batch.kernels import carried, followed
 from estimator.batch.nominal import Nominal, nominal
 from estimator.batch.system import System
@@ -227,7 +227,8 @@ class Trial:
         """
         alone = posed.run.lagged + posed.offset[1:]
         readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, self.ahead(posed, doubt))
-        return judged(posed.system, readings, self.run.judge(doubt.known), posed.state)
+        unled = Unled(posed.system, posed.state, doubt, self.rig)
+        return judged(posed.system, readings, self.run.judge(doubt.known), posed.state, unled)
 
     def loglike(self, model: Model) -> float:
         """Log-likelihood of the readings after the first sample, given that one."""

@@ -76,20 +76,22 @@ class Neighbours:
         asked, share = used & self._heat, np.empty(K)
         while k < K:
             some = slice(k, min(k + self._length - block.ticks, K))
+            gone = self._windows.known.apart(seen.led[some], self._machine.share)
+            apart = bool(gone.any())
+            some = slice(k, k + int(np.argmax(gone)) + 1) if apart else some
             block.difference += np.where(asked[some], seen.reading[some] - seen.alone[some], np.nan).sum(axis=0)
             block.alone += seen.alone[some].sum(axis=0)
             block.doubt += seen.doubt[some].sum(axis=0)
             self._machine.hear(seen, some, used[some])
             share[some] = self._machine.share
             block.ticks, k = block.ticks + some.stop - some.start, some.stop
+            found, before = None, self.may_drift_K.copy()
             if block.ticks == self._length:
-                before = self.may_drift_K.copy()
                 found = self._close(block, float(seen.time_s[k - 1]))
                 share[k - 1] = self._machine.share
-                apart = self._windows.known.apart(float(seen.expansion[k - 1]), share[k - 1])
-                if found is not None or apart or not np.array_equal(before, self.may_drift_K):
-                    return Added(k, found, share[:k], apart)
                 block = self._block
+            if found is not None or apart or not np.array_equal(before, self.may_drift_K):
+                return Added(k, found, share[:k], apart)
         return Added(K, None, share)
 
     def forget(self, i: int) -> None:
