@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from estimator.faults.fault import Fault, Judgement, Led, Seen
+from estimator.faults.travel import Travel
 from estimator.model import Model
 from estimator.network.discretise import Transition
 from estimator.network.forcing import Drive
@@ -46,10 +47,12 @@ class Filter:
         self.model, self.rig, self.mute = model, rig, mute or unmuted(rig)
         self.run: Run | None = None
         self._transitions: dict[int, Transition] = {}
+        self._travel = Travel(rig)
 
     def step(self, sample: Sample) -> Step:
         """Take one tick: begin with the first sample with a thermometer in it; then predict, compare, update."""
         rows = collect("", [sample])
+        self._travel.step(sample)
         if self.run is None:
             return self._begin(rows)
         return self._advance(self.run, sample, rows, self.run.forcing.read(rows))
@@ -63,7 +66,7 @@ class Filter:
         if self.run is not None:
             self.run = self.run.by(model)
             self._doubt: Doubt = self._doubt.by(self.run)
-            self._unled.doubt = self._unled.doubt.by(self.run)
+            self._unled.by(self.run)
             self._judge.by_another_model(self._doubt.known)
             self._transitions.clear()
         self.model = model
@@ -96,7 +99,19 @@ class Filter:
         predicted, sd = H @ fusion.x + d, np.sqrt(variances(H, fusion.P) + R)
         compared = Innovation(predicted, sample.channels - predicted, sd)
         moves = self._doubt.ahead(drive, ticks, self._course(sample, before, grown_um))
-        judged = self._judge.judge(seen(sample, compared, alone.reading + offset, muted, moves, self._unled.led))
+        judged = self._judge.judge(
+            Seen(
+                time_s=rows.time_s,
+                reading=rows.channels,
+                value=compared.value[None],
+                sd=sd[None],
+                alone=(alone.reading + offset)[None],
+                muted=muted[None],
+                doubt=moves.readings,
+                led=self._unled.led,
+                astray=np.array([self._travel.astray]),
+            )
+        )
         if judged.anew:
             return self._begin(rows)
         fault = judged.fault[0]
@@ -195,6 +210,11 @@ class Unled:
         rig = run.forcing.rig
         self._state, self._heat, self._tick_s = run.state, rig.is_thermometer, rig.tick_s
 
+    def by(self, run: Run) -> None:
+        """Go on by another model of the run."""
+        self.doubt = self.doubt.by(run)
+        self.led = replace(self.led, doubt=np.zeros((1, len(self.doubt.known.whole))))
+
     def update(self, reading: Array, fuse: Array, H: Array, R: Array, moves: Moves, judged: Judgement) -> None:
         """Fuse the thermometers among the channels that were found good."""
         nis, gain = self.fusion.update(reading, fuse & self._heat, H, R)
@@ -207,11 +227,3 @@ class Unled:
         """With the estimate of the other one."""
         um, var = self._state.led(np.array([grown_um]), x[None], (self.fusion.x[None], self.fusion.P[None]))
         self.led = replace(self.led, um=um, var=var)
-
-
-def seen(sample: Sample, compared: Innovation, alone: Array, muted: Array, moves: Moves, led: Led) -> Seen:
-    """What the judge is shown of one tick."""
-    reading, value, sd = sample.channels, compared.value, compared.sd
-    return Seen(
-        np.array([sample.time_s]), reading[None], value[None], sd[None], alone[None], muted[None], moves.readings, led
-    )

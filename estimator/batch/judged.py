@@ -28,6 +28,7 @@ class Readings:
     """What a judge needs beside the filter: time (T,); of channels, (T, m): reading, by the model alone, muted.
 
     ahead  how the latter move with what the model's parameters may be off by
+    astray  (T,) whether heat is in the wrong place
     """
 
     time_s: Array
@@ -35,6 +36,7 @@ class Readings:
     alone: Array
     muted: Array
     ahead: Ahead
+    astray: Array
 
     def seen(self, system: System, chunk: Chunk, moves: Moves, led: Led) -> Seen:
         """A chunk's ticks as the judge is shown them."""
@@ -49,6 +51,7 @@ class Readings:
             self.muted[at],
             moves.readings,
             led,
+            self.astray[at],
         )
 
 

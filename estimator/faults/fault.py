@@ -112,6 +112,7 @@ class Seen:
     muted    (K, m) bool
     doubt    (K, m, p) how the model alone moves with each of its parameters that are in doubt
     led        of the tick before each
+    astray     (K,) bool, whether heat is in the wrong place: neither neighbours nor lengths tell of each other
     """
 
     time_s: Array
@@ -122,6 +123,7 @@ class Seen:
     muted: Array
     doubt: Array
     led: Led
+    astray: Array
 
     def first(self, ticks: int) -> Seen:
         """The first of the ticks."""

@@ -14,7 +14,7 @@ from estimator.state.state import State
 from estimator.state.view import BedGrowth, Mounting
 from estimator.step import Mode, TableErrors, Track
 
-LENGTHS_LIE = 0.33  # of how far they lead the estimate from what thermometers alone say: what that is in doubt by
+LENGTHS_LIE = 0.25  # of how far they lead the estimate from what thermometers alone say: what that is in doubt by
 
 
 @dataclass(frozen=True)
