@@ -108,10 +108,9 @@ def found(run: str, at_s: float, machine: int, kind: str) -> Found:
     lost = valid & (error > np.maximum(LOST_SD * track.sigma_um, LOST_UM))
     broken, own = (track.fault > Fault.JUDGED) & now[:, None], np.zeros(len(rig.names), dtype=bool)
     own[rig.index("displacement")] = kind in LENGTHS
-    told = (
-        track.time_s[broken[:, own].any(axis=1)] if kind in LENGTHS else [s for s, _ in disagreements(recording, rig)]
-    )
-    named_s = min((float(s) - at_s for s in told if s >= at_s), default=np.inf)
+    left_out_s, said_s = track.time_s[broken[:, own].any(axis=1)], [s for s, _ in disagreements(recording, rig)]
+    told_s = left_out_s if kind in LENGTHS else said_s
+    named_s = min((float(s) - at_s for s in told_s if s >= at_s), default=np.inf)
     most, sent = (float(np.max(error[some], initial=0.0)) for some in (now, valid))
     return Found(most, sent, longest(lost) * rig.tick_s, named_s, int(broken[:, ~own].any(axis=0).sum()))
 

@@ -29,7 +29,7 @@ RENEWED_S, LEFT = 36000.0, 1e-3  # then parameters may have become others; least
 DETAILS = {True: 0.03, False: 0.2}  # K of a thermometer, um of a length
 OUTLYING = 3.0  # sd, from which on the worst thermometer is not heard
 YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each block; how often an older one is
-LED_SDS, LED_UM = 5.0, 0.4  # of the elongation by thermometers alone
+LED_SDS, LED_UM = 5.0, 0.4  # of the elongation by thermometers alone; 3.6 at most on machines 0 - 14
 LEAST = 0.005  # a smaller share makes no difference
 
 
