@@ -33,7 +33,7 @@ SLACK_MM, SLACK = 5.0, 0.1  # of the path: both are read at slightly other times
 STANDS_MM = 1e-3  # less is no motion
 IN_A_ROW = 3  # ticks
 LONG = 10  # readings
-FEW = 20  # ticks that turn, whose speeds do not tell how fast the axis is
+FEW = 20  # ticks that turn, whose speeds do not tell how fast the axis is; rows in each of which it moves unseen
 PACED, PACE = 5, 0.85  # ticks that turn, over which the pace is looked at; least of it, and of one over it
 UNSIGNED = 0.5  # the same where the speed has no sign
 HEAT_S = 7200.0  # for which heat in a wrong place is felt
@@ -84,7 +84,7 @@ class Travel:
         self._rad_s, self._tick_s = RAD_S[rig.inputs["speed"].unit] if self._given else np.nan, rig.tick_s
         self._last, self._before, self._offset, self._slips, self._stands = np.nan, 0.0, 0.0, 0, 0
         self._fastest, self._turned, self._apart_s = 0.0, 0, np.inf
-        self._stood, self._unseen = 0, 0.0
+        self._stood, self._unseen, self._moves = 0, 0.0, 0
         self._paces, self._pace, self._signed = deque[float](maxlen=PACED), 0.0, False
         self._wrong_s, self._now_s = -np.inf, 0.0
 
@@ -95,6 +95,8 @@ class Travel:
             return "the position moves further than the speed says"
         if self._stands >= IN_A_ROW:
             return "the position stands still though the speed says that the screw turns"
+        if self._moves >= FEW:
+            return "the position moves though the speed says that the screw stands"
         if self._pace:
             return (
                 f"the position moves {self._pace:.2g} times as far as the speed says: check units, scales and lead_mm"
@@ -155,6 +157,7 @@ class Travel:
 
     def _rest(self, moved: float, turns: bool) -> None:
         """How long the table has stood, and how far it moved in one step between two such times, mm."""
+        self._moves = self._moves + 1 if not turns and abs(moved) > SLACK_MM else 0
         if turns:
             self._stood, self._unseen = 0, 0.0
         elif abs(moved) <= SLACK_MM:

@@ -190,6 +190,13 @@ def test_a_shift_at_rest_is_told_for_what_is_known_of_it(row_s, rig):
     assert travel.why == ""
 
 
+def test_slow_rows_tell_of_a_speed_that_is_dead(rig):
+    position, speed = strokes(40.0, 2.0, 2)
+    told = list(disagreements(logged(rig, position, 0.0 * speed, 2.0), rig))
+    assert [why for _, why in told][:1] == ["the position moves though the speed says that the screw stands"]
+    assert told[0][0] < 150
+
+
 def test_slow_rows_tell_of_a_position_that_stands(rig):
     position, speed = strokes(40.0, 2.0, 2)
     later = np.arange(len(position)) >= 200
