@@ -84,7 +84,7 @@ class DriveCondenser:
         lead = self.screw.lead_mm / (2 * np.pi) if self.screw else np.nan
         way, path = (np.bincount(row[known], amount[known], rows) for amount in (moved, lead * turned))
         told, of = (np.bincount(row[some], minlength=rows) for some in (known & (moved > 0), known))
-        return np.divide(way, path, out=np.full(rows, np.nan), where=(of >= SOME) & (told > TOLD * of))
+        return np.divide(way, path, out=np.full(rows, np.nan), where=(path > 0) & (of >= SOME) & (told > TOLD * of))
 
     def _cover(self, position: Array, joined: Index, weight: Array, row: Index, latest: Index) -> Array:
         """Cover of the cells by the nut, on its way between frames; where it has no way, where the latest one was."""
