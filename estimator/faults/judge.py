@@ -95,7 +95,7 @@ class Judge:
         self._begun_with = self._begun_with & ~self._jumps.known
         self._silent = self._silence(seen.value)[last]
         self._forget(jump)
-        if drift is not None:
+        if drift is not None or apart:
             self._jumps.forget(self._heat)  # the estimate goes back to where it would be without
         fault[last], since_s[last], may_drift_K[last] = self.fault, self._said_since_s, self._neighbours.may_drift_K
         if jump is not None:
