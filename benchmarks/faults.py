@@ -6,6 +6,7 @@ rigs of seeds 101 to 103 and machines 1 to 8; none of those judges here.
 
 python -m benchmarks faults [ROW ...]    some of the rows without a failure only, printed and not kept
 python -m benchmarks faults drifts       slow drifts one by one, likewise
+python -m benchmarks faults lies         a displacement, a position or a speed that lies
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import drifts, handed_over, paper_rig, sound
+from benchmarks import drifts, handed_over, lies, paper_rig, sound
 from benchmarks.drifts import LOST_SD, LOST_UM, longest
 from benchmarks.injected import FAILURES, INPUT_FAILURES, NAMED, failing, failing_input, shifted
 from benchmarks.measure import Row, commit, say, section, table
@@ -37,7 +38,7 @@ SEED = 311
 RUNS = ("FS-20", "FS-10", "FS-5", "FS-2.5", "CS-20", "CS-10", "CS-5", "CS-2.5", "ES-20", "ES-10", "ES-5", "ES-2.5")
 WHEN = {"at rest": ("FS-20", 1800.0), "driving": ("FS-5", 400.0)}
 SEVEN = "seven channels, "
-DRIFTS = "drifts"
+DRIFTS, LIES = "drifts", "lies"
 SOON_S = 60.0
 FROM_THE_START = ("0 degC", "85 degC")  # what else an input does from the start on is its zero
 LATE = (
@@ -235,8 +236,10 @@ def markdown(*names: str) -> str:
     """Run all cases, or some rows of those without a failure, or slow drifts; the table."""
     if names == (DRIFTS,):
         return drifts.table(WHEN, SEED)
+    if names == (LIES,):
+        return lies.table()
     if unknown := set(names) - set(sound.ROWS):
-        raise SystemExit(f"faults: what is {', '.join(unknown)}? Rows are {', '.join((*sound.ROWS, DRIFTS))}")
+        raise SystemExit(f"faults: what is {', '.join(unknown)}? Rows are {', '.join((*sound.ROWS, DRIFTS, LIES))}")
     found = measured([case for case in cases() if not names or case.row in names])
     return sound.tables({name: _row(found, name) for name in sound.ROWS}) if names else _all(found)
 
@@ -255,7 +258,7 @@ def _all(found: dict[Case, Outcome]) -> str:
         sound.tables({name: _row(found, name) for name in sound.ROWS}),
         *_by_kind(found),
     ]
-    return "\n".join([*tables, drifts.table(WHEN, SEED)])
+    return "\n".join([*tables, drifts.table(WHEN, SEED), lies.table()])
 
 
 def _row(found: dict[Case, Outcome], row: str) -> list[Outcome]:

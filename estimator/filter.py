@@ -12,12 +12,14 @@ whole recordings.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from estimator.faults.fault import Fault, Seen
+from estimator.faults.fault import Fault, Judgement, Led, Seen
+from estimator.faults.travel import Travel
 from estimator.model import Model
 from estimator.network.discretise import Transition
 from estimator.network.forcing import Drive
@@ -37,18 +39,20 @@ class Filter:
     """The estimate of one rig by one model, a tick at a time.
 
     mute  decides by time what is not fused: mute(time_s) -> (m,) bool; such channels are still compared
-    run   what the first sample with a thermometer in it made known; None before
-    x, P  (size,), (size, size) the estimate, from then on
+    run     what the first sample with a thermometer in it made known; None before
+    fusion  the estimate, from then on
     """
 
     def __init__(self, model: Model, rig: Rig, mute: Mute | None = None) -> None:
         self.model, self.rig, self.mute = model, rig, mute or unmuted(rig)
         self.run: Run | None = None
         self._transitions: dict[int, Transition] = {}
+        self._travel = Travel(rig)
 
     def step(self, sample: Sample) -> Step:
         """Take one tick: begin with the first sample with a thermometer in it; then predict, compare, update."""
         rows = collect("", [sample])
+        self._travel.step(sample)
         if self.run is None:
             return self._begin(rows)
         return self._advance(self.run, sample, rows, self.run.forcing.read(rows))
@@ -62,6 +66,7 @@ class Filter:
         if self.run is not None:
             self.run = self.run.by(model)
             self._doubt: Doubt = self._doubt.by(self.run)
+            self._unled.by(self.run)
             self._judge.by_another_model(self._doubt.known)
             self._transitions.clear()
         self.model = model
@@ -75,10 +80,10 @@ class Filter:
         if run is None:
             return Track.waiting(self.rig.names, rows).step(0, ("waiting for a thermometer",) * len(self.rig.names))
         doubt = Doubt(run)
-        self.x, self.P, self._judge = run.x, run.P, run.judge(doubt.known)
+        self.fusion, self._judge = Fusion(run.x, run.P), run.judge(doubt.known)
+        self._unled = Unled(run, doubt.beside())
         self._open_loop, self._doubt, self._reporter = run.open_loop(), doubt, Reporter(run)
         self._transitions.clear()
-        self.__dict__.pop("_filterpy", None)
         self._latest = self._reporter.begun
         return self._reporter.first(rows).step(0, run.first.why(run.fault, run.muted))
 
@@ -87,27 +92,41 @@ class Filter:
         alone, offset, muted = self._open_loop, ticks.offset[0], self.mute(sample.time_s)
         before = alone.now
         self._predict(run, int(ticks.regime[0]), ticks.heat[0])
+        fusion = self.fusion
         R = run.forcing.readings.sd**2 + (run.forcing.readings.lag_noise * alone.lag) ** 2
         grown_um = run.grown_um(alone.z)
         H, d = run.state.rows(grown_um), offset + alone.lag + alone.late(sample.ages_s)
-        predicted, sd = H @ self.x + d, np.sqrt(variances(H, self.P) + R)
+        predicted, sd = H @ fusion.x + d, np.sqrt(variances(H, fusion.P) + R)
         compared = Innovation(predicted, sample.channels - predicted, sd)
         moves = self._doubt.ahead(drive, ticks, self._course(sample, before, grown_um))
-        expands = self.x[run.state.expansion]
-        judged = self._judge.judge(seen(sample, compared, alone.reading + offset, muted, moves, expands))
+        judged = self._judge.judge(
+            Seen(
+                time_s=rows.time_s,
+                reading=rows.channels,
+                value=compared.value[None],
+                sd=sd[None],
+                alone=(alone.reading + offset)[None],
+                muted=muted[None],
+                doubt=moves.readings,
+                led=self._unled.led,
+                astray=np.array([self._travel.astray]),
+            )
+        )
         if judged.anew:
             return self._begin(rows)
         fault = judged.fault[0]
         fuse = compared.usable & ~muted & (fault == Fault.NONE)
-        nis, gain = self._update(sample.channels - d, fuse, H, R)
+        nis, gain = fusion.update(sample.channels - d, fuse, H, R)
         doubt = self._doubt.behind(moves, gain[None], judged.off_share)
-        self.x, self.P = run.state.judged(self.x, self.P, judged)
-        self._filterpy.x, self._filterpy.P = self.x, self.P
+        fusion.P = run.state.judged(fusion.P, judged)
+        self._unled.update(sample.channels - d, fuse, H, R, moves, judged)
         if judged.apart:
-            self._doubt.unlearn_expansion()
+            fusion.x, fusion.P = self._unled.fusion.x, self._unled.fusion.P
+            self._doubt.become(self._unled.doubt)
+        self._unled.compare(fusion.x, grown_um)
         estimates = Estimates.of_tick(
-            x=self.x,
-            P=self.P,
+            x=fusion.x,
+            P=fusion.P,
             predicted=predicted,
             sd=sd,
             fused=fuse,
@@ -123,7 +142,7 @@ class Filter:
             doubt=doubt.states[0],
             doubt_um=doubt.elongation[0],
         )
-        self._latest = estimates.suspecting(run.state)
+        self._latest = estimates.suspecting(run.state, self._unled.fusion.x[None])
         return self._reporter.track(rows, self._latest).step(0, compared.why(fault, muted))
 
     def _course(self, sample: Sample, before: tuple[Array, Array, Array], grown_um: float) -> Course:
@@ -139,11 +158,23 @@ class Filter:
                 self._transitions.clear()
             self._transitions[regime] = run.state.transition(run.forcing.transition(regime), self.rig.tick_s)
         move = self._transitions[regime]
+        self.fusion.predict(move, heat)
+        self._unled.fusion.predict(move, heat)
+
+
+class Fusion:
+    """An estimate x (size,), P (size, size), carried by filterpy's filter."""
+
+    def __init__(self, x: Array, P: Array) -> None:
+        self.x, self.P = x, P
+
+    def predict(self, move: Transition, heat: Array) -> None:
+        """Over one tick."""
         kf = self._filterpy
         kf.predict(u=heat, B=move.J, F=move.F, Q=move.Q)
         self.x, self.P = kf.x, kf.P
 
-    def _update(self, reading: Array, fuse: Array, H: Array, R: Array) -> tuple[float, Array]:
+    def update(self, reading: Array, fuse: Array, H: Array, R: Array) -> tuple[float, Array]:
         """Fuse the channels that were found good; returns NIS = e' S^-1 e, NaN without channels, and K (size, m)."""
         gain = np.zeros(H.T.shape)
         if not fuse.any():
@@ -154,20 +185,45 @@ class Filter:
         self.x, self.P, gain[:, fuse] = kf.x, kf.P, kf.K
         return float(kf.y @ kf.SI @ kf.y), gain
 
-    @cached_property
+    @property
     def _filterpy(self) -> Any:
-        """filterpy's filter, from the second tick on. Imported late: that takes longer than reading a model."""
+        """filterpy's filter at this estimate."""
+        self._made.x, self._made.P = self.x, self.P
+        return self._made
+
+    @cached_property
+    def _made(self) -> Any:
+        """Made with the second tick. Imported late: that takes longer than reading a model."""
         from filterpy.kalman import KalmanFilter
 
-        kf = KalmanFilter(dim_x=len(self.x), dim_z=len(self.rig.names))
-        kf.x, kf.P = self.x, self.P
-        return kf
+        return KalmanFilter(dim_x=len(self.x), dim_z=1)
 
 
-def seen(sample: Sample, compared: Innovation, alone: Array, muted: Array, moves: Moves, expansion: float) -> Seen:
-    """What the judge is shown of one tick."""
-    reading, value, sd = sample.channels, compared.value, compared.sd
-    return Seen(
-        np.array([sample.time_s]), reading[None], value[None], sd[None], alone[None], muted[None], moves.readings,
-        np.array([expansion]),
-    )  # fmt: skip
+class Unled:
+    """The estimate that hears no length, beside the one that hears all that is well.
+
+    led  how far the other one has been led, as of the last tick
+    """
+
+    def __init__(self, run: Run, doubt: Doubt) -> None:
+        self.fusion, self.doubt, self.led = Fusion(run.x, run.P), doubt, Led.nowhere(1, len(doubt.known.whole))
+        rig = run.forcing.rig
+        self._state, self._heat, self._tick_s = run.state, rig.is_thermometer, rig.tick_s
+
+    def by(self, run: Run) -> None:
+        """Go on by another model of the run."""
+        self.doubt = self.doubt.by(run)
+        self.led = replace(self.led, doubt=np.zeros((1, len(self.doubt.known.whole))))
+
+    def update(self, reading: Array, fuse: Array, H: Array, R: Array, moves: Moves, judged: Judgement) -> None:
+        """Fuse the thermometers among the channels that were found good."""
+        nis, gain = self.fusion.update(reading, fuse & self._heat, H, R)
+        growth = self.doubt.slopes(moves, gain[None])[1]
+        ratio = np.array([nis / max(1, (fuse & self._heat).sum())])
+        self.led = Led(self.led.um, self.led.var, growth, *self.led.worsened(ratio, self._tick_s))
+        self.fusion.P = self._state.judged(self.fusion.P, judged)
+
+    def compare(self, x: Array, grown_um: float) -> None:
+        """With the estimate of the other one."""
+        um, var = self._state.led(np.array([grown_um]), x[None], (self.fusion.x[None], self.fusion.P[None]))
+        self.led = replace(self.led, um=um, var=var)

@@ -199,14 +199,6 @@ class Model:
         known = self.values.get(EXPANSION)
         return known.sd if known and known.sd else rig.expansion_tolerance
 
-    @property
-    def expansion_off(self) -> tuple[float, float]:
-        """How far it may be off, as shares of it: by a fit, where there was one, and on another machine."""
-        if EXPANSION not in self.values:
-            return np.inf, 0.0
-        table = self.param(EXPANSION).sd or np.inf
-        return self.values[EXPANSION].sd or table, table
-
     def moved_by(self, name: str) -> list[str]:
         """The effects whose terms change with the parameters of this one: itself, and those that scale it; all, where
         it sets inputs right."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -29,6 +30,7 @@ class Sample:
               makes another heat in short strokes, whose ends count more
     apart_s  longest time from one reading of the speed to the next, of those that ended in the tick, s; 0: short beside
              a tick, inf: too long to know what was between, NaN: none was read
+    pace     how far the position moved as a share of what the speed says, NaN: it did not turn, or was not read
     """
 
     time_s: float
@@ -39,6 +41,7 @@ class Sample:
     coverage: Array
     unevenness: float = 1.0
     apart_s: float = 0.0
+    pace: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -62,10 +65,11 @@ class Recording:
     notes: tuple[str, ...] = ()
     unevenness: Array = field(default_factory=lambda: np.ones(1))
     apart_s: Array = field(default_factory=lambda: np.zeros(1))
+    pace: Array = field(default_factory=lambda: np.full(1, np.nan))
     began_s: float | None = None
 
     def __post_init__(self) -> None:
-        for name, usual in (("unevenness", 1.0), ("apart_s", 0.0)):
+        for name, usual in (("unevenness", 1.0), ("apart_s", 0.0), ("pace", math.nan)):
             if len(getattr(self, name)) != len(self.time_s):
                 object.__setattr__(self, name, np.full(len(self.time_s), usual))
 
@@ -89,6 +93,7 @@ class Recording:
             coverage=self.coverage[which],
             unevenness=self.unevenness[which],
             apart_s=self.apart_s[which],
+            pace=self.pace[which],
         )
 
     def sample(self, k: int) -> Sample:
@@ -96,7 +101,7 @@ class Recording:
         inputs = {name: float(column[k]) for name, column in self.inputs.items()}
         return Sample(
             float(self.time_s[k]), self.channels[k], self.ages_s[k], inputs, float(self.omega[k]), self.coverage[k],
-            float(self.unevenness[k]), float(self.apart_s[k]),
+            float(self.unevenness[k]), float(self.apart_s[k]), float(self.pace[k]),
         )  # fmt: skip
 
     def __iter__(self) -> Iterator[Sample]:
@@ -118,6 +123,7 @@ def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
         coverage=np.array([s.coverage for s in rows]),
         unevenness=np.array([s.unevenness for s in rows]),
         apart_s=np.array([s.apart_s for s in rows]),
+        pace=np.array([s.pace for s in rows]),
         **about,  # type: ignore[arg-type]
     )
 

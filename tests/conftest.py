@@ -37,6 +37,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Channel, Nut, Rig, Screw, Signal
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.state import report
 from estimator.state.open_loop import OpenLoop
 from estimator.state.prior import BODY_SD_K
 from estimator.step import Step, Track
@@ -93,6 +94,12 @@ def paper() -> tuple[Rig, Model]:
 def no_other_machine(monkeypatch) -> None:
     """The machine is the model's for sure: nothing is off by more than its parameters' sd."""
     monkeypatch.setattr(machine, "ANOTHER", 1e-12)
+
+
+@pytest.fixture
+def no_lies(monkeypatch) -> None:
+    """Lengths are right for sure: what they lead the estimate by is no doubt."""
+    monkeypatch.setattr(report, "LENGTHS_LIE", 0.0)
 
 
 @pytest.fixture(scope="session")

@@ -15,16 +15,18 @@ from drivers.frames import Array, Index, Tally
 from estimator.rig import Rig, Screw
 
 AT_ONCE = 1024  # ticks, of which every sum over the cells takes 2 MB
+SOME, TOLD = 3, 0.7  # stretches of a tick that tell of a motion; of them those over which the position has moved
 _STANDS = 1e-3  # cells: a shorter way is a stand
 
 
 class Drive(NamedTuple):
-    """Of each tick, as in Recording: (rows,) rad/s, (rows, cells), (rows,), (rows,) s."""
+    """Of each tick, as in Recording: (rows,) rad/s, (rows, cells), (rows,), (rows,) s, (rows,)."""
 
     omega: Array
     coverage: Array
     unevenness: Array
     apart_s: Array
+    pace: Array
 
 
 class DriveCondenser:
@@ -47,7 +49,7 @@ class DriveCondenser:
         """
         cover = np.zeros((rows, self.screw.cells if self.screw else 0))
         if not self.turns:
-            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows))
+            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), np.full(rows, np.nan))
         columns = zip(self._last, (now, position, speed), strict=True)
         now, position, speed = (np.concatenate(([last], column)) for last, column in columns)
         row = np.concatenate(([self._row], row))
@@ -64,12 +66,25 @@ class DriveCondenser:
         time, angle, squares = (np.bincount(into, amount, rows) for amount in (passed, turned, squared))
         omega = np.divide(angle, time, out=np.abs(speed[latest]), where=time > 0)
         uneven = np.divide(squares * time, angle**2, out=np.ones(rows), where=angle > 0)
+        pace = self._pace(position, speed, joined, turned, into, rows)
         if self.nut:
             weight = np.where(angle[into] > 0, turned, passed)
             cover = self._cover(position, joined, weight, into, latest)
         omega[silent] = cover[silent] = np.nan
         self._last, self._row = (float(now[-1]), float(position[-1]), float(speed[-1])), int(row[-1]) - rows
-        return Drive(omega, cover, uneven, apart)
+        return Drive(omega, cover, uneven, apart, pace)
+
+    def _pace(self, position: Array, speed: Array, joined: Index, turned: Array, row: Index, rows: int) -> Array:
+        """How far the position moves as a share of what the speed says, where that does not turn, (rows,).
+
+        NaN where the position is told more seldom than the speed: then it may have turned between two.
+        """
+        moved = np.abs(position[joined + 1] - position[joined])
+        known = np.isfinite(moved) & (speed[joined] * speed[joined + 1] > 0)
+        lead = self.screw.lead_mm / (2 * np.pi) if self.screw else np.nan
+        way, path = (np.bincount(row[known], amount[known], rows) for amount in (moved, lead * turned))
+        told, of = (np.bincount(row[some], minlength=rows) for some in (known & (moved > 0), known))
+        return np.divide(way, path, out=np.full(rows, np.nan), where=(path > 0) & (of >= SOME) & (told > TOLD * of))
 
     def _cover(self, position: Array, joined: Index, weight: Array, row: Index, latest: Index) -> Array:
         """Cover of the cells by the nut, on its way between frames; where it has no way, where the latest one was."""

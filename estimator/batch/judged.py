@@ -1,20 +1,22 @@
 """The filter over a whole recording, with the judge that the online filter has: which readings to fuse is found as it
 goes. Ticks are filtered a stretch at a time, as if nothing happened to any channel; what the judge has not to say
-anything of stays."""
+anything of stays. Beside it goes one that hears no length."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from estimator.batch import batch
 from estimator.batch.ahead import Ahead
 from estimator.batch.system import Chunk, System
-from estimator.faults.fault import Fault, Judgement, Seen
+from estimator.faults.fault import Fault, Judgement, Led, Seen
 from estimator.faults.judge import Judge
 from estimator.record import Array
+from estimator.rig import Rig
+from estimator.state.doubt import Doubt
 from estimator.state.moves import Moves
 from estimator.state.state import State
 
@@ -26,6 +28,7 @@ class Readings:
     """What a judge needs beside the filter: time (T,); of channels, (T, m): reading, by the model alone, muted.
 
     ahead  how the latter move with what the model's parameters may be off by
+    astray  (T,) whether heat is in the wrong place
     """
 
     time_s: Array
@@ -33,12 +36,12 @@ class Readings:
     alone: Array
     muted: Array
     ahead: Ahead
+    astray: Array
 
-    def seen(self, system: System, chunk: Chunk, moves: Moves, before: Array) -> Seen:
-        """A chunk's ticks as the judge is shown them, after the state before."""
+    def seen(self, system: System, chunk: Chunk, moves: Moves, led: Led) -> Seen:
+        """A chunk's ticks as the judge is shown them."""
         at = chunk.ticks
         value = system.y[at] - chunk.predicted
-        expansion = np.append(before[system.column], chunk.x[:-1, system.column])
         return Seen(
             self.time_s[at],
             self.reading[at],
@@ -47,33 +50,82 @@ class Readings:
             self.alone[at],
             self.muted[at],
             moves.readings,
-            expansion,
+            led,
+            self.astray[at],
         )
 
 
 @dataclass(frozen=True)
 class Judged:
-    """Some ticks, filtered and judged; with `anew` the run begins again with the last of them."""
+    """Some ticks, filtered and judged; with `anew` the run begins again with the last of them.
+
+    after  x, P after the last, as judged;   unled  x (K, size) of the filter that hears no length
+    doubt  of that filter
+    """
 
     chunk: Chunk
     judgement: Judgement
     moves: Moves
+    after: tuple[Array, Array]
+    unled: Array
+    doubt: Doubt
 
 
-def judged(system: System, readings: Readings, judge: Judge, state: State) -> Iterator[Judged]:
+class Unled:
+    """The filter that hears no length, some ticks at a time; where there is none to hear, the other one is asked."""
+
+    def __init__(self, system: System, state: State, doubt: Doubt, rig: Rig) -> None:
+        heat, self._tick_s = rig.is_thermometer, rig.tick_s
+        self._system, self._state, self._heat, self.doubt = system, state, heat, doubt.beside()
+        self.last = system.x0, system.P0
+        self._any = bool(system.data.use[:, ~heat].any())
+        self._led = Led.nowhere(1, len(doubt.known.whole))
+        self._found: tuple[Chunk, Doubt, Led] | None = None
+
+    def led(self, chunk: Chunk, moves: Moves) -> Led:
+        """How far lengths have led the other filter, at the tick before each."""
+        if not self._any:
+            return Led.nowhere(len(chunk.x), self._led.doubt.shape[1])
+        system, doubt = self._system, self.doubt.beside()
+        own = batch.filtered(system, chunk.ticks, chunk.fused & self._heat, self.last)
+        growth = doubt.slopes(moves, gains(system, own))[1]
+        um, var = self._state.led(system.grown[chunk.ticks], chunk.x, (own.x, own.P))
+        led = Led(um, var, growth, *self._led.worsened(own.nis / own.fused.sum(axis=1).clip(1), self._tick_s))
+        self._found = own, doubt, led
+        return led.later(self._led)
+
+    def take(self, chunk: Chunk, judgement: Judgement, moves: Moves, after: tuple[Array, Array]) -> Array:
+        """The ticks as they have been judged; its own x, (K, size)."""
+        if self._found is None:
+            self.last = after
+            return chunk.x
+        if not np.array_equal(self._found[0].fused, chunk.fused & self._heat):
+            self.led(chunk, moves)
+        own, self.doubt, led = self._found
+        self.last = own.x[-1], self._state.judged(own.P[-1], judgement)
+        at = slice(chunk.ticks.stop - 1, chunk.ticks.stop)
+        x = self.last[0] if judgement.apart else after[0]
+        um, var = self._state.led(self._system.grown[at], x[None], (own.x[-1:], self.last[1][None]))
+        self._led = replace(led[-1:], um=um, var=var)
+        return own.x
+
+
+def judged(system: System, readings: Readings, judge: Judge, state: State, unled: Unled) -> Iterator[Judged]:
     """All ticks of a system, some at a time, up to one with which the run begins anew."""
     start, at, length = (system.x0, system.P0), 0, LONGEST
     while at < len(system.y):
         ticks = slice(at, min(at + length, len(system.y)))
         chunk = batch.filtered(system, ticks, system.data.use[ticks] & judge.well, start)
         moves = readings.ahead.rows(ticks)
-        judgement = judge.judge(readings.seen(system, chunk, moves, start[0]))
+        judgement = judge.judge(readings.seen(system, chunk, moves, unled.led(chunk, moves)))
         K = len(judgement.fault)
-        chunk = _as_judged(system, chunk.rows(slice(0, K)), judgement, start)
-        yield Judged(chunk, judgement, moves.rows(slice(0, K)))
+        chunk, moves = _as_judged(system, chunk.rows(slice(0, K)), judgement, start), moves.rows(slice(0, K))
+        start = chunk.x[-1], state.judged(chunk.P[-1], judgement)
+        x = unled.take(chunk, judgement, moves, start)
+        start = unled.last if judgement.apart else start
+        yield Judged(chunk, judgement, moves, start, x, unled.doubt)
         if judgement.anew:
             return
-        start = state.judged(*chunk.last, judgement)
         length = min(2 * length, LONGEST) if ticks.stop - at == K else max(SHORTEST, K)
         at += K
 
@@ -86,3 +138,11 @@ def _as_judged(system: System, chunk: Chunk, judgement: Judgement, start: tuple[
         return chunk
     before = (chunk.x[-2], chunk.P[-2]) if len(chunk.x) > 1 else start
     return chunk.with_last(batch.filtered(system, slice(last, last + 1), use[None], before))
+
+
+def gains(system: System, chunk: Chunk) -> Array:
+    """What the filter has updated with, (K, size, m); it follows from what was found: K = P H' R^-1."""
+    at = chunk.ticks
+    PH = chunk.P @ system.H.T + chunk.P[:, :, system.column, None] * (system.grown[at, None, None] * system.spans)
+    inverse = np.divide(1.0, system.R[at], out=np.zeros_like(system.R[at]), where=chunk.fused)
+    return np.asarray(PH * inverse[:, None, :])

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.batch import batch
-from estimator.batch.judged import Judged
+from estimator.batch.judged import Judged, gains
 from estimator.batch.system import Chunk
 from estimator.batch.trial import Posed, Trial
 from estimator.faults.fault import Fault
@@ -135,7 +135,7 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
         doubtful = _doubtful(posed, chunk.rows(some), part.moves.rows(some), doubt, judgement.off_share[some])
         x, P = chunk.x[some].copy(), chunk.P[some].copy()
         if at.stop == chunk.ticks.stop:
-            x[-1], P[-1] = posed.state.judged(x[-1], P[-1], judgement)
+            x[-1], P[-1] = part.after
         estimates = Estimates(
             x=x,
             P=P,
@@ -154,19 +154,11 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
             doubt=doubtful.states,
             doubt_um=doubtful.elongation,
         )
-        yield at, estimates.suspecting(posed.state)
+        yield at, estimates.suspecting(posed.state, part.unled[some])
     if judgement.apart:
-        doubt.unlearn_expansion()
+        doubt.become(part.doubt)
 
 
 def _doubtful(posed: Posed, chunk: Chunk, moves: Moves, doubt: Doubt, off_share: Array) -> Doubtful:
     """What some ticks are off by, next in order of time."""
-    return doubt.behind(moves, gains(posed, chunk), off_share)
-
-
-def gains(posed: Posed, chunk: Chunk) -> Array:
-    """What the filter has updated with, (K, size, m); it follows from what was found: K = P H' R^-1."""
-    at, system = chunk.ticks, posed.system
-    PH = chunk.P @ system.H.T + chunk.P[:, :, system.column, None] * (system.grown[at, None, None] * system.spans)
-    inverse = np.divide(1.0, system.R[at], out=np.zeros_like(system.R[at]), where=chunk.fused)
-    return np.asarray(PH * inverse[:, None, :])
+    return doubt.behind(moves, gains(posed.system, chunk), off_share)

@@ -10,13 +10,14 @@ import numpy as np
 
 from estimator.batch import batch
 from estimator.batch.ahead import Ahead
-from estimator.batch.judged import Judged, Readings, judged
+from estimator.batch.judged import Judged, Readings, Unled, judged
 from estimator.batch.kernels import carried, followed
 from estimator.batch.nominal import Nominal, nominal
 from estimator.batch.system import System
 from estimator.errors import InputError
 from estimator.faults.fault import Fault
 from estimator.faults.neighbours import may_be_heat
+from estimator.faults.travel import astray as astray_of
 from estimator.faults.use import Told, Use, use_of
 from estimator.model import Model
 from estimator.network.forcing import Forcing
@@ -226,8 +227,10 @@ class Trial:
         `doubt` is carried ahead of the filter; whoever needs it behind it has to do that part after part.
         """
         alone = posed.run.lagged + posed.offset[1:]
-        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, self.ahead(posed, doubt))
-        return judged(posed.system, readings, self.run.judge(doubt.known), posed.state)
+        astray = astray_of(self.recording, self.rig)[self.begin :]
+        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, self.ahead(posed, doubt), astray)
+        unled = Unled(posed.system, posed.state, doubt, self.rig)
+        return judged(posed.system, readings, self.run.judge(doubt.known), posed.state, unled)
 
     def loglike(self, model: Model) -> float:
         """Log-likelihood of the readings after the first sample, given that one."""

@@ -12,6 +12,8 @@ from estimator.record import Array
 POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
 
 
+MINUTE_S, FORGOTTEN_S = 60.0, 1000.0  # of the thermometers' innovations
+
 MAY_DRIFT = "may drift"  # of a channel that is fused
 
 
@@ -54,6 +56,52 @@ SAID = {
 
 
 @dataclass(frozen=True)
+class Led:
+    """K ticks: how far lengths have led the elongation from what thermometers alone say, and how well these know it.
+
+    um     (K,)
+    var    (K,) um^2, of the elongation by thermometers alone;   doubt (K, p) um, how that moves with each parameter
+    minute (K,) square of the thermometers' innovations, as a share of what it should be, the mean of a minute
+    worse  (K,) how many times as large as they should be they have been, at least 1, forgotten in a quarter of an hour
+    """
+
+    um: Array
+    var: Array
+    doubt: Array
+    minute: Array
+    worse: Array
+
+    def __getitem__(self, some: slice) -> Led:
+        """Some of the ticks."""
+        return Led(*(getattr(self, field.name)[some] for field in fields(self)))
+
+    def __len__(self) -> int:
+        return len(self.um)
+
+    def worsened(self, nis: Array, tick_s: float) -> tuple[Array, Array]:
+        """`minute` and `worse` of ticks after these, by the square of a thermometer's innovation, (K,)."""
+        gain, kept = 1.0 - np.exp(-tick_s / MINUTE_S), np.exp(-tick_s / FORGOTTEN_S)
+        mean, worse, found = float(self.minute[-1]), float(self.worse[-1]), []
+        for now in nis.tolist():
+            mean += gain * (now - mean) if now == now else 0.0
+            worse = max(1.0, mean**0.5, kept * worse)
+            found.append((mean, worse))
+        minute, times = np.array(found).T
+        return minute, times
+
+    @classmethod
+    def nowhere(cls, ticks: int, p: int) -> Led:
+        """Nothing has been led yet, or there is no length."""
+        none, usual = np.zeros(ticks), np.ones(ticks)
+        return cls(none, none, np.zeros((ticks, p)), usual, usual)
+
+    def later(self, before: Led) -> Led:
+        """Of ticks after these, the tick before each, which `before` is of the first: (K,)."""
+        pairs = (np.concatenate([getattr(one, field.name) for one in (before, self)]) for field in fields(self))
+        return Led(*(pair[: len(self)] for pair in pairs))
+
+
+@dataclass(frozen=True)
 class Seen:
     """K ticks of m channels, in K or um, before anything of them is fused.
 
@@ -63,7 +111,8 @@ class Seen:
     alone    (K, m) reading by the model alone
     muted    (K, m) bool
     doubt    (K, m, p) how the model alone moves with each of its parameters that are in doubt
-    expansion  (K,) by which share the screw would have to expand more than the model says
+    led        of the tick before each
+    astray     (K,) bool, whether heat is in the wrong place: neither neighbours nor lengths tell of each other
     """
 
     time_s: Array
@@ -73,7 +122,8 @@ class Seen:
     alone: Array
     muted: Array
     doubt: Array
-    expansion: Array
+    led: Led
+    astray: Array
 
     def first(self, ticks: int) -> Seen:
         """The first of the ticks."""
@@ -90,7 +140,7 @@ class Judgement:
     jump     (m,) by how much channels jumped whose zero is now another one; None: none did
     drift    (m,) by how much channels had drifted that were fused up to now; None: none had
     loose    (m,) by how much more channels may have drifted that go on being fused; None: none by more than was said
-    apart    whether lengths are left out from now on, and what they said of the expansion is forgotten
+    apart    whether lengths are left out from now on, and all that they have said is forgotten
     anew     whether the run has to begin again with the last tick: what it began with were no temperatures
     """
 

@@ -2,8 +2,8 @@
 
 A thermometer that leaves the model alone is held, and after ten seconds it is left out for a fault of its own; where
 most leave together, the telemeter has other zeros, or the run began with what were no temperatures. A length has no
-neighbours: where it jumps it has another zero, and where it departs slowly the model is wrong, and it is believed, as
-long as a screw may expand as it and the thermometers say together.
+neighbours: where it jumps it has another zero, and where it departs slowly the model is wrong, and it is believed,
+until it has led the estimate further from what thermometers alone say than these and the model allow.
 What is broken goes on being compared, and is taken back when it has been well for long enough. What only may drift is
 said, and fused with a zero that is not known by as much: the estimate does not go along any further.
 """
@@ -95,7 +95,7 @@ class Judge:
         self._begun_with = self._begun_with & ~self._jumps.known
         self._silent = self._silence(seen.value)[last]
         self._forget(jump)
-        if drift is not None:
+        if drift is not None or apart:
             self._jumps.forget(self._heat)  # the estimate goes back to where it would be without
         fault[last], since_s[last], may_drift_K[last] = self.fault, self._said_since_s, self._neighbours.may_drift_K
         if jump is not None:
@@ -105,7 +105,7 @@ class Judge:
         )
 
     def _leave_lengths(self, tick: Tick) -> bool:
-        """Lengths are broken that say that the screw expands as none does; whether there are any that were not yet."""
+        """Lengths are broken that have led the estimate too far; whether there are any that were not yet."""
         which = self._modelled & ~self._heat & (self.fault <= Fault.JUDGED)
         for i in np.flatnonzero(which).tolist():
             self._set(i, Fault.APART, tick)

@@ -23,6 +23,7 @@ MOVED_S = 16.0  # and over which the model alone is looked back upon
 LENGTHS = 4  # readings over which that of a length is: one comes with each stroke
 SCATTERS, SHARE = 6.5, 0.27
 SUDDEN = 0.7  # of the limit, from the last reading that was well: less is no jump, but a model that is wrong
+ASTRAY = 3.0  # times the limit, while heat is in the wrong place
 OUTLYING = 3.0  # a scatter so many times that of the median thermometer is no scatter any more
 MEANS = [0, 1, 4, 6]  # of what is known of a channel: level, scatter^2, sd, mean of the model alone
 UNKNOWN_SD = 10.0  # the limit where no level is known; and after a gap, in which the model may have gone astray
@@ -73,6 +74,7 @@ class Jumps:
             UNKNOWN_SD * seen.sd,
         )
         limit = np.where(self._heat & (read == 0.0), np.maximum(limit, UNKNOWN_SD * seen.sd), limit)
+        limit = np.where(seen.astray[:, None], ASTRAY * limit, limit)
         value = seen.value - np.where(known, level, 0.0)
         sudden = np.isnan(last) | (np.abs(seen.value - last) > SUDDEN * limit)
         return Deviations(value, limit, (np.abs(value) > limit) & sudden, count, trail[1:])

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.faults.fault import Seen
+from estimator.faults.fault import Led, Seen
 from estimator.record import Array
 
 SHARES = np.array([0.0, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2])
@@ -29,24 +29,28 @@ RENEWED_S, LEFT = 36000.0, 1e-3  # then parameters may have become others; least
 DETAILS = {True: 0.03, False: 0.2}  # K of a thermometer, um of a length
 OUTLYING = 3.0  # sd, from which on the worst thermometer is not heard
 YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each block; how often an older one is
-EXPANSION_SDS = 7.0  # of the expansion's own; three at most on machines 1 - 6 and by models that are 20 % off
+LED_SDS, LED_UM = 5.0, 0.4  # of the elongation by thermometers alone; 3.6 at most on machines 0 - 14
 LEAST = 0.005  # a smaller share makes no difference
 
 
 @dataclass(frozen=True)
 class Known:
     """How well p parameters are known: root root' the covariance (p, p) of their errors; whole (p,) what each of them
-    is, or how wide its table is, whichever is more; 0: it is no other on another machine. Of the expansion coefficient,
-    which is estimated, both as shares of it; inf: nothing is known."""
+    is, or how wide its table is, whichever is more; 0: it is no other on another machine."""
 
     root: Array
     whole: Array
-    expansion_sd: float = np.inf
-    expansion_whole: float = 0.0
 
-    def apart(self, expansion: float, share: float) -> bool:
-        """Whether no such screw expands by that much more than the model says, where parameters are off by a share."""
-        return bool(abs(expansion) > EXPANSION_SDS * np.hypot(self.expansion_sd, share * self.expansion_whole))
+    def apart(self, led: Led, share: float) -> Array:
+        """Whether lengths have led further than thermometers allow, (K,), where parameters are off by a share.
+
+        Never by a model of which nothing says how good it is.
+        """
+        if not self.whole.any():
+            return np.zeros(len(led), dtype=bool)
+        doubt = self.doubtful(led.doubt, np.full(len(led), share))
+        sd_um = led.worse * np.sqrt(led.var + (doubt**2).sum(axis=1))
+        return np.abs(led.um) > np.maximum(LED_SDS * sd_um, LED_UM)
 
     def doubtful(self, moved: Array, share: Array) -> Array:
         """What moves with parameters by `moved` (K, ..., p) is off by, where they are off by shares (K,) of themselves.

@@ -65,7 +65,7 @@ class Neighbours:
         self._failed, self._times, self.departed_K = -1, 0, 0.0
         self.may_drift_K, self.since_s, self._blocks = np.zeros(m), np.full(m, np.nan), 0
         self._before: dict[int, Means] = {}  # those began to depart that are suspected
-        self._block = Block()
+        self._block, self._astray = Block(), False
 
     def add(self, seen: Seen, used: Array) -> Added:
         """Take ticks up to the first at which a channel is found to drift, or may drift, or no longer, or lengths part.
@@ -76,20 +76,23 @@ class Neighbours:
         asked, share = used & self._heat, np.empty(K)
         while k < K:
             some = slice(k, min(k + self._length - block.ticks, K))
+            gone = self._windows.known.apart(seen.led[some], self._machine.share) & ~seen.astray[some]
+            apart = bool(gone.any())
+            some = slice(k, k + int(np.argmax(gone)) + 1) if apart else some
             block.difference += np.where(asked[some], seen.reading[some] - seen.alone[some], np.nan).sum(axis=0)
             block.alone += seen.alone[some].sum(axis=0)
             block.doubt += seen.doubt[some].sum(axis=0)
             self._machine.hear(seen, some, used[some])
+            self._astray |= bool(seen.astray[some].any())
             share[some] = self._machine.share
             block.ticks, k = block.ticks + some.stop - some.start, some.stop
+            found, before = None, self.may_drift_K.copy()
             if block.ticks == self._length:
-                before = self.may_drift_K.copy()
                 found = self._close(block, float(seen.time_s[k - 1]))
                 share[k - 1] = self._machine.share
-                apart = self._windows.known.apart(float(seen.expansion[k - 1]), share[k - 1])
-                if found is not None or apart or not np.array_equal(before, self.may_drift_K):
-                    return Added(k, found, share[:k], apart)
                 block = self._block
+            if found is not None or apart or not np.array_equal(before, self.may_drift_K):
+                return Added(k, found, share[:k], apart)
         return Added(K, None, share)
 
     def forget(self, i: int) -> None:
@@ -116,6 +119,10 @@ class Neighbours:
         """The end of a block: which channel has failed often enough."""
         self._machine.block(block.ticks)
         self._windows.share = self._machine.share
+        if self._astray:
+            self._astray = False
+            self.forget_all(self._windows.known)
+            return None
         alone = np.asarray(block.alone / block.ticks)
         self._rough_K = self._rough_K + self._windows.rough(alone - self._alone)
         self._last.append((np.asarray(block.difference / block.ticks), np.asarray(block.doubt / block.ticks)))

@@ -36,7 +36,7 @@ class Recovery:
         if now_s - self._back_s[i] > FORGIVEN * self._patience_s[i]:
             self._patience_s[i] = WELL_S
         self._state[:, i] = np.nan, deviation
-        least = DRIFT_WELL_S if fault == Fault.DRIFTING else WELL_S
+        least = DRIFT_WELL_S if fault in (Fault.DRIFTING, Fault.APART) else WELL_S
         self._patience_s[i] = min(max(self._patience_s[i], least), LONGEST_S)
 
     def compare(self, time_s: Array, jumps: Deviations, repeats: Array, fault: Array) -> Progress:

@@ -6,6 +6,10 @@
 A table that turns back within a tick moves less: a jump that is shorter than the path of a tick is not seen. Where a
 drive begins or ends the mean speed of the tick hangs on when in it that was: on a fast bus nobody knows.
 
+    pace  how far the position moves as a share of what the speed says, by stretches in which that does not turn: 1
+
+A position in inches, a speed in another scale are told by it within seconds, however often the table turns.
+
 Where speeds are as far apart as ticks, or further, the axis can have started, stopped or turned between two of them:
 
     path  fastest speed read so far x time between the two x lead
@@ -17,18 +21,22 @@ one move between two: which of both, nobody can say.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator
 
 import numpy as np
 
-from estimator.record import Recording, Sample
+from estimator.record import Array, Recording, Sample
 from estimator.rig import RAD_S, Rig
 
 SLACK_MM, SLACK = 5.0, 0.1  # of the path: both are read at slightly other times
 STANDS_MM = 1e-3  # less is no motion
 IN_A_ROW = 3  # ticks
 LONG = 10  # readings
-FEW = 20  # ticks that turn, whose speeds do not tell how fast the axis is
+FEW = 20  # ticks that turn, whose speeds do not tell how fast the axis is; rows in each of which it moves unseen
+PACED, PACE = 5, 0.85  # ticks that turn, over which the pace is looked at; least of it, and of one over it
+UNSIGNED = 0.5  # the same where the speed has no sign
+HEAT_S = 7200.0  # for which heat in a wrong place is felt
 QUICK = 0.5  # ticks: further apart, speeds do not tell how far the table moves between two
 
 
@@ -40,6 +48,15 @@ def disagreements(recording: Recording, rig: Rig) -> Iterator[tuple[float, str]]
         if travel.why and travel.why != before:
             yield sample.time_s, travel.why
         before = travel.why
+
+
+def astray(recording: Recording, rig: Rig) -> Array:
+    """At which ticks heat is in the wrong place, (K,) bool."""
+    travel, found = Travel(rig), np.zeros(len(recording), dtype=bool)
+    for k, sample in enumerate(recording):
+        travel.step(sample)
+        found[k] = travel.astray
+    return found
 
 
 def too_slow(recording: Recording, rig: Rig) -> str:
@@ -67,7 +84,9 @@ class Travel:
         self._rad_s, self._tick_s = RAD_S[rig.inputs["speed"].unit] if self._given else np.nan, rig.tick_s
         self._last, self._before, self._offset, self._slips, self._stands = np.nan, 0.0, 0.0, 0, 0
         self._fastest, self._turned, self._apart_s = 0.0, 0, np.inf
-        self._stood, self._unseen = 0, 0.0
+        self._stood, self._unseen, self._moves = 0, 0.0, 0
+        self._paces, self._pace, self._signed = deque[float](maxlen=PACED), 0.0, False
+        self._wrong_s, self._now_s = -np.inf, 0.0
 
     @property
     def why(self) -> str:
@@ -76,13 +95,33 @@ class Travel:
             return "the position moves further than the speed says"
         if self._stands >= IN_A_ROW:
             return "the position stands still though the speed says that the screw turns"
+        if self._moves >= FEW:
+            return "the position moves though the speed says that the screw stands"
+        if self._pace:
+            return (
+                f"the position moves {self._pace:.2g} times as far as the speed says: check units, scales and lead_mm"
+            )
         if self._offset:
             return f"the position jumped by {self._offset:+.1f} mm"
         unseen = self._unseen and self._stood >= IN_A_ROW
         return f"the position moved by {self._unseen:+.1f} mm though the screw stood at every reading" if unseen else ""
 
+    @property
+    def astray(self) -> bool:
+        """Whether heat is in the wrong place, or was within the last hours."""
+        return self._now_s - self._wrong_s < HEAT_S
+
     def step(self, sample: Sample) -> None:
         """One tick."""
+        self._follow(sample)
+        self._now_s = sample.time_s
+        if self.why:
+            self._wrong_s = sample.time_s
+
+    def _follow(self, sample: Sample) -> None:
+        """What position and speed say."""
+        if np.isfinite(sample.pace) and sample.apart_s < QUICK / 2 * self._tick_s:
+            self._keep_pace(sample)
         if not self._given or np.isnan(sample.apart_s):
             return
         place = sample.inputs["position"]
@@ -102,6 +141,14 @@ class Travel:
             self._offset = offset if abs(offset) > most else 0.0
         self._stands = self._stands + 1 if path > SLACK_MM and abs(moved) < STANDS_MM else 0
 
+    def _keep_pace(self, sample: Sample) -> None:
+        """A speed without a sign hides where the table turns, and that it moved less then."""
+        self._signed |= sample.inputs["speed"] < 0.0
+        self._paces.append(sample.pace)
+        pace = float(np.median(self._paces)) if len(self._paces) == PACED else 1.0
+        wrong = not (PACE if self._signed else UNSIGNED) < pace < 1.0 / PACE
+        self._pace = (self._pace or pace) if wrong else 0.0
+
     def _learn(self, sample: Sample, turned: bool) -> None:
         """How fast the axis has been, and how often its speed is read while it turns."""
         self._fastest = np.fmax(self._fastest, abs(self._rad_s * sample.inputs["speed"]))
@@ -110,6 +157,7 @@ class Travel:
 
     def _rest(self, moved: float, turns: bool) -> None:
         """How long the table has stood, and how far it moved in one step between two such times, mm."""
+        self._moves = self._moves + 1 if not turns and abs(moved) > SLACK_MM else 0
         if turns:
             self._stood, self._unseen = 0, 0.0
         elif abs(moved) <= SLACK_MM:

@@ -14,6 +14,7 @@ Estimates do not change by it: their uncertainty does.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -51,7 +52,7 @@ class Doubt:
         self._own = OwnErrors(readings, readings.rows @ self._start, run.forcing.rig.tick_s)
         self._paths, no_other = doubts.paths, np.zeros_like(self._own.sd)
         together = scipy.linalg.block_diag(root(doubts.covariance), np.diag(self._own.sd))
-        self.known = Known(together, np.append(doubts.whole, no_other), *run.forcing.model.expansion_off)
+        self.known = Known(together, np.append(doubts.whole, no_other))
         first = np.zeros(len(run.offset))
         m, n, size = len(first), run.state.n, run.state.size
         found = [moved.readings(run, run.offset, first) or ReadingsTangent.none(m, n, size) for moved in self._moved]
@@ -107,9 +108,13 @@ class Doubt:
         S[:, state.temperatures, :q] += moves.states
         return S, growth
 
-    def unlearn_expansion(self) -> None:
-        """The filter has forgotten what it had learnt of the expansion."""
-        self._S[self._run.state.expansion] = 0.0
+    def beside(self) -> Doubt:
+        """The same behind another filter of the run, from where this one is."""
+        return copy.copy(self)
+
+    def become(self, other: Doubt) -> None:
+        """Go on behind that other filter."""
+        self._S = other._S
 
     @property
     def paths(self) -> tuple[str, ...]:

@@ -14,6 +14,8 @@ from estimator.state.state import State
 from estimator.state.view import BedGrowth, Mounting
 from estimator.step import Mode, TableErrors, Track
 
+LENGTHS_LIE = 0.25  # of how far they lead the estimate from what thermometers alone say: what that is in doubt by
+
 
 @dataclass(frozen=True)
 class Estimates:
@@ -54,11 +56,15 @@ class Estimates:
         """One tick, its fields without the leading axis, as the online filter has it."""
         return cls(**{name: np.asarray(value)[None] for name, value in tick.items()})
 
-    def suspecting(self, state: State) -> Estimates:
-        """The same, in doubt also by what it would be off by if what may drift did."""
-        led = state.led(self.P, self.may_drift_K)
-        led_um = np.einsum("ks,ksq->kq", state.elongation(self.grown_um), led)
-        doubt, doubt_um = np.concatenate([self.doubt, led], axis=2), np.hstack([self.doubt_um, led_um])
+    def suspecting(self, state: State, unled: Array) -> Estimates:
+        """The same, in doubt also by what it would be off by if what may drift did, and if lengths lied.
+
+        unled  (K, size) the estimates by thermometers alone
+        """
+        lies = LENGTHS_LIE * (self.x - unled)[:, :, None]
+        astray = np.concatenate([state.astray(self.P, self.may_drift_K), lies], axis=2)
+        astray_um = np.einsum("ks,ksq->kq", state.elongation(self.grown_um), astray)
+        doubt, doubt_um = np.concatenate([self.doubt, astray], axis=2), np.hstack([self.doubt_um, astray_um])
         return replace(self, doubt=doubt, doubt_um=doubt_um)
 
 

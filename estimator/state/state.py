@@ -102,7 +102,7 @@ class State:
             loose[place, place] += jump[i] ** 2
         return loose
 
-    def led(self, P: Array, drift: Array) -> Array:
+    def astray(self, P: Array, drift: Array) -> Array:
         """How far channels that have drifted by so much, (K, m), lead estimates astray, P (K, size, size).
 
         P h / (h P h') drift, the change of the estimate by which the channel would read that much more: a column for
@@ -114,23 +114,23 @@ class State:
         return np.asarray(Ph * (drift[:, which] / (h * Ph).sum(axis=1))[:, None])
 
     def misled(self, P: Array, drift: Array) -> Array:
-        """P when channels that were fused turn out to have drifted by so much, (m,): P + v v', v as they have led."""
-        led = self.led(P[None], drift[None])[0]
-        return np.asarray(P + led @ led.T)
+        """P when channels that were fused turn out to have drifted by so much, (m,): P + v v', v how they led it."""
+        v = self.astray(P[None], drift[None])[0]
+        return np.asarray(P + v @ v.T)
 
-    def unlearnt(self, x: Array, P: Array) -> tuple[Array, Array]:
-        """x and P when what was learnt of the expansion was wrong: the model's again, and as well known."""
-        x, P, at = x.copy(), P.copy(), self.expansion
-        x[at], P[at], P[:, at] = 0.0, 0.0, 0.0
-        P[at, at] = self._variance[-1]
-        return x, P
+    def led(self, grown_um: Array, x: Array, unled: tuple[Array, Array]) -> tuple[Array, Array]:
+        """How far lengths have led estimates x (K, size) from those without, x and P (K, size, size), um, and the
+        variance of the latter, um^2."""
+        weights = self.elongation(grown_um)
+        weights[:, self.start] = 0.0
+        um = (weights * (x - unled[0])).sum(axis=1)
+        return um, np.einsum("ks,kst,kt->k", weights, unled[1], weights)
 
-    def judged(self, x: Array, P: Array, judgement: Judgement) -> tuple[Array, Array]:
-        """x and P after what a tick's judgement says of readings that were fused before, or will be."""
+    def judged(self, P: Array, judgement: Judgement) -> Array:
+        """P after what a tick's judgement says of readings that were fused before, or will be."""
         P = P if judgement.jump is None else self.jumped(P, judgement.jump)
         P = P if judgement.loose is None else self.jumped(P, judgement.loose)
-        P = P if judgement.drift is None else self.misled(P, judgement.drift)
-        return self.unlearnt(x, P) if judgement.apart else (x, P)
+        return P if judgement.drift is None else self.misled(P, judgement.drift)
 
     def transition(self, z: Transition, dt: float) -> Transition:
         """F (size, size), J (size, n), Q (size, size) of the full state."""

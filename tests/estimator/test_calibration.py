@@ -56,6 +56,7 @@ def known_to(rig, tolerance: float):
     return replace(rig, screw=replace(rig.screw, expansion_tolerance=tolerance))
 
 
+@pytest.mark.usefixtures("no_lies")
 @pytest.mark.parametrize("tolerance", [0.0, 0.1])
 def test_elongation_is_inside_two_sigma_as_often_as_it_should_after_the_fact_too(tolerance, small, exact, driven, live):
     """80 runs; after the fact of three ticks each: 228 of 240 are expected inside, with an sd of 3.4 if they were
@@ -66,7 +67,7 @@ def test_elongation_is_inside_two_sigma_as_often_as_it_should_after_the_fact_too
     assert smooth.std() == pytest.approx(1, abs=0.15)
 
 
-@pytest.mark.usefixtures("no_other_machine")
+@pytest.mark.usefixtures("no_other_machine", "no_lies")
 def test_with_parameters_and_gains_that_are_off_it_is_inside_two_sigma_as_often_as_it_should(
     small, exact, driven, live
 ):
@@ -88,6 +89,7 @@ def test_with_parameters_and_gains_that_are_off_it_is_inside_two_sigma_as_often_
 
 
 @pytest.mark.study
+@pytest.mark.usefixtures("no_lies")
 @pytest.mark.parametrize("tolerance", [0.01, 0.1])
 def test_elongation_is_inside_two_sigma_in_a_long_study(tolerance, small, exact, driven, live):
     errors, _, nis, count = outcomes(known_to(small, tolerance), exact, driven, live, seeds=800, seconds=300)

@@ -258,7 +258,7 @@ def test_covariance_stays_symmetric_and_positive_over_a_thousand_steps(small, sm
     log.channels[150:350] = np.nan
     filter_ = Filter(model, small)
     track = stepped(filter_, log)
-    P = filter_.P
+    P = filter_.fusion.P
     assert (P == P.T).all()
     assert np.linalg.eigvalsh(P).min() > -1e-12 * np.linalg.eigvalsh(P).max()
     assert (np.diag(P) > 0).all()

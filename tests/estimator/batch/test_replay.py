@@ -44,7 +44,8 @@ def test_counted_from_a_zero_only_lengths_are_others(anywhere):
     assert began == pytest.approx(rig.screw.expansion * 1e3 * (hi - lo) * rise, rel=0.05)
     np.testing.assert_allclose(counted.open_loop_um - usual.open_loop_um, began, rtol=0, atol=1e-9)
     state = filter_.run.state
-    since = filter_.x[state.start] - 20.0 * state.growth.sum() + began * filter_.x[state.expansion]
+    x = filter_.fusion.x
+    since = x[state.start] - 20.0 * state.growth.sum() + began * x[state.expansion]
     assert counted.elongation_um[-1] - usual.elongation_um[-1] == pytest.approx(since, abs=1e-9)
     assert (counted.sigma_um > rig.screw.expansion * 1e3 * (hi - lo) * 0.1).all()
     smooth = Replay(model, replace(rig, zero_C=20.0, zero_sd_K=0.1), recording, None, lambda _: None).smoothed()

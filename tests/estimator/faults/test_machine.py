@@ -10,7 +10,7 @@ from scipy.stats import multivariate_normal
 
 from estimator.batch.replay import replay
 from estimator.faults import machine
-from estimator.faults.fault import Seen
+from estimator.faults.fault import Led, Seen
 from estimator.faults.machine import SHARES, Known, Machine
 from estimator.filter import Filter
 from estimator.step import SERIES
@@ -42,7 +42,8 @@ def heard(y, moved, known, tick_s=TICK_S):
             0 * y[now],
             y[now] > np.inf,
             moved[now],
-            np.zeros(1),
+            Led.nowhere(1, 3),
+            np.zeros(1, dtype=bool),
         )
         bank.hear(seen, slice(None), np.isfinite(y[now]))
         bank.block(1)
@@ -126,6 +127,7 @@ def test_another_machines_estimate_says_how_far_it_is_off(recording, another, pa
     assert 0.1 < track.off_share[-1] < 0.4
     assert (off <= 2 * track.sigma_um[1:]).mean() > 0.95
     monkeypatch.setattr(machine, "SHARES", np.zeros(len(SHARES)))
+    monkeypatch.setattr(machine, "LED_SDS", 1e9)  # it takes the model for exact, and a right length for a wrong one
     bare = replay(another, rig, recording)
     np.testing.assert_allclose(bare.elongation_um, track.elongation_um, rtol=0, atol=1e-9)
     assert (off <= 2 * bare.sigma_um[1:]).mean() < 0.5
@@ -139,3 +141,27 @@ def test_live_says_the_same_as_after_the_fact_and_learns_anew_after_hours(record
     assert 0.1 < batch.off_share[-1] < 0.4
     for key in SERIES:
         np.testing.assert_allclose(getattr(live, key), getattr(batch, key), rtol=1e-9, atol=1e-9, err_msg=key)
+
+
+def test_lengths_are_apart_by_how_well_thermometers_know_and_fit():
+    known, ways = Known(np.diag([0.3, 0.0]), np.array([1.0, 2.0])), np.array([[1.0, 0.0]])
+
+    def apart(um, worse, share=0.0, known=known):
+        led = Led(np.array([um]), np.array([0.4**2]), ways, np.ones(1), np.array([worse]))
+        return known.apart(led, share)[0]
+
+    limit = machine.LED_SDS * 0.5  # 0.4 and 0.3 um
+    assert [apart(share * limit, 1.0) for share in (-1.01, 0.99, 1.01)] == [True, False, True]
+    assert not apart(1.9 * limit, 2.0)
+    assert not apart(1.9 * limit, 1.0, share=1.0)
+    assert not apart(100.0, 1.0, known=replace(known, whole=np.zeros(2)))
+
+
+def test_how_badly_thermometers_fit_is_learnt_in_a_minute_and_forgotten_in_a_quarter_of_an_hour():
+    usual = Led.nowhere(1, 0)
+    minute, worse = usual.worsened(np.full(300, 9.0), 1.0)
+    assert worse[-1] == pytest.approx(3.0, rel=0.01)
+    assert minute[59] - 1.0 == pytest.approx(8.0 * (1.0 - np.exp(-1.0)))
+    bad = replace(usual, minute=minute[-1:], worse=worse[-1:])
+    assert bad.worsened(np.full(600, np.nan), 1.0)[1][-1] == pytest.approx(worse[-1])
+    assert bad.worsened(np.ones(900), 1.0)[1][-1] == pytest.approx(worse[-1] * np.exp(-0.9), rel=1e-6)

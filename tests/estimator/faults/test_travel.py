@@ -65,6 +65,49 @@ def test_a_position_that_stands_and_a_speed_that_is_dead(rig, drive):
     assert told(rig, position, running)[145] == "the position stands still though the speed says that the screw turns"
 
 
+def paced(rig, times, mm_s=40.0, signed=True, every=1):
+    """What is said at each tick of speeds ten a second, of a position, with every so many of them, that moves so many
+    times as far from 200 s to 400 s."""
+    position, speed = strokes(mm_s, 0.1, 3)
+    moved = np.diff(position, prepend=position[0])
+    moved[2000:4000] *= times
+    now = 0.1 * np.arange(len(position))
+    row, rpm = (now + 0.05).astype(int), speed / rig.the_screw().lead_mm * 60.0
+    read = {"position": np.cumsum(moved), "speed": rpm if signed else abs(rpm)}
+    frame, some = np.arange(len(now)), {"position": slice(None, None, every), "speed": slice(None)}
+    told = {name: Readings(frame, row, now, value).where(some[name]) for name, value in read.items()}
+    run = Condenser(rig, Tally()).rows(told, np.arange(row[-1] + 1.0))
+    travel, whys, astray = Travel(rig), [], []
+    for sample in run:
+        travel.step(sample)
+        whys.append(travel.why)
+        astray.append(travel.astray)
+    return whys, astray
+
+
+@pytest.mark.parametrize("times", [1 / 25.4, 1 / 1.3, 0.8, 1.3])
+def test_a_scale_that_is_wrong_is_said_within_seconds_until_it_is_right_and_heat_stays_astray(times, rig):
+    whys, astray = paced(rig, times)
+    said = [k for k, why in enumerate(whys) if why]
+    assert 200 < said[0] < 210
+    assert whys[said[-1]].endswith("times as far as the speed says: check units, scales and lead_mm")
+    assert {why.split()[3] for why in whys if why.endswith("lead_mm")} == {f"{times:.2g}"}
+    assert 400 <= said[-1] < 410
+    assert astray.index(True) == said[0]
+    assert all(astray[said[0] :])
+
+
+@pytest.mark.parametrize("mm_s", [40.0, 330.0])
+@pytest.mark.parametrize("signed", [True, False])
+@pytest.mark.parametrize("every", [1, 2])
+def test_the_pace_of_a_drive_that_turns_often_is_right(mm_s, signed, every, rig):
+    assert not any(why.endswith("lead_mm") for why in paced(rig, 1.0, mm_s, signed, every)[0])
+
+
+def test_a_speed_without_a_sign_still_tells_of_inches(rig):
+    assert any(why.endswith("lead_mm") for why in paced(rig, 1 / 25.4, signed=False)[0])
+
+
 RAMP_MM_S2 = 2000.0
 
 
@@ -145,6 +188,13 @@ def test_a_shift_at_rest_is_told_for_what_is_known_of_it(row_s, rig):
     for sample in logged(rig, position + 40.0 * back, speed, row_s):
         travel.step(sample)
     assert travel.why == ""
+
+
+def test_slow_rows_tell_of_a_speed_that_is_dead(rig):
+    position, speed = strokes(40.0, 2.0, 2)
+    told = list(disagreements(logged(rig, position, 0.0 * speed, 2.0), rig))
+    assert [why for _, why in told][:1] == ["the position moves though the speed says that the screw stands"]
+    assert told[0][0] < 150
 
 
 def test_slow_rows_tell_of_a_position_that_stands(rig):
