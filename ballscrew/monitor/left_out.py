@@ -32,7 +32,7 @@ class LeftOut:
             except EffectError as error:
                 self._without(error, sample.time_s, [filter_, *([also] if also else [])])
                 continue
-            if filter_.run is not None and not np.isfinite(filter_.x).all():
+            if filter_.run is not None and not np.isfinite(filter_.fusion.x).all():
                 raise FloatingPointError("the estimate is no number")
             return step
         rows = collect("", [sample])

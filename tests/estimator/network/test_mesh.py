@@ -82,7 +82,7 @@ def test_the_filter_has_at_most_32_states_that_move(full, rig, driven, live):
     filter_.step(live(full, rig, driven(rig, 1)).recording.sample(0))
     state = filter_.run.state
     assert state.n <= 32
-    assert filter_.x.shape == (state.size,)
+    assert filter_.fusion.x.shape == (state.size,)
     assert state.size == state.n + len(state.zero_of) + 2  # constants cost little
 
 
