@@ -10,7 +10,7 @@ from benchmarks.ours import own_jobs, own_rows
 from benchmarks.peers import gaussian
 from estimator.batch import batch
 from estimator.batch.trial import Trial
-from estimator.filter import Filter
+from estimator.filter import Filter, Fusion
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -21,23 +21,26 @@ ROUNDS = 7
 FREE = (5, 10, 20)
 
 
-class _LikelihoodFilter(Filter):
-    """The online filter, with the log-likelihood of what it fuses after the first sample from its innovations."""
+class _Likelihood(Fusion):
+    """The online filter's estimate, with the log-likelihood of what it fuses, from its innovations."""
 
     loglike = 0.0
 
-    def _update(self, reading: Array, fuse: Array, H: Array, R: Array) -> float:
-        nis = super()._update(reading, fuse, H, R)
+    def update(self, reading: Array, fuse: Array, H: Array, R: Array) -> tuple[float, Array]:
+        nis, gain = super().update(reading, fuse, H, R)
         if np.isfinite(nis):
             self.loglike += gaussian(self._filterpy.y, self._filterpy.S)
-        return nis
+        return nis, gain
 
 
 def loglike_by_hand(model: Model, rig: Rig, recording: Recording) -> float:
-    """Log-likelihood of a recording by the filter that runs tick by tick."""
-    filter_ = _LikelihoodFilter(model, rig)
-    stepped(filter_, recording)
-    return filter_.loglike
+    """Log-likelihood of a recording after its first sample, by the filter that runs tick by tick."""
+    filter_, (first, *rest) = Filter(model, rig), recording
+    filter_.step(first)
+    filter_.fusion = told = _Likelihood(filter_.fusion.x, filter_.fusion.P)
+    for sample in rest:
+        filter_.step(sample)
+    return told.loglike
 
 
 def stepped(filter_: Filter, recording: Recording) -> None:
