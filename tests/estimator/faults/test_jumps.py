@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from estimator.faults.fault import Seen
+from estimator.faults.fault import Led, Seen
 from estimator.faults.jumps import Jumps
 
 TICKS, CHANNELS = 30, 4
@@ -14,7 +14,8 @@ def seen(value: np.ndarray) -> Seen:
     """Innovations (K, m) of thermometers at 22 degC, that the model alone stays at."""
     alone, none = np.full(value.shape, 22.0), np.zeros(value.shape, dtype=bool)
     time_s, doubt = np.arange(len(value)) + 1.0, np.zeros((*value.shape, 0))
-    return Seen(time_s, alone + value, value, np.full(value.shape, 0.03), alone, none, doubt, np.zeros(len(value)))
+    sd, astray = np.full(value.shape, 0.03), np.zeros(len(value), dtype=bool)
+    return Seen(time_s, alone + value, value, sd, alone, none, doubt, Led.nowhere(len(value), 0), astray)
 
 
 def test_a_model_that_stays_where_it_began_has_not_moved_and_all_at_once_is_tick_by_tick():
