@@ -23,8 +23,9 @@ from estimator.rig_folder.model_toml import save_model
 def command(work: Workspace, out: Path, rrd: Path | None, workers: int | None) -> int:
     """Set measurement and process noise of the model by all LOGs; every other parameter stays.
 
-    Measurement noise is the most likely one a tick ahead. Process noise is the most likely one after ten minutes
-    without readings: a tick ahead, errors that build up over minutes cannot be seen. A truth file is never opened.
+    Measurement noise is the most likely one a tick ahead. Process noise is the most likely one where nothing was read:
+    that of the screw at thermometers left out, a third at a time, all other after ten minutes without readings. A tick
+    ahead, errors that build up over minutes cannot be seen. A truth file is never opened.
     """
     work.read_once()
     work.terminal.say_if_compiling("passes", "loglike", "score", "ahead")
