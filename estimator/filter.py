@@ -38,7 +38,7 @@ KEPT = 256  # regimes whose matrices are kept, 20 MB or so
 class Filter:
     """The estimate of one rig by one model, a tick at a time.
 
-    mute  decides by time what is not fused: mute(time_s) -> (m,) bool; such channels are still compared
+    mute    decides by time what is not fused: mute(time_s) -> (m,) bool; such channels are still compared
     run     what the first sample with a thermometer in it made known; None before
     fusion  the estimate, from then on
     """
