@@ -151,11 +151,13 @@ def judge(run: Run, model: Model, rig: Rig, situations: Sequence[str]) -> dict[s
 def temperatures(run: Run, recording: Recording, rig: Rig, track: Track) -> dict[str, float]:
     """Share of the true rises of the wall at the thermometers that are within 2 sd, driving and at rest.
 
-    The estimated profile is smooth, and bends within the distance of its places: a spline between them.
+    The estimated profile is that of the sections' means. It is smooth, and bends within the distance of its places: a
+    spline between them. The wall of the bore is cooler where heat goes on along the axis.
     """
     places = [rig.channels[name].at_mm for name in rig.thermometers]
     began = int(np.flatnonzero(track.begins)[-1])
-    found = CubicSpline(track.x_mm, track.profile_C[began:], axis=1)(places)
+    profile = CubicSpline(track.x_mm, track.profile_C[began:], axis=1)
+    found = profile(places) + rig.the_screw().bore_mm2 * profile(places, 2)
     sd = np.array([np.interp(places, track.x_mm, row) for row in track.profile_sd_K[began:]])
     time_s, truth = recording.time_s[began:], run.truth
     rises = np.column_stack([np.interp(time_s, truth.time_s, column) for column in truth.rises.T])

@@ -102,6 +102,23 @@ class Screw:
         """Cross-section, m2."""
         return float(np.pi / 4 * (self.outer_mm**2 - self.bore_mm**2) * 1e-6)
 
+    @cached_property
+    def bore_mm2(self) -> float:
+        """How much more than the mean of its section the wall of the bore follows what is beside it: T + bore d2T/dx2.
+
+        Heat that enters outside, a and b the radii, leaves the wall below the mean of the section by the mean of
+
+            (r^2 - a^2) / 4 - a^2 ln(r / a) / 2     m2, times the rate at which the section warms over its diffusivity
+
+        and the heat that it does not store flows along the axis, k A d2T/dx2. What it stores is a lag, 2 s. A bar
+        without a bore has its thermometers anywhere: 0.
+        """
+        a2, b2 = (self.bore_mm / 2) ** 2, (self.outer_mm / 2) ** 2
+        if not a2:
+            return 0.0
+        ring = b2 - a2
+        return float(ring / 8 - a2 * (b2 * np.log(b2 / a2) / ring - 1) / 4)
+
     @property
     def surface(self) -> float:
         """Outer surface of one cell, m2."""

@@ -73,10 +73,16 @@ class Heat:
 
 @dataclass(frozen=True)
 class Spot:
-    """In the weights of a Read: `weight` times the screw's temperature at a place, mm."""
+    """In the weights of a Read: `weight` times the screw's temperature at a place, mm, in its section.
+
+        T + deep d2T/dx2
+
+    deep  mm2: 0 for the mean of the section, Screw.bore_mm2 at the wall of the bore
+    """
 
     at_mm: float
     weight: Any = 1.0
+    deep: Any = 0.0
 
 
 @dataclass(frozen=True, eq=False)

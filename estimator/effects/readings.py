@@ -22,6 +22,8 @@ class Thermometers(Effect):
     gain_sd    each shows a little more or less of its rise than is true
     lag_sd     each one's lag is a little longer or shorter than tau
     tau        holds the bore's delay behind the mean of the section too, about 2 s
+    bore       heat enters outside and the wall of the bore is the cooler for it, where it goes on along the axis: 1 for
+               thermometers at the wall, 0 for such as read the mean of the section
     lag_noise  lags differ between thermometers by a quarter, and stay wrong for as long as a drive lasts: the filter
                weighs a reading as if its lag scattered by this much
     """
@@ -37,13 +39,18 @@ class Thermometers(Effect):
     gain_sd = Param(0.004, "1", lo=0.0, hi=0.1, fixed=True, source="0.4 % of the temperature, class 1 of IEC 60584")
     lag_sd = Param(0.25, "1", lo=0.0, hi=2.0, fixed=True, source="how hard each is pressed on: a quarter")
     board = Param(0.0, "K/K", lo=-0.3, hi=0.3, null=0.0, sd=0.003, fixed=True, source="0.03 K per 10 K")
+    bore = Param(
+        1.0, "1", lo=0.0, hi=2.0, null=0.0, sd=0.2, fixed=True, source="a tip may be let into the wall by a third of it"
+    )
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        offset = p.board * u.rise("board")
+        offset, deep = p.board * u.rise("board"), _deep(p.bore, rig)
         for name in rig.thermometers:
             channel = rig.channels[name]
             if channel.at_mm is not None:
-                yield Read(name, {SCREW: Spot(channel.at_mm)}, p.sd, offset, p.zero_sd, p.zero_walk, p.gain_sd)
+                yield Read(
+                    name, {SCREW: Spot(channel.at_mm, deep=deep)}, p.sd, offset, p.zero_sd, p.zero_walk, p.gain_sd
+                )
                 yield Lag(name, p.tau, p.lag_noise, p.lag_sd)
             elif channel.node is not None:
                 yield Read(name, {channel.node: 1.0}, p.sd, offset, p.zero_sd, p.zero_walk, p.gain_sd)
@@ -100,16 +107,23 @@ class ChannelGain(Effect):
     """
 
     trace = "One channel alone, in proportion to its own rise, at rest and while driving."
+    scales = ("thermometers",)
     gain = Param(0.05, "1", lo=-0.5, hi=0.5, null=0.0, source="a wrong type constant, 1 - 5 %")
     channel = Param(
         1.0, "1", lo=1.0, hi=99.0, fixed=True, over="channel", source="by search; 1 is the first thermometer"
     )
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        deep = _deep(p.thermometers.bore, rig) if p.thermometers else 0.0
         for number, name in enumerate(rig.thermometers, start=1):
             gain, channel = _of(number, p.channel) * p.gain, rig.channels[name]
-            spot = {SCREW: Spot(channel.at_mm, gain)} if channel.at_mm is not None else {str(channel.node): gain}
+            spot = {SCREW: Spot(channel.at_mm, gain, deep)} if channel.at_mm is not None else {str(channel.node): gain}
             yield Read(name, spot, 0.0, -gain * u[START])
+
+
+def _deep(bore: Any, rig: Rig) -> Any:
+    """How much more than the mean of the section a thermometer follows what is beside it, mm2."""
+    return bore * rig.screw.bore_mm2 if rig.screw else 0.0
 
 
 def _of(number: int, channel: Any) -> float:

@@ -54,18 +54,25 @@ class Layout:
         """What the states say of a node's cells, (cells, n), or of a body, (1, n)."""
         return self.shapes[self.nodes[node]]
 
-    def spot(self, at_mm: float, rig: Rig) -> Array:
-        """What the states say of the screw's temperature at a place, (n,)."""
-        if at_mm not in self._spots:
-            self._spots[at_mm] = self._spot(at_mm, rig)
-        return self._spots[at_mm]
+    def spot(self, spot: Spot, rig: Rig) -> Array:
+        """What the states say of the screw's temperature at a spot, (n,)."""
+        if spot.at_mm not in self._spots:
+            self._spots[spot.at_mm] = self._spot(spot.at_mm, rig)
+        mean, bend = self._spots[spot.at_mm]
+        return np.asarray(spot.weight * (mean + spot.deep * bend))
 
     def _spot(self, at_mm: float, rig: Rig) -> Array:
+        """Of the section's mean, and of how it bends along the axis, 1/mm2: (2, n)."""
         if self.size == len(self.shapes):
-            return np.asarray(rig.the_screw().at(at_mm) @ self.rows(SCREW))
-        row = np.zeros(self.size)
-        row[: len(self.knots_mm)] = mesh.shapes(self.knots_mm, np.array([at_mm]))[0]
-        return row
+            screw = rig.the_screw()
+            slopes = np.diff(np.eye(screw.cells), axis=0, prepend=0.0, append=0.0)
+            slopes[[0, -1]] = 0.0  # no heat leaves at the ends
+            bends = np.diff(slopes, axis=0) / (screw.length * 1e3) ** 2
+            return np.asarray(screw.at(at_mm) @ np.stack([np.eye(screw.cells), bends]) @ self.rows(SCREW))
+        rows = np.zeros((2, self.size))
+        place = np.array([at_mm])
+        rows[:, : len(self.knots_mm)] = mesh.shapes(self.knots_mm, place)[0], mesh.bends(self.knots_mm, place)[0]
+        return rows
 
     def state(self, node: str) -> int:
         """Index of a body among the states."""
@@ -167,7 +174,7 @@ def values(term: Term, but: str = "") -> Iterator[object]:
     """Everything that a term says, the weights of a Read one by one; one field left out."""
     for key, value in vars(term).items():
         for part in value.values() if key == "weights" else () if key == but else (value,):
-            yield part.weight if isinstance(part, Spot) else part
+            yield from (part.weight, part.deep) if isinstance(part, Spot) else (part,)
 
 
 def is_complex(value: object) -> bool:
@@ -269,5 +276,5 @@ def _row(node: str, weight: Any, terms: Sequence[Term], rig: Rig, place: Layout)
         rig.the_screw()
         return weight * span_growth(terms, rig, place)
     if isinstance(weight, Spot):
-        return weight.weight * place.spot(weight.at_mm, rig)
+        return place.spot(weight, rig)
     return np.atleast_1d(weight) @ place.rows(node)

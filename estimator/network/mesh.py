@@ -55,10 +55,17 @@ def shapes(places_mm: Array, x_mm: Array) -> Array:
     return _shapes(places_mm.astype(float).tobytes(), x_mm.astype(float).tobytes())
 
 
+def bends(places_mm: Array, x_mm: Array) -> Array:
+    """Second derivatives of the splines at x, 1/mm2, (len(x), knots)."""
+    return _shapes(places_mm.astype(float).tobytes(), x_mm.astype(float).tobytes(), 2)
+
+
 @lru_cache(maxsize=1024)
-def _shapes(places_mm: bytes, x_mm: bytes) -> Array:
+def _shapes(places_mm: bytes, x_mm: bytes, derivative: int = 0) -> Array:
     """The same of arrays as bytes: the places of thermometers are asked for again and again."""
     places = np.frombuffer(places_mm)
-    found = scipy.interpolate.CubicSpline(places, np.eye(len(places)), bc_type="not-a-knot")(np.frombuffer(x_mm))
+    found = scipy.interpolate.CubicSpline(places, np.eye(len(places)), bc_type="not-a-knot")(
+        np.frombuffer(x_mm), derivative
+    )
     found.flags.writeable = False
     return found

@@ -197,6 +197,7 @@ def _numbers(term: Term, asked: Asked) -> Iterator[str]:
         if isinstance(weight, Spot):
             yield from _off(weight, asked.rig)
             yield from _wrong("the weight of a Spot", weight.weight, Number(ONE, *WEIGHTS), 1, asked)
+            yield from _wrong("how deep a Spot is", weight.deep, Number(ONE, 0.0, 1e5, "mm2"), 1, asked)
         else:
             shape = EACH if node == SCREW else ONE
             yield from _wrong(f"the weight of {node}", weight, Number(shape, *WEIGHTS), cells, asked)

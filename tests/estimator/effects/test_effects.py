@@ -76,10 +76,10 @@ class Ideal(Effect):
 
 
 def test_thermometers_at_null_read_their_spot(full, rig, drive):
-    nulls = {"thermometers.tau": 0.0, "thermometers.board": 0.0}
+    nulls = {"thermometers.tau": 0.0, "thermometers.board": 0.0, "thermometers.bore": 0.0}
     ideal = open_loop((full - "thermometers") + Ideal, rig, drive)[:, :15]
     np.testing.assert_allclose(open_loop(full.with_values(nulls), rig, drive)[:, :15], ideal, rtol=0, atol=1e-9)
-    for path, other in (("thermometers.tau", 8.0), ("thermometers.board", 0.01)):
+    for path, other in (("thermometers.tau", 8.0), ("thermometers.board", 0.01), ("thermometers.bore", 1.0)):
         seen = open_loop(full.with_values({**nulls, path: other}), rig, drive)[:, :15]
         assert abs(seen - ideal).max() > 0.01
 

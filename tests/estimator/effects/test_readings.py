@@ -63,7 +63,7 @@ def test_a_gain_of_a_thermometer_in_a_body(full, rig):
 def test_a_support_yields_with_its_bearing_s_temperature(full, rig):
     more, _ = added(full, "support_yield", rig, rate=0.8)
     anchor = next(i for i, name in enumerate(rig.names) if rig.channels[name].at_mm == rig.supports["anchor"].at_mm)
-    exact = full.with_values({"thermometers.tau": 0.0})
+    exact = full.with_values({"thermometers.tau": 0.0, "thermometers.bore": 0.0})
     rise = open_loop(exact, rig, exercise(rig))[:, anchor] - 22.0
     np.testing.assert_allclose(more[:, 15], 0.8 * rise, rtol=0, atol=1e-9)
     assert rise.max() > 0.5

@@ -17,7 +17,7 @@ from estimator.network import assemble
 from estimator.network.check import checked_terms
 from estimator.network.discretise import Modes, Transition, transition
 from estimator.network.forcing import Forcing
-from estimator.terms import ELONGATION, Chain, Heat, Link, Read, Store
+from estimator.terms import ELONGATION, Chain, Heat, Link, Read, Spot, Store
 
 
 class Insulated(Effect):
@@ -238,6 +238,26 @@ def test_several_reads_of_a_channel_add(small):
     alone = assemble.readings(checked_terms(model_of([Insulated, Probe]), u, small), small, place)
     np.testing.assert_array_equal(found.rows[:4], alone.rows[:4])
     np.testing.assert_array_equal(found.sd[:4], [0.02, np.inf, np.inf, np.inf])
+
+
+class Wall(Effect):
+    """A thermometer that follows what is beside it more than the mean of its section does."""
+
+    def terms(self, p, u, rig):
+        yield Read("T1", {"screw": Spot(80.0, 2.0, deep=30.0)}, 0.02)
+        yield Read("displacement", {ELONGATION: 1.0}, 0.3)
+
+
+@pytest.mark.parametrize("reduced", [True, False], ids=["reduced", "cells"])
+def test_a_deep_spot_reads_how_the_profile_bends(reduced, small):
+    """T = ((x - 70) / 10)^2 reads w (T + deep T''), T'' = 0.02 K/mm2."""
+    fine = replace(small, screw=replace(small.screw, cells=200))
+    place, _ = assembled(fine, Insulated, Wall, reduced=reduced)
+    row = assemble.readings(checked_terms(model_of([Insulated, Wall]), two_regimes(fine), fine), fine, place).rows[0]
+    x_mm = place.knots_mm if reduced else fine.screw.x_mm
+    T = np.append(((x_mm - 70.0) / 10.0) ** 2, [0.0] * len(place.bodies))
+    assert row @ T == pytest.approx(2.0 * (1.0 + 30.0 * 0.02), abs=0.01)
+    assert row.sum() == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("effects", [(Insulated, Leaking), (Insulated,)], ids=["leaking", "with a mode that stays"])

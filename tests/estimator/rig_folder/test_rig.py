@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import special
 
 from estimator.errors import SetupError
 from estimator.rig import Rig, Screw
@@ -47,6 +48,18 @@ def test_geometry_is_the_paper_s(rig):
     assert screw.growth(*screw.span_mm).sum() == pytest.approx(11.226, rel=1e-9)  # um/K
     assert screw.surface * screw.cells == pytest.approx(np.pi * 0.04 * 1.08)
     assert screw.relative_speed(np.array(1667 * 2 * np.pi / 60)) == pytest.approx(1.0)
+
+
+def test_the_wall_of_the_bore_is_below_the_section_where_heat_goes_on_along_the_axis():
+    """Heat q cos(w x) into the outside of a hollow bar, none into its bore: T = A I0(w r) + B K0(w r), times cos(w x),
+    with dT/dr = 0 at the bore."""
+    a, b, w = BAR.bore_mm / 2, BAR.outer_mm / 2, 2 * np.pi / 250.0
+    radius = np.linspace(a, b, 4001)
+    T = special.i0(w * radius) + special.i1(w * a) / special.k1(w * a) * special.k0(w * radius)
+    mean = np.trapezoid(T * 2 * radius, radius) / (b**2 - a**2)
+    assert 1 - w**2 * BAR.bore_mm2 == pytest.approx(T[0] / mean, abs=2e-4)
+    assert 1 - T[0] / mean > 0.01
+    assert replace(BAR, bore_mm=0.0).bore_mm2 == 0.0
 
 
 def test_the_nut_goes_where_the_paper_heats(rig):
