@@ -62,17 +62,16 @@ class Layout:
         return np.asarray(spot.weight * (mean + spot.deep * bend))
 
     def _spot(self, at_mm: float, rig: Rig) -> Array:
-        """Of the section's mean, and of how it bends along the axis, 1/mm2: (2, n)."""
+        """Of the section's mean, and of how it bends along the axis within the reach of its wall, 1/mm2: (2, n)."""
+        screw, knots = rig.the_screw(), self.knots_mm
+        reach = np.sqrt(screw.bore_mm2) or screw.length * 1e3
+        ends = np.clip(at_mm + np.array([-reach, reach]), screw.from_mm, screw.to_mm)
+        rows = np.zeros((3, self.size))
         if self.size == len(self.shapes):
-            screw = rig.the_screw()
-            slopes = np.diff(np.eye(screw.cells), axis=0, prepend=0.0, append=0.0)
-            slopes[[0, -1]] = 0.0  # no heat leaves at the ends
-            bends = np.diff(slopes, axis=0) / (screw.length * 1e3) ** 2
-            return np.asarray(screw.at(at_mm) @ np.stack([np.eye(screw.cells), bends]) @ self.rows(SCREW))
-        rows = np.zeros((2, self.size))
-        place = np.array([at_mm])
-        rows[:, : len(self.knots_mm)] = mesh.shapes(self.knots_mm, place)[0], mesh.bends(self.knots_mm, place)[0]
-        return rows
+            rows[:] = np.vstack([screw.at(at_mm), screw.slopes(ends)]) @ self.rows(SCREW)
+        else:
+            rows[:, : len(knots)] = np.vstack([mesh.shapes(knots, np.array([at_mm])), mesh.slopes(knots, ends)])
+        return np.array([rows[0], (rows[2] - rows[1]) / (2 * reach)])
 
     def state(self, node: str) -> int:
         """Index of a body among the states."""

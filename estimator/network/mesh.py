@@ -3,7 +3,7 @@
 The physics is written on a fine network (cells of 4 mm). The filter needs few states, so the profile between chosen
 places, the knots, is a cubic spline: T(x) = sum_j z_j phi_j(x), with z_j the temperature at knot j. Galerkin projection
 of the network on these shapes keeps heat exactly and is of fourth order in the spacing, so that knots at the
-thermometers, at the bearings and halfway in wide gaps agree with 500 linear cells to 0.05 um and 0.1 K.
+thermometers, at the bearings, in their seats and halfway in wide gaps agree with 500 linear cells to 0.05 um and 0.1 K.
 """
 
 from __future__ import annotations
@@ -36,9 +36,23 @@ def knots(rig: Rig) -> Array:
             places = sorted([*places, bearing.at_mm])
     filled = [places[0]]
     for lo, hi in pairwise(places):
-        pieces = int(np.ceil((hi - lo) / _widest(lo, hi, rig)))
-        filled.extend(lo + (hi - lo) * np.arange(1, pieces + 1) / pieces)
-    return np.array(filled)
+        filled.extend(_cut(lo, hi, _widest(lo, hi, rig)))
+    return np.array(_within_seats(filled, rig))
+
+
+def _within_seats(places: list[float], rig: Rig) -> list[float]:
+    """Gaps that a bearing's seat lies in, cut to half its width: a narrow seat is a peak of heat."""
+    cut = places[:1]
+    for lo, hi in pairwise(places):
+        seats = [bearing.width_mm for bearing in rig.supports.values() if lo <= bearing.at_mm <= hi]
+        cut.extend(_cut(lo, hi, max(min([width / 2 for width in seats], default=hi - lo), CLOSEST_MM)))
+    return cut
+
+
+def _cut(lo: float, hi: float, widest: float) -> list[float]:
+    """Ends of equal gaps between lo and hi, none wider than that."""
+    pieces = int(np.ceil((hi - lo) / widest))
+    return list(lo + (hi - lo) * np.arange(1, pieces + 1) / pieces)
 
 
 def _widest(lo: float, hi: float, rig: Rig) -> float:
@@ -55,9 +69,9 @@ def shapes(places_mm: Array, x_mm: Array) -> Array:
     return _shapes(places_mm.astype(float).tobytes(), x_mm.astype(float).tobytes())
 
 
-def bends(places_mm: Array, x_mm: Array) -> Array:
-    """Second derivatives of the splines at x, 1/mm2, (len(x), knots)."""
-    return _shapes(places_mm.astype(float).tobytes(), x_mm.astype(float).tobytes(), 2)
+def slopes(places_mm: Array, x_mm: Array) -> Array:
+    """First derivatives of the splines at x, 1/mm, (len(x), knots)."""
+    return _shapes(places_mm.astype(float).tobytes(), x_mm.astype(float).tobytes(), 1)
 
 
 @lru_cache(maxsize=1024)

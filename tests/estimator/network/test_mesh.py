@@ -77,6 +77,17 @@ def test_reduced_mesh_agrees_with_500_cells(name, full, rig, driven):
     assert error[:15].max() <= 0.1
 
 
+def test_a_seat_of_half_the_width_is_told_too(rig, driven):
+    """Thermometers to 0.05 K, which were 0.24 K off, and the growth to 0.015 um of 0.05."""
+    narrow = {"anchor_seat.width": 0.55, "free_seat.width": 0.5, "thermometers.bore": 0.0}
+    model = load_model(rig.folder / "model.toml").with_values(narrow)
+    exact = replace(rig, screw=replace(rig.screw, cells=540))
+    drive = driven(rig, 250, *RUNS["FS-20"])
+    error = abs(reduced(model, rig, drive)[0] - fine(model, exact, driven(exact, 250, *RUNS["FS-20"]))).max(axis=0)
+    assert error[:15].max() <= 0.07
+    assert error[15] <= 0.025
+
+
 def test_the_filter_has_at_most_32_states_that_move(full, rig, driven, live):
     filter_ = Filter(full, rig)
     filter_.step(live(full, rig, driven(rig, 1)).recording.sample(0))
