@@ -15,7 +15,7 @@ from estimator.work import Runs
 
 @pytest.mark.parametrize("far", [-1e4, -1e9])
 def test_a_step_to_where_heat_grows_without_bound_is_not_taken(far, plain, bar, lives):
-    """The warmer a place is, the more heat it gets, soon or at once. Warnings are errors here: nothing is said of it."""
+    """The warmer a place is, the more heat it gets, soon or at once. Warnings are errors here: nothing is said."""
     power, follows = "unknown_heat.power", all_followers(bar).index(TEMPERATURE)
     model = (plain + UnknownHeat).with_values({power: 0.0, "unknown_heat.follows": follows, "unknown_heat.at": 100.0})
     trials, known = slow_trials_of(model, Runs(bar, lives(plain)[:1])), Ground(model, (power,)).belief(model, [power])
