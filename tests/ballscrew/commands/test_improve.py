@@ -236,7 +236,7 @@ def test_ctrl_c_leaves_the_best_so_far(searching, fs20_log, tmp_path) -> None:
     assert not (tmp_path / "b.md").exists()
 
 
-def test_nothing_missing_leaves_the_model_as_it_was(searching, undrawn, fs20_log, tmp_path) -> None:
+def test_nothing_missing_leaves_the_model_as_it_was(searching, undrawn, unfelt, fs20_log, tmp_path) -> None:
     searching()
     out = tmp_path / "b.toml"
     words = ["--held-out", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out, "--json"]

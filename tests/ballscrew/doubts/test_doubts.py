@@ -81,9 +81,14 @@ def cells(path: Path, name: str, change: Callable[[float], float]) -> None:
 # --- what ships
 
 
-@pytest.mark.parametrize("folder", [PAPER, ROD, TWO, ROOT / "examples" / "seven_channels"], ids=lambda path: path.name)
+@pytest.mark.parametrize("folder", [ROD, TWO, ROOT / "examples" / "seven_channels"], ids=lambda path: path.name)
 def test_what_ships_is_in_no_doubt(folder):
     assert doubts(folder) == []
+
+
+def test_neither_are_the_paper_s_recordings():
+    """FS-20: with two signals exchanged, below, no other doubt."""
+    assert doubts(PAPER, PAPER / "CS-10.blf", PAPER / "ES-20.blf") == []
 
 
 def test_neither_is_a_drive_and_its_stop(screw):

@@ -152,11 +152,14 @@ def stretched(rows: list[Row], tick_s: float) -> list[Row]:
     return [row._replace(time=log_fake.START + tick_s * (row.time - log_fake.START)) for row in rows]
 
 
-@pytest.mark.parametrize("tick_s", [0.5, 5.0])
 @pytest.mark.parametrize(
     ("change", "k", "s"), [(BREAKS[0], 0, 0.0), *((b, 5, 4.2) for b in BREAKS), (silence, 5, 2.2), (jump, 1.999, 30.0)]
 )
-@pytest.mark.parametrize("log", [RIG.log, replace(RIG.log, scan_number=None), Log(dbc="rig.dbc")])
+@pytest.mark.parametrize(
+    ("log", "tick_s"),
+    [(RIG.log, 5.0), (replace(RIG.log, scan_number=None), 0.5), (Log(dbc="rig.dbc"), 0.5), (Log(dbc="rig.dbc"), 5.0)],
+    ids=["scans", "unnumbered", "no scans, 0.5 s", "no scans, 5 s"],
+)
 def test_another_tick_is_another_pace_and_nothing_else(
     tmp_path: Path, change, k: float, s: float, log: Log, tick_s: float
 ) -> None:

@@ -206,9 +206,9 @@ def test_the_heated_rod():
     assert np.isnan(track.error_at_table_um).all()
 
 
-def test_a_recording_of_the_bus(rig):
+def test_a_recording_of_the_bus(rig, fs20_log):
     """A drive and some minutes of its stop."""
-    run = read_recording(PAPER / "FS-20.blf", rig).rows(slice(330))
+    run = read_recording(fs20_log, rig).rows(slice(330))
     track = both(load_model(PAPER / "model.toml"), rig, run)
     assert track.fused[:, :15].mean() > 0.95
     assert track.fused[:, 15].sum() > 50
