@@ -12,6 +12,7 @@ import pytest
 
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests import log_fake
+from tests.ballscrew.conftest import folder_of
 from tests.conftest import ballscrew as run
 
 PAPER = Path(__file__).parents[2] / "recordings"
@@ -20,8 +21,14 @@ ROOT = Path(__file__).parents[2]
 ROD = ROOT / "examples" / "heated_rod"
 
 
-def test_without_a_rig_file_above_the_built_in_rig_is_used_and_named(fs20_log):
-    status, out, _ = run("review", fs20_log)
+@pytest.fixture
+def rig_folder(short_log, fs20_log, tmp_path) -> Path:
+    """A rig folder with a short recording."""
+    return folder_of(short_log, fs20_log, tmp_path)
+
+
+def test_without_a_rig_file_above_the_built_in_rig_is_used_and_named(short_log):
+    status, out, _ = run("review", short_log)
     assert status == 0
     assert "no rig.toml at or above" in out
     assert "using the built-in rig, the paper's ball screw" in out
@@ -94,7 +101,8 @@ def test_a_copy_of_a_recording_is_no_other_witness(tmp_path):
     assert [one["name"] for one in json.loads(out)["recordings"]] == ["steps.csv"]
 
 
-def test_a_filter_that_is_worse_than_a_polyline_says_so(rig_folder):
+def test_a_filter_that_is_worse_than_a_polyline_says_so(fs20_log, tmp_path):
+    rig_folder = folder_of(fs20_log, fs20_log, tmp_path)
     model = load_model(rig_folder / "model.toml")
     save_model(model.with_values({"expansion_error.error": 0.04}), rig_folder / "poor.toml")
     status, out, _ = run("review", rig_folder / "logs", "--model", rig_folder / "poor.toml", "--no-displacement")
