@@ -23,7 +23,7 @@ from estimator.step import Mode
 from tests.live_fake import DRIVE, STATUS, TELEMETERS, Frames, changed, channel, dropped, rig_frames, since
 
 ENVIRONMENT = 0x240
-FAULT_S, SOON_S, END_S = 119.0, 150.0, 190.0  # the fault is there for half a minute, or a whole window of the tests
+FAULT_S, SOON_S, END_S = 119.0, 145.0, 175.0  # the fault is there for half a minute, or a whole window of the tests
 
 Run = Callable[[Frames], tuple[Monitor, list[Moment]]]
 
@@ -143,7 +143,7 @@ def test_a_stuck_thermometer_is_named_with_its_place_and_since_when(run, frames,
 
 
 def test_an_offset_is_named_and_left_out_also_when_it_has_just_passed(run, frames, plain):
-    _, moments = run(thermometer(5, lambda v, t: v + 200 if t < 175 else v)(frames))
+    _, moments = run(thermometer(5, lambda v, t: v + 200 if t < 160 else v)(frames))
     (alarm,) = (a for m in moments for a in m.begun if a.channel == "T05")
     assert (alarm.kind, alarm.text) == ("jumped", "T05 at 415 mm has jumped")
     assert alarm.since_s == pytest.approx(121, abs=2)
@@ -282,7 +282,7 @@ def test_frames_with_absurd_stamps_do_not_keep_an_estimate_valid(paper, frames):
 
 def test_after_a_night_the_estimate_begins_anew(run, frames, plain):
     tomorrow = [f._replace(time_s=f.time_s + 8 * 3600) for f in frames]
-    later = [f for f in tomorrow if since(frames, f) > 8 * 3600 + 150]
+    later = [f for f in tomorrow if since(frames, f) > 8 * 3600 + 145]
     scans = [_with_scan(f, 30_000) for f in later]
     monitor, moments = run([*frames, *scans])
     assert "the estimate begins anew" in monitor.tally.notes
