@@ -92,7 +92,7 @@ def test_a_fit_that_makes_the_elongation_worse_says_so(found):
 
 def test_a_model_that_misses_an_effect_is_trusted_less(rig, full, driven, live):
     """Without the bearings ten blind minutes end more than a kelvin off: the filter must not believe the model."""
-    lived = live(full.with_values(TRUE), rig, driven(rig, 1500, (20, 900)), seed=5).recording
+    lived = live(full.with_values(TRUE), rig, driven(rig, 1240, (20, 800)), seed=5).recording
     assert fit(only(full.with_values(TRUE), "nut_friction.power"), Runs(rig, [lived])).raised == Factors()
     poor = only(full - "anchor_friction" - "free_friction", "nut_friction.power")
     left = fit(poor, Runs(rig, [lived]))
