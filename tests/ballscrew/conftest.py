@@ -45,3 +45,21 @@ def folder_of(log: Path, whole: Path, path: Path) -> Path:
     for each in (log, whole.with_name("FS-20.truth.csv")):
         shutil.copy(each, path / "logs")
     return path
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports with one picture that shows nothing: true ones take longer than all else."""
+
+    def blank(stem: Path, *_: object) -> dict[str, Path]:
+        picture = stem.with_name(f"{stem.name}-steps.png")
+        picture.write_bytes(b"nothing")
+        return {"steps": picture}
+
+    monkeypatch.setattr("ballscrew.report.comparison_views.write_pictures", blank)
+
+
+@pytest.fixture
+def unfelt(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody asks what the axis feels, which takes two replays and two runs without readings."""
+    monkeypatch.setattr("ballscrew.commands.improve.at_the_table", lambda *_: [])

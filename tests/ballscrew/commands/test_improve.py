@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -86,24 +85,6 @@ def searching(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
         monkeypatch.setattr(search, "suggest", answer)
 
     return planned
-
-
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Reports with one picture that shows nothing: true ones take longer than all else."""
-
-    def blank(stem: Path, *_: object) -> dict[str, Path]:
-        picture = stem.with_name(f"{stem.name}-steps.png")
-        picture.write_bytes(b"nothing")
-        return {"steps": picture}
-
-    monkeypatch.setattr("ballscrew.report.comparison_views.write_pictures", blank)
-
-
-@pytest.fixture
-def unfelt(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nobody asks what the axis feels, which takes two replays and two runs without readings."""
-    monkeypatch.setattr("ballscrew.commands.improve.at_the_table", lambda *_: [])
 
 
 def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(searching, fs20_log, tmp_path) -> None:
