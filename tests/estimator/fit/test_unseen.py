@@ -44,7 +44,7 @@ def lives(small, small_model, driven, live):
 @pytest.fixture(scope="module")
 def trials(lives) -> list[Trial]:
     model, rig, of_seed = lives
-    return [Trial(model, rig, of_seed(seed)) for seed in range(6)]
+    return [Trial(model, rig, of_seed(seed)) for seed in range(4)]
 
 
 def _after_the_first(trial: Trial, hidden: list[int]):
