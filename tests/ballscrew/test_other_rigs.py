@@ -244,16 +244,6 @@ def test_nothing_is_missing_from_the_rod(tmp_path):
     assert told("diagnose", rig)["adequate"]
 
 
-def test_an_unknown_sink_of_the_rod_has_a_place(tmp_path):
-    rig = copied(ROD, tmp_path / "rig", "slow.csv", "pulses.csv", "check.csv")
-    without(rig, "chilled_end")
-    text = (rig / "effects.py").read_text()
-    (rig / "effects.py").write_text(text.partition("\n\nclass ChilledEnd")[0] + "\n")
-    found = told("suggest", rig)
-    assert (found["verdict"], found["where"]["follows"]) == ("nothing_in_catalogue", "chiller")
-    assert found["where"]["to_mm"] > 375.0
-
-
 def test_every_temperature_that_heat_flows_to_may_be_wrong():
     rig = load_rig(ROD)
     assert set(signals(load_model(ROD / "model.toml"), rig)) == {"ambient", "chiller", "heater"}
