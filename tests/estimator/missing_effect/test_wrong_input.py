@@ -22,9 +22,8 @@ OF_SPEED = [CATALOGUE[name] for name in ("nut_speed_exponent", "churning")]  # w
 OF_PLACE = [CATALOGUE[name] for name in ("local_heat_driving", "channel_offset")]
 
 
-@pytest.mark.parametrize("wrong", ["speed", "speed and position"])
-def test_a_wrong_label_names_run_and_signal(wrong, plain, bar, lives):
-    runs = lives(plain)[:3]
+def test_a_wrong_label_names_run_and_signal(plain, bar, lives):
+    runs, wrong = lives(plain)[:3], "speed and position"
     runs[1] = corrected(runs[1], bar, wrong, -np.log(1.2))
     found = suggest(plain, Runs(bar, runs), OF_SPEED)
     assert found.verdict == "input_error"
@@ -52,6 +51,12 @@ def test_how_far_the_table_goes_for_what_the_screw_turns(rig, driven, speed, pos
     assert gone(label, rig) == pytest.approx(position / speed, rel=0.01)
     unread = replace(run, inputs=run.inputs | {"position": np.full(len(run), np.nan)})
     assert np.isnan(gone(unread, rig))
+
+
+def test_a_speed_that_the_position_contradicts_is_wrong_alone(plain, bar, lives):
+    (name, size), *_ = _likely(plain, bar, corrected(lives(plain)[1], bar, "speed", -np.log(1.2)))
+    assert name == "speed"
+    assert np.exp(size) == pytest.approx(1.2, abs=0.04)
 
 
 def test_speed_that_the_position_bears_out_is_not_called_wrong_alone(plain, bar, lives):
