@@ -29,6 +29,12 @@ def rig_folder(fs20_log, tmp_path) -> Path:
     return folder_of(fs20_log, fs20_log, tmp_path)
 
 
+@pytest.fixture
+def short_folder(short_log, fs20_log, tmp_path) -> Path:
+    """The same with two minutes of it."""
+    return folder_of(short_log, fs20_log, tmp_path)
+
+
 def folder_of(log: Path, whole: Path, path: Path) -> Path:
     """The same with any part of it, and the truth of the whole."""
     shutil.copy(PAPER / "rig.toml", path)

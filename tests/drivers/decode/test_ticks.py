@@ -105,7 +105,7 @@ BREAKS = (lose_status, silence, jump, stray, stand_still, jitter, swap, foreign,
 BREAK = st.tuples(st.sampled_from(BREAKS), st.integers(0, 19), st.floats(0.01, 8.0), st.integers(1, 5))
 
 
-@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=22, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(breaks=st.lists(BREAK, max_size=4), hertz=st.sampled_from([5, 20]), seed=st.integers(0, 3))
 def test_live_and_review_agree(tmp_path: Path, breaks: list, hertz: int, seed: int) -> None:
     rows = log_fake.log(18, hertz, (3, 12), seed)
