@@ -11,10 +11,9 @@ from heapq import merge
 from pathlib import Path
 from typing import Any
 
-import can
-import cantools
 import numpy as np
 
+from drivers.canbus import can, cantools
 from drivers.decode.dbc import find_dbc
 from drivers.frames import Array
 from drivers.virtual_rig import Run

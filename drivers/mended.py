@@ -20,7 +20,7 @@ def read_dbc(path: Path) -> tuple[list[Any], dict[str, str]]:
 
     One that is none is a ValueError. Of messages of one name none is to be used.
     """
-    import cantools  # late: takes longer than reading a short log
+    from drivers.canbus import cantools
 
     logging.getLogger("cantools").setLevel(logging.ERROR)  # it would print what is there twice
     kind = path.suffix.lower().removeprefix(".")

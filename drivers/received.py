@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import can
+from drivers.canbus import can
 
 
 class Received(NamedTuple):

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+import drivers.canbus  # noqa: F401 before the virtual rig, which loads all that python-can loads
 from ballscrew.cli import main
 from ballscrew.workers import processes
 from drivers.virtual_rig import simulate, write

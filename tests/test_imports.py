@@ -36,6 +36,7 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "next_run",
     ),
     "drivers": (
+        "canbus",
         "budget received frames mended foreign units virtual_rig",
         "decode",
         "lab",

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 import rerun.blueprint as rrb
-from rerun.chunk import RrdReader
+
+from tests.viz_read import logged
 
 BARS, TABS, TITLE, TIMES = 66.0, 30.0, 28.0, 20.0  # heights: of the window's own, a row of tabs, a title, a time axis
 LABEL, LETTER, MARGIN = 21.0, 7.0, 12.0  # of a label
@@ -70,10 +71,10 @@ def labels_of_axis(extent: Sequence[float], points: float, steps: Sequence[float
 def entries(path: Path, origin: str) -> int:
     """How many curves have a name below an origin in a saved file."""
     names = set()
-    for chunk in RrdReader(path).stream().filter(content=f"/{origin}/**").to_chunks():
-        for column in chunk.to_record_batch().schema.names:
-            if chunk.is_static and column.endswith(":names"):
-                names |= {*(chunk.to_record_batch().column(column)[-1].as_py() or ())}
+    for batch in _always(path, origin):
+        for column in batch.schema.names:
+            if column.endswith(":names"):
+                names |= {*(batch.column(column)[-1].as_py() or ())}
     return len(names - {""})
 
 
@@ -84,15 +85,20 @@ def labels(path: Path, origin: str, one: Placed) -> list[tuple[str, np.ndarray]]
     zoom = min(one.width / (right - left), one.height / (bottom - top))
     middle = np.array([(left + right) / 2, (top + bottom) / 2])
     found = []
-    for chunk in RrdReader(path).stream().filter(content=f"/{origin}/**").to_chunks():
-        batch = chunk.to_record_batch()
-        if chunk.is_static and "Points2D:labels" in batch.schema.names:
+    for batch in _always(path, origin):
+        if "Points2D:labels" in batch.schema.names:
             texts, at = (batch.column(f"Points2D:{name}")[-1].as_py() for name in ("labels", "positions"))
             for text, place in zip(texts or (), at or (), strict=False):
                 x, y = zoom * (np.array(place) - middle) + np.array([one.width, one.height]) / 2
                 half = (LETTER * len(text) + MARGIN) / 2
                 found.append((text, np.array([x - half, y, x + half, y + LABEL])))
     return found
+
+
+def _always(path: Path, origin: str) -> Iterator[Any]:
+    """What was logged for all times below an origin."""
+    below = (each for entity, each in logged(path).items() if entity.startswith(f"/{origin}/"))
+    return (batch for each in below for always, batch in each if always)
 
 
 def covered(one: np.ndarray, other: np.ndarray) -> float:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 from rerun.chunk import RrdReader
 
 from estimator.record import Array
+
+Logged = dict[str, list[tuple[bool, pa.RecordBatch]]]
 
 
 def rows(path: Path, entity: str, component: str) -> tuple[Array, list[list]]:
     """Times (n,) s and rows of one component of one entity, in order of time."""
     times, values = [], []
-    for chunk in RrdReader(path).stream().filter(content=entity).to_chunks():
-        batch = chunk.to_record_batch()
+    for _, batch in logged(path).get(entity, []):
         if component in batch.schema.names and "time" in batch.schema.names:
             times.append(batch.column("time").cast("int64").to_numpy() / 1e9)
             values += batch.column(component).to_pylist()
@@ -32,9 +35,8 @@ def state_at(path: Path, lane: str, *when_s: float) -> list[str]:
 def fixed(path: Path, entity: str, component: str) -> list:
     """What was logged for an entity for all times, the last time."""
     found = None
-    for chunk in RrdReader(path).stream().filter(content=entity).to_chunks():
-        batch = chunk.to_record_batch()
-        if chunk.is_static and component in batch.schema.names:
+    for always, batch in logged(path).get(entity, []):
+        if always and component in batch.schema.names:
             found = batch.column(component)[-1].as_py()
     assert found is not None, f"{entity} has no {component}"
     return found
@@ -53,3 +55,16 @@ def view_names(path: Path) -> list[str]:
     batches = [chunk.to_record_batch() for chunk in reader.stream(store=reader.blueprints()[0]).to_chunks()]
     key = "ViewBlueprint:display_name"
     return [batch.column(key)[0].as_py()[0] for batch in batches if key in batch.schema.names]
+
+
+def logged(path: Path) -> Logged:
+    """What was logged for each entity: whether for all times, and what. A test asks for many of one file."""
+    return _logged(path, path.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=8)
+def _logged(path: Path, written_ns: int) -> Logged:
+    found: Logged = {}
+    for chunk in RrdReader(path).stream().to_chunks():
+        found.setdefault(chunk.entity_path, []).append((chunk.is_static, chunk.to_record_batch()))
+    return found

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from can import CanError
 
 from ballscrew.options import bus_options, rig_option, terminal_options, writable
 from ballscrew.terminal import Terminal, duration
 from drivers.bus.bus import FAILURES, BusAddress, told
+from drivers.canbus import can
 from drivers.logs.log_writer import check_format
 from estimator.errors import SetupError
 
@@ -180,5 +180,5 @@ def _play(terminal: Terminal, run: Run, encoded: Encoded | None, address: BusAdd
     with bus:
         try:
             play(encoded.messages(0.0) if encoded else frame_table(run).messages(0.0), bus, speed_up)
-        except (CanError, OSError) as error:
+        except (can.CanError, OSError) as error:
             raise SetupError(f"{address}: the bus is gone: {told(error)}") from error

@@ -9,10 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-import can
-from can.util import cast_from_string
-
 from drivers.bus.kernel_buffer import with_room
+from drivers.canbus import can
 from estimator.errors import SetupError
 
 # What interfaces raise beside can.CanError: it depends on the driver, the adaptor and the state of its cable.
@@ -97,4 +95,4 @@ def bus_options(words: tuple[str, ...]) -> dict[str, str | int | float]:
     wrong = [word for word in words if "=" not in word]
     if wrong:
         raise SetupError(f"--bus-kwargs {wrong[0]}: write NAME=VALUE, for example host=127.0.0.1")
-    return {key: cast_from_string(value) for key, _, value in (word.partition("=") for word in words)}
+    return {key: can.util.cast_from_string(value) for key, _, value in (word.partition("=") for word in words)}

@@ -9,11 +9,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-import can
-import cantools
 import numpy as np
 
 from drivers.bus.bus import hang_up, told
+from drivers.canbus import can, cantools
 from drivers.decode.checks import frame_checksum
 from drivers.decode.dbc import find_dbc
 from drivers.received import Received

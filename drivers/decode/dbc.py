@@ -204,7 +204,7 @@ def _load(path: Path, changed: int) -> Dbc:
 
 
 def _layout(message: Any) -> Layout:
-    import cantools
+    from drivers.canbus import cantools
 
     about = message.name, message.frame_id, bool(message.is_extended_frame), message.length
     try:

@@ -14,8 +14,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import can
-
+from drivers.canbus import can
 from drivers.logs.candump_line import line_of
 from drivers.received import Received
 from estimator.errors import SetupError, nearest

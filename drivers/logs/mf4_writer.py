@@ -7,19 +7,20 @@ go in blocks, and the file starts when the first of them came. Imported only whe
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from importlib import reload
 from pathlib import Path
 from typing import Any
 
-import can
 import numpy as np
-from can.io.mf4 import ERR_DTYPE, RTR_DTYPE, STD_DTYPE
-from can.util import channel2int, len2dlc
 
-_GROUPS = {"CAN_DataFrame": STD_DTYPE, "CAN_ErrorFrame": ERR_DTYPE, "CAN_RemoteFrame": RTR_DTYPE}
+from drivers.canbus import can
+
+mf4 = reload(can.io.mf4)  # with asammdf
+_GROUPS = {"CAN_DataFrame": mf4.STD_DTYPE, "CAN_ErrorFrame": mf4.ERR_DTYPE, "CAN_RemoteFrame": mf4.RTR_DTYPE}
 _BLOCK = 10_000
 
 
-class Mf4Writer(can.MF4Writer):
+class Mf4Writer(mf4.MF4Writer):
     """Takes messages like the other writers of python-can; the file is written at `stop`."""
 
     def __init__(self, path: Path) -> None:
@@ -55,10 +56,10 @@ class Mf4Writer(can.MF4Writer):
 
 
 def _fill(row: Any, name: str, message: can.Message) -> None:
-    row[f"{name}.BusChannel"] = channel2int(message.channel) or 0
+    row[f"{name}.BusChannel"] = can.util.channel2int(message.channel) or 0
     row[f"{name}.ID"] = message.arbitration_id
     row[f"{name}.IDE"] = message.is_extended_id
-    row[f"{name}.DLC"] = len2dlc(message.dlc)
+    row[f"{name}.DLC"] = can.util.len2dlc(message.dlc)
     if message.is_remote_frame:
         return
     row[f"{name}.DataLength"] = len(message.data)

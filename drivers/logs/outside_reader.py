@@ -11,11 +11,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-if __name__ == "__main__" and not sys.argv[1].lower().endswith(".mf4"):
-    sys.modules["asammdf"] = None  # python-can loads it, and pandas with it, for MF4 alone: half of what a log takes
+if __name__ == "__main__" and sys.argv[1].lower().endswith(".mf4"):
+    import asammdf  # noqa: F401 before python-can, which would do without it
 
-import can
-
+from drivers.canbus import can
 from drivers.frames import PACKED, Tally
 from drivers.logs.outside import EVERY, HEAD
 from drivers.logs.python_can import Messages

@@ -7,9 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import can
-from can.io.player import MESSAGE_READERS
-
+from drivers.canbus import can
 from drivers.frames import Tally
 from drivers.logs.lines import AscLines, WholeLines
 
@@ -80,7 +78,7 @@ class Messages:
     def _read(self, options: dict[str, Any]) -> Iterator[can.Message]:
         reads = {".asc": AscLines}.get(self._suffix, WholeLines)
         self._lines = reads(self._path) if self._suffix in TEXT else None
-        with MESSAGE_READERS[self._suffix](self._lines or str(self._path), **options) as reader:
+        with can.io.player.MESSAGE_READERS[self._suffix](self._lines or str(self._path), **options) as reader:
             self._file = self._lines or reader.file
             for message in reader:
                 self.count += 1

@@ -15,8 +15,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy
 
+from estimator.batch.kernels import remember
 from estimator.batch.open_loop import measured, open_loop_misfit, where_measured
 from estimator.batch.trial import Posed, Trial
 from estimator.batch.trials import slow_trials_of
@@ -100,9 +100,8 @@ def _slopes(trial: Trial, posed: Posed, model: Model, paths: Sequence[str]) -> l
 def _quick(values: Array, trial: Trial) -> Array:
     """What a running mean leaves of each column's finite values: every row before weighs less; 0 before the first."""
     known, keep = np.isfinite(values), np.exp(-trial.rig.tick_s / MEMORY_S)
-    total, count = (
-        scipy.signal.lfilter([1.0], [1.0, -keep], each, axis=0) for each in (np.nan_to_num(values), known.astype(float))
-    )
+    still, keep = np.zeros(values.shape[1]), np.full(values.shape[1], keep)
+    total, count = (remember(keep, each, still) for each in (np.nan_to_num(values), known.astype(float)))
     return np.asarray(values - total / np.where(count > 0.0, count, 1.0))
 
 

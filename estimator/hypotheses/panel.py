@@ -101,8 +101,9 @@ class Panel:
 
     @property
     def cost(self) -> float:
-        """Misfit of all recordings as it stands, with what the prior adds, in the units of `judge`."""
-        return float(self._weighted[:, -1, -1].sum() + self._off @ self._prior @ self._off) / self.weight
+        """Misfit of all recordings as it stands, with what the prior adds, in the units of `judge`; inf of none."""
+        total = float(self._weighted[:, -1, -1].sum() + self._off @ self._prior @ self._off)
+        return total / self.weight if self.weight else np.inf
 
     @property
     def promise(self) -> float:

@@ -20,35 +20,35 @@ ROOT = Path(__file__).parents[2]
 ROD = ROOT / "examples" / "heated_rod"
 
 
-def test_without_a_rig_file_above_the_built_in_rig_is_used_and_named(fs20_log):
-    status, out, _ = run("review", fs20_log)
+def test_without_a_rig_file_above_the_built_in_rig_is_used_and_named(short_log):
+    status, out, _ = run("review", short_log)
     assert status == 0
     assert "no rig.toml at or above" in out
     assert "using the built-in rig, the paper's ball screw" in out
 
 
 @pytest.mark.parametrize("option", ["--json", "--save"])
-def test_an_output_that_cannot_be_written_is_told_before_the_work(option, rig_folder):
-    (blocked := rig_folder / "out.json").mkdir()
+def test_an_output_that_cannot_be_written_is_told_before_the_work(option, short_folder):
+    (blocked := short_folder / "out.json").mkdir()
     with mock.patch("ballscrew.workspace.load", side_effect=AssertionError("work was begun")):
-        status, _, err = run("review", rig_folder / "logs", option, blocked)
+        status, _, err = run("review", short_folder / "logs", option, blocked)
     assert status == 2
     assert f"error: {blocked}: cannot be written: is a directory" in err
 
 
-def test_asking_whether_an_output_can_be_written_changes_nothing(rig_folder):
-    kept = rig_folder / "kept.json"
+def test_asking_whether_an_output_can_be_written_changes_nothing(short_folder):
+    kept = short_folder / "kept.json"
     kept.write_text("{}")
-    assert run("review", rig_folder / "none.log", "--json", kept)[0] == 1
-    assert run("review", rig_folder / "none.log", "--json", rig_folder / "new.json")[0] == 1
+    assert run("review", short_folder / "none.log", "--json", kept)[0] == 1
+    assert run("review", short_folder / "none.log", "--json", short_folder / "new.json")[0] == 1
     assert kept.read_text() == "{}"
-    assert not (rig_folder / "new.json").exists()
+    assert not (short_folder / "new.json").exists()
 
 
 @pytest.mark.parametrize("text", ["", "[conduction]\n", "[still_air]\n[conduction]\n"])
-def test_a_model_that_reads_no_thermometer_is_refused(text, rig_folder):
-    (rig_folder / "model.toml").write_text(text)
-    status, _, err = run("review", rig_folder / "logs")
+def test_a_model_that_reads_no_thermometer_is_refused(text, short_folder):
+    (short_folder / "model.toml").write_text(text)
+    status, _, err = run("review", short_folder / "logs")
     assert status == 2
     assert "model.toml: no effect reads a thermometer; add [thermometers]" in err
 
@@ -104,30 +104,31 @@ def test_a_filter_that_is_worse_than_a_polyline_says_so(rig_folder):
     assert "worse than the polyline" not in run("review", rig_folder / "logs")[1]
 
 
-def test_the_nearest_rig_folder_is_used(rig_folder):
-    rig = rig_folder / "rig.toml"
+def test_the_nearest_rig_folder_is_used(short_folder):
+    rig = short_folder / "rig.toml"
     rig.write_text(rig.read_text().replace('subset_7 = ["T02", ', 'subset_7 = ["T01", '))
-    status, out, err = run("review", rig_folder / "logs", "--json")
+    status, out, err = run("review", short_folder / "logs", "--json")
     assert status == 0
     assert "built-in" not in out + err
     nearest = json.loads(out)["recordings"][0]["polyline_7"]
     named = [
-        json.loads(run("review", rig_folder / "logs", "--rig", path, "--json")[1]) for path in (rig, rig_folder, PAPER)
+        json.loads(run("review", short_folder / "logs", "--rig", path, "--json")[1])
+        for path in (rig, short_folder, PAPER)
     ]
     assert [found["recordings"][0]["polyline_7"] == nearest for found in named] == [True, True, False]
 
 
-def test_a_folder_means_its_recordings_and_never_the_truth(rig_folder):
-    status, out, _ = run("review", rig_folder / "logs", "--json")
+def test_a_folder_means_its_recordings_and_never_the_truth(short_folder):
+    status, out, _ = run("review", short_folder / "logs", "--json")
     assert status == 0
     assert [r["name"] for r in json.loads(out)["recordings"]] == ["FS-20.log"]
-    status, _, err = run("review", rig_folder / "logs" / "FS-20.truth.csv")
+    status, _, err = run("review", short_folder / "logs" / "FS-20.truth.csv")
     assert status == 1
     assert "FS-20.truth.csv: the truth of a simulated recording, not a recording" in err
 
 
-def test_recordings_of_one_name_are_named_with_their_folders(rig_folder, monkeypatch):
-    monkeypatch.chdir(rig_folder)
+def test_recordings_of_one_name_are_named_with_their_folders(short_folder, monkeypatch):
+    monkeypatch.chdir(short_folder)
     shutil.copytree("logs", "tuesday")
     status, out, _ = run("review", "logs", "tuesday", "--json")
     assert status == 0
@@ -135,35 +136,35 @@ def test_recordings_of_one_name_are_named_with_their_folders(rig_folder, monkeyp
     assert names == ["FS-20.log (logs)", "FS-20.log (tuesday)"]
 
 
-def test_wrong_rig_and_model_end_with_2(rig_folder):
-    log = rig_folder / "logs" / "FS-20.log"
-    (rig_folder / "model.toml").write_text("[nut_friction]\npowr = 3\n")
+def test_wrong_rig_and_model_end_with_2(short_folder):
+    log = short_folder / "logs" / "FS-20.log"
+    (short_folder / "model.toml").write_text("[nut_friction]\npowr = 3\n")
     status, _, err = run("review", log)
     assert status == 2
     assert (
         err.strip()
-        == f"error: {rig_folder.resolve() / 'model.toml'}: nut_friction has no 'powr'; did you mean 'power'?"
+        == f"error: {short_folder.resolve() / 'model.toml'}: nut_friction has no 'powr'; did you mean 'power'?"
     )
-    (rig_folder / "model.toml").unlink()
+    (short_folder / "model.toml").unlink()
     assert run("review", log)[0] == 2
     assert run("review", log, "--model", PAPER / "model.toml")[0] == 0
-    (rig_folder / "rig.toml").write_text("name = 3")
+    (short_folder / "rig.toml").write_text("name = 3")
     assert run("review", log)[0] == 2
-    assert run("review", log, "--rig", rig_folder / "none")[0] == 2
+    assert run("review", log, "--rig", short_folder / "none")[0] == 2
 
 
-def test_a_model_of_another_geometry_is_said(rig_folder):
-    text = (rig_folder / "rig.toml").read_text()
-    (rig_folder / "rig.toml").write_text(text.replace("conductivity = 46.0", "conductivity = 45.0"))
-    _, _, err = run("review", rig_folder / "logs", "--model", PAPER / "model.toml")
+def test_a_model_of_another_geometry_is_said(short_folder):
+    text = (short_folder / "rig.toml").read_text()
+    (short_folder / "rig.toml").write_text(text.replace("conductivity = 46.0", "conductivity = 45.0"))
+    _, _, err = run("review", short_folder / "logs", "--model", PAPER / "model.toml")
     assert "was fitted to another geometry or material than" in err
-    (rig_folder / "rig.toml").write_text(text)
-    assert "another geometry" not in run("review", rig_folder / "logs", "--model", PAPER / "model.toml")[2]
+    (short_folder / "rig.toml").write_text(text)
+    assert "another geometry" not in run("review", short_folder / "logs", "--model", PAPER / "model.toml")[2]
 
 
-def test_a_spoilt_truth_is_said_and_the_readings_serve(rig_folder):
-    (rig_folder / "logs" / "FS-20.truth.csv").write_text("time_s,elongation_um\n0,x\n")
-    status, out, err = run("review", rig_folder / "logs", "--json")
+def test_a_spoilt_truth_is_said_and_the_readings_serve(short_folder):
+    (short_folder / "logs" / "FS-20.truth.csv").write_text("time_s,elongation_um\n0,x\n")
+    status, out, err = run("review", short_folder / "logs", "--json")
     assert status == 1
     assert "FS-20.truth.csv: cannot be read as a truth file" in err
     assert json.loads(out)["recordings"][0]["reference"] == "readings"

@@ -11,7 +11,7 @@ from estimator.model import Model
 from .compare import badness, better, digits, table, worse
 from .measure import Figures, Folder
 
-RUN, TICKS = "ES-20.blf", 2400  # not fitted; a drive and most of its rest
+RUN, TICKS = "ES-20.blf", 1500  # not fitted; a drive and most of its rest
 
 
 @pytest.fixture(scope="module")

@@ -197,3 +197,13 @@ def cool(surface: Surface, speed: float, outer: np.ndarray, cover: np.ndarray, a
     warm, cold = outer + KELVIN, along + KELVIN
     radiated = surface.emissivity * STEFAN_BOLTZMANN * (warm * warm + cold * cold) * (warm + cold)
     heat -= (h + radiated) * (outer - along) * surface.area * (1.0 - cover)
+
+
+@njit(cache=True)
+def recall(keep: float, now: float, before: float, x: np.ndarray) -> np.ndarray:
+    """y[k] = keep y[k - 1] + now x[k] + before x[k - 1], from nothing on: (n,)"""
+    y, rest = np.empty_like(x), 0.0
+    for k in range(len(x)):
+        y[k] = now * x[k] + rest
+        rest = before * x[k] + keep * y[k]
+    return y

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict, fields, is_dataclass, replace
+from functools import cache
 from itertools import count
 from typing import Any, NamedTuple
 
@@ -37,6 +38,7 @@ FINE_GAIN, COARSE_GAIN = 0.003, 0.007
 SHORTEST_LAG_S, LONGEST_LAG_S = 3.0, 15.0
 
 
+@cache
 def machine(number: int) -> Machine:
     """The same number is the same machine, 0 the paper's; `constants` has the ranges.
 

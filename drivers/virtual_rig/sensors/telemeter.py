@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from drivers.virtual_rig.dice import dice
+from drivers.virtual_rig.machine.flows import recall
 from drivers.virtual_rig.machine.geometry import CHANNELS
 from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.population.constants import Sensors
@@ -77,7 +77,7 @@ def lagging(spot: np.ndarray, tau: float) -> np.ndarray:
     a = np.exp(-1.0 / tau)
     b = tau * (1.0 - a)
     rise = spot - spot[0]
-    return spot[0] + scipy.signal.lfilter([1.0 - b, b - a], [1.0, -a], rise)
+    return spot[0] + recall(a, 1.0 - b, b - a, rise)
 
 
 def quantised(temperature: np.ndarray) -> np.ndarray:

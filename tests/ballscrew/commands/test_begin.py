@@ -6,21 +6,23 @@ import subprocess
 import sys
 
 from ballscrew.cli import COMMANDS
+from tests.log_fake import DBC
 
 SLOW = {
     "numba", "scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.signal", "scipy.special", "scipy.stats",
-    "rerun", "matplotlib", "pyarrow",
+    "rerun", "matplotlib", "pandas", "pyarrow",
 }  # fmt: skip
 
 
-def test_no_command_loads_what_is_slow_to_say_what_it_does():
+def test_no_command_loads_what_is_slow_to_say_what_it_does_nor_for_a_dbc():
     program = """if True:
-        import importlib, sys
-        sys.modules["asammdf"] = None  # python-can loads it, and pandas with it, wherever it is
+        import importlib, pathlib, sys
+        from drivers.mended import read_dbc
+        read_dbc(pathlib.Path(sys.argv[3]))
         for name in sys.argv[1].split():
             importlib.import_module(f"ballscrew.commands.{name.replace('-', '_')}")
             print(name, *sorted(set(sys.argv[2].split()) & set(sys.modules)))
     """
-    words = [" ".join(COMMANDS), " ".join(SLOW)]
+    words = [" ".join(COMMANDS), " ".join(SLOW), DBC]
     done = subprocess.run([sys.executable, "-c", program, *words], capture_output=True, text=True, check=True)
     assert done.stdout.split("\n") == [*COMMANDS, ""]

@@ -75,8 +75,7 @@ def test_every_frame_comes_back(tmp_path: Path, suffix: str) -> None:
     assert status == 0, err
     told = json.loads((tmp_path / "told.json").read_text())
     kept = held(rows, suffix)
-    assert [row.time_s for row in read(out)] == [row.time_s for row in kept]  # to the microsecond
-    assert read(out) == kept
+    assert read(out) == kept  # times to the microsecond
     assert (told["frames_in"], told["frames_out"], told["bytes"]) == (600, len(kept), out.stat().st_size)
     assert sum(told["left_out"].values()) == 600 - len(kept)
     assert told["seconds"] == pytest.approx(rows[-1].time_s - rows[0].time_s, rel=1e-4)
@@ -135,7 +134,7 @@ def test_a_torn_end_and_foreign_lines_are_skipped_and_told(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("suffix", [".blf", ".asc", ".trc"])
 def test_a_cut_file_of_another_format_goes_over_up_to_the_cut(tmp_path: Path, suffix: str) -> None:
-    rows = [row for row in frames(9000) if row.kind == "data"]
+    rows = [row for row in frames(6000) if row.kind == "data"]
     whole = tmp_path / f"in{suffix}"
     run("export", log(tmp_path / "in.log", rows), "-o", whole)
     whole.write_bytes(whole.read_bytes()[: -whole.stat().st_size // 4])

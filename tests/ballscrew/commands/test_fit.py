@@ -37,18 +37,18 @@ def test_fit_writes_a_model_that_review_calls_fitted(rig_folder):
     assert json.loads(run("review", copy, "--json")[1])["held_out"] is not None
 
 
-def test_fit_never_opens_the_truth(rig_folder):
+def test_fit_never_opens_the_truth(short_folder):
     opened = []
     real = Path.open
     spy = mock.patch.object(Path, "open", lambda self, *a, **k: opened.append(self.name) or real(self, *a, **k))
     with spy:
-        assert run("fit", rig_folder / "logs", "-o", rig_folder / "with.toml")[0] == 0
+        assert run("fit", short_folder / "logs", "-o", short_folder / "with.toml")[0] == 0
         assert "FS-20.truth.csv" not in opened
-        assert run("review", rig_folder / "logs")[0] == 0
+        assert run("review", short_folder / "logs")[0] == 0
         assert "FS-20.truth.csv" in opened
-    (rig_folder / "logs" / "FS-20.truth.csv").write_bytes(b"\xff not a table")
-    assert run("fit", rig_folder / "logs", "-o", rig_folder / "spoilt.toml")[0] == 0
-    assert (rig_folder / "with.toml").read_text() == (rig_folder / "spoilt.toml").read_text()
+    (short_folder / "logs" / "FS-20.truth.csv").write_bytes(b"\xff not a table")
+    assert run("fit", short_folder / "logs", "-o", short_folder / "spoilt.toml")[0] == 0
+    assert (short_folder / "with.toml").read_text() == (short_folder / "spoilt.toml").read_text()
 
 
 def test_fit_without_free_parameters_ends_with_2(rig_folder):
@@ -81,19 +81,19 @@ def test_fit_says_in_a_table_what_changed_and_as_json_all_it_knows(rig_folder):
 
 
 @pytest.mark.parametrize("stage", ["open loop", "likelihood"])
-def test_ctrl_c_in_a_fit_ends_with_130_and_the_model_written(rig_folder, stage):
-    model = load_model(rig_folder / "model.toml")
+def test_ctrl_c_in_a_fit_ends_with_130_and_the_model_written(short_folder, stage):
+    model = load_model(short_folder / "model.toml")
     noisy = {"thermometers.sd": replace(model.values["thermometers.sd"], fixed=False)}
-    save_model(model.with_values(noisy), rig_folder / "model.toml")
+    save_model(model.with_values(noisy), short_folder / "model.toml")
 
     def interrupt(done: float, detail: str = "") -> None:
         if detail.startswith(f"{stage}, run"):
             raise KeyboardInterrupt
 
-    out = rig_folder / "so_far.toml"
+    out = short_folder / "so_far.toml"
     with mock.patch.object(Terminal, "progress", return_value=nullcontext(interrupt)):
-        status, text, err = run("fit", rig_folder / "logs", "-o", out, "--json", rig_folder / "fit.json")
-    told = json.loads((rig_folder / "fit.json").read_text())
+        status, text, err = run("fit", short_folder / "logs", "-o", out, "--json", short_folder / "fit.json")
+    told = json.loads((short_folder / "fit.json").read_text())
     assert status == 130
     assert "stopped by Ctrl-C after " in text
     assert "Traceback" not in err
@@ -104,9 +104,9 @@ def test_ctrl_c_in_a_fit_ends_with_130_and_the_model_written(rig_folder, stage):
         assert model[path] == pytest.approx(told["parameters"][path]["value"], rel=1e-4)
 
 
-def test_a_quiet_fit_is_silent_and_writes_the_model_all_the_same(rig_folder):
-    assert run("fit", rig_folder / "logs", "-o", rig_folder / "m.toml", "--quiet") == (0, "", "")
-    assert set(load_model(rig_folder / "m.toml").values) == set(load_model(rig_folder / "model.toml").values)
+def test_a_quiet_fit_is_silent_and_writes_the_model_all_the_same(short_folder):
+    assert run("fit", short_folder / "logs", "-o", short_folder / "m.toml", "--quiet") == (0, "", "")
+    assert set(load_model(short_folder / "m.toml").values) == set(load_model(short_folder / "model.toml").values)
 
 
 def test_show_prints_every_effect_with_equation_values_and_units(full):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -88,24 +87,6 @@ def searching(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     return planned
 
 
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Reports with one picture that shows nothing: true ones take longer than all else."""
-
-    def blank(stem: Path, *_: object) -> dict[str, Path]:
-        picture = stem.with_name(f"{stem.name}-steps.png")
-        picture.write_bytes(b"nothing")
-        return {"steps": picture}
-
-    monkeypatch.setattr("ballscrew.report.comparison_views.write_pictures", blank)
-
-
-@pytest.fixture
-def unfelt(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nobody asks what the axis feels, which takes two replays and two runs without readings."""
-    monkeypatch.setattr("ballscrew.commands.improve.at_the_table", lambda *_: [])
-
-
 def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(searching, fs20_log, tmp_path) -> None:
     searching("churning")
     out = tmp_path / "b.toml"
@@ -159,7 +140,7 @@ def heat_at_350(model: Model, taken: tuple[str, ...]) -> Suggestion:
     return replace(plain, composed=Composed(unknown, text, effect, added, plain.before.judged, (), tried=700))
 
 
-def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, undrawn, unfelt, fs20_log, tmp_path) -> None:
+def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, undrawn, unfelt, short_log, tmp_path) -> None:
     asked = []
 
     def answer(model, runs, effects, loose=(), healthy=None, taken=()):
@@ -182,7 +163,7 @@ def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, undrawn, u
         "--json",
         tmp_path / "b.json",
     ]
-    status, said, err = run("improve", fs20_log, *words, "--json", tmp_path / "b.json")
+    status, said, err = run("improve", short_log, *words, "--json", tmp_path / "b.json")
     assert status == 0, err
     assert {"Rub", "HeatNear350"} <= {*asked[0]}
     assert "+ heat_near350_no2" in said
@@ -198,20 +179,20 @@ def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, undrawn, u
     assert "```python\nclass HeatNear350No2(Effect):" in report
 
 
-def test_a_file_that_is_no_python_is_refused_before_the_search(fs20_log, tmp_path) -> None:
+def test_a_file_that_is_no_python_is_refused_before_the_search(short_log, tmp_path) -> None:
     (tmp_path / "effects.py").write_text("def (:\n")
     words = ["--rig", PAPER, "-o", tmp_path / "b.toml", "--compose", tmp_path / "effects.py"]
-    status, _, err = run("improve", fs20_log, *words)
+    status, _, err = run("improve", short_log, *words)
     assert status == 2
     assert "effects.py: line 1 is not Python" in err
 
 
-def test_a_model_with_an_effect_of_ones_own_loads_again(searching, undrawn, unfelt, fs20_log, tmp_path) -> None:
+def test_a_model_with_an_effect_of_ones_own_loads_again(searching, undrawn, unfelt, short_log, tmp_path) -> None:
     searching("rub")
     (tmp_path / "mine.py").write_text(OWN)
     (tmp_path / "made").mkdir()
     status, _, err = run(
-        "improve", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "--effects", tmp_path / "mine.py",
+        "improve", short_log, "--rig", PAPER, "--model", PAPER / "base.toml", "--effects", tmp_path / "mine.py",
         "-o", tmp_path / "made" / "b.toml", "--report", tmp_path / "r.html", "--save", tmp_path / "v.rrd", "--quiet",
     )  # fmt: skip
     assert status == 0, err
@@ -226,21 +207,21 @@ def test_a_model_with_an_effect_of_ones_own_loads_again(searching, undrawn, unfe
     assert "rub" in [one.effect.name for one in effects_to_try(Workspace(Terminal(), load_rig(PAPER), model), ())]
 
 
-def test_ctrl_c_leaves_the_best_so_far(searching, fs20_log, tmp_path) -> None:
+def test_ctrl_c_leaves_the_best_so_far(searching, short_log, tmp_path) -> None:
     searching("churning", "stop")
     out = tmp_path / "b.toml"
-    status, said, _ = run("improve", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out)
+    status, said, _ = run("improve", short_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out)
     assert status == 130
     assert "stopped by Ctrl-C" in said
     assert "churning" in load_model(out).effects
     assert not (tmp_path / "b.md").exists()
 
 
-def test_nothing_missing_leaves_the_model_as_it_was(searching, undrawn, fs20_log, tmp_path) -> None:
+def test_nothing_missing_leaves_the_model_as_it_was(searching, undrawn, unfelt, short_log, tmp_path) -> None:
     searching()
     out = tmp_path / "b.toml"
-    words = ["--held-out", fs20_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out, "--json"]
-    status, said, err = run("improve", fs20_log, *words)
+    words = ["--held-out", short_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out, "--json"]
+    status, said, err = run("improve", short_log, *words)
     assert status == 0, err
     assert json.loads(said)["steps"][0]["held_out"]["temperature_K"] > 0
     given = load_model(PAPER / "base.toml")
@@ -250,34 +231,34 @@ def test_nothing_missing_leaves_the_model_as_it_was(searching, undrawn, fs20_log
     assert "thermometer − open-loop [K], base.toml" in view_names(tmp_path / "b.rrd")
 
 
-def test_compare_saves_one_model_or_two(fs20_log, tmp_path) -> None:
+def test_compare_saves_one_model_or_two(short_log, tmp_path) -> None:
     models = ["--model", PAPER / "base.toml", "--model", PAPER / "model.toml"]
-    status, out, err = run("compare", fs20_log, *models, "--save", tmp_path / "c.rrd")
+    status, out, err = run("compare", short_log, *models, "--save", tmp_path / "c.rrd")
     assert status == 0, err
     assert "views: " in out
     names = view_names(tmp_path / "c.rrd")
     assert "after: thermometer − open-loop [K], model.toml" in names
     text = fixed(tmp_path / "c.rrd", "/summary", "TextDocument:text")[0]
     assert "| error, rms | base.toml, K | um | model.toml, K | um |" in text
-    status, _, err = run("compare", fs20_log, *models, *models, "--save", tmp_path / "d.rrd")
+    status, _, err = run("compare", short_log, *models, *models, "--save", tmp_path / "d.rrd")
     assert status == 2
     assert "one model, or two" in err
 
 
-def test_suggest_saves_the_model_and_the_best_effect(fs20_log, tmp_path, monkeypatch) -> None:
+def test_suggest_saves_the_model_and_the_best_effect(short_log, tmp_path, monkeypatch) -> None:
     def answer(model, runs, effects, loose=(), healthy=None, taken=()):
         return found(model, "effect", {e.name: e for e in effects}["churning"])
 
     monkeypatch.setattr("ballscrew.commands.suggest.suggest", answer)
-    status, _, err = run("suggest", fs20_log, "--model", PAPER / "base.toml", "--save", tmp_path / "s.rrd")
+    status, _, err = run("suggest", short_log, "--model", PAPER / "base.toml", "--save", tmp_path / "s.rrd")
     assert status == 0, err
     text = fixed(tmp_path / "s.rrd", "/summary", "TextDocument:text")[0]
     assert "| + churning | 0.100 | 0.40 | it alone | share 0.4 +- 0.2 |" in text
     assert "after: thermometer − open-loop [K], with churning" in view_names(tmp_path / "s.rrd")
 
 
-def test_diagnose_saves_the_one_model(fs20_log, tmp_path) -> None:
-    status, _, err = run("diagnose", fs20_log, "--model", PAPER / "base.toml", "--save", tmp_path / "d.rrd")
+def test_diagnose_saves_the_one_model(short_log, tmp_path) -> None:
+    status, _, err = run("diagnose", short_log, "--model", PAPER / "base.toml", "--save", tmp_path / "d.rrd")
     assert status == 0, err
     assert "| good enough alone |" in fixed(tmp_path / "d.rrd", "/summary", "TextDocument:text")[0]
     assert "heat missing [W/m], base.toml" in view_names(tmp_path / "d.rrd")

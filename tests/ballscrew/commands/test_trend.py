@@ -15,7 +15,7 @@ def days(tmp_path_factory, fs20_log):
     lines, folder = fs20_log.read_text().splitlines(keepends=True), tmp_path_factory.mktemp("days")
     first = float(lines[0][1:].partition(")")[0])
     for k in range(6):
-        kept = [line for line in lines if float(line[1:].partition(")")[0]) < first + 300.0 + 15.0 * k]
+        kept = [line for line in lines if float(line[1:].partition(")")[0]) < first + 150.0 + 15.0 * k]
         (folder / f"day{k}.log").write_text("".join(kept))
     return folder
 

@@ -148,16 +148,16 @@ def test_tune_says_in_a_table_what_changed_and_as_json_all_it_knows(tmp_path):
     assert load_model(tmp_path / "tuned.toml")["heater.share"] == load_model(ROD / "model.toml")["heater.share"]
 
 
-def test_a_quiet_tune_is_silent_and_never_opens_the_truth(rig_folder):
-    (rig_folder / "logs" / "FS-20.truth.csv").write_bytes(b"\xff not a table")
+def test_a_quiet_tune_is_silent_and_never_opens_the_truth(short_folder):
+    (short_folder / "logs" / "FS-20.truth.csv").write_bytes(b"\xff not a table")
     opened = []
     real = Path.open
     spy = mock.patch.object(Path, "open", lambda self, *a, **k: opened.append(self.name) or real(self, *a, **k))
     with spy:
-        assert run("tune", rig_folder / "logs", "-o", rig_folder / "tuned.toml", "--quiet") == (0, "", "")
+        assert run("tune", short_folder / "logs", "-o", short_folder / "tuned.toml", "--quiet") == (0, "", "")
     assert "FS-20.truth.csv" not in opened
     assert "model.toml" in opened
-    assert set(load_model(rig_folder / "tuned.toml").values) == set(load_model(rig_folder / "model.toml").values)
+    assert set(load_model(short_folder / "tuned.toml").values) == set(load_model(short_folder / "model.toml").values)
 
 
 def test_ctrl_c_in_tuning_ends_with_130_and_no_model(tmp_path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+
 import pytest
 
 from ballscrew.monitor import session as loop
@@ -82,12 +84,14 @@ def frames() -> Frames:
     return rig_frames(45.0)
 
 
-@pytest.fixture
-def session(paper, monkeypatch):
-    """session(items): all parts of it, with what was said and each status; a busy machine takes its time at the end."""
-    monkeypatch.setattr(loop, "DRAIN_S", 1000.0)
+Held = tuple[Session, list[str], list[Status]]
 
-    def of(items: list) -> tuple[Session, list[str], list[Status]]:
+
+@pytest.fixture(scope="module")
+def session(paper) -> Iterator[Callable[[list], Held]]:
+    """session(items): all parts of it, with what was said and each status; a busy machine takes its time at the end."""
+
+    def of(items: list) -> Held:
         said, ticks = [], []
         session = Session(
             Monitor(paper[1], paper[0]), Receiver(items), Clock(), "a bus", lambda text, level: said.append(text),
@@ -97,4 +101,12 @@ def session(paper, monkeypatch):
         session.finish()
         return session, said, ticks
 
-    return of
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(loop, "DRAIN_S", 1000.0)
+        yield of
+
+
+@pytest.fixture(scope="module")
+def through(session, frames) -> Held:
+    """The session that hears all frames; to be looked at only."""
+    return session(frames)

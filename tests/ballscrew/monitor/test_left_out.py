@@ -74,7 +74,7 @@ def without(paper, frames) -> list[Moment]:
     return lived(Monitor(model, rig), frames)
 
 
-@pytest.mark.parametrize(("effect", "at_s"), [(Jet, FAILS_S + 2), (Odd, FAILS_S + 2), (Raising, 1.0)])
+@pytest.mark.parametrize(("effect", "at_s"), [(Odd, FAILS_S + 2), (Raising, 1.0)])
 def test_the_estimate_goes_on_without_an_effect_that_fails(paper, frames, without, effect, at_s):
     rig, model = paper
     moments = lived(Monitor(model + effect, rig), frames)

@@ -16,8 +16,8 @@ from estimator.batch.replay import replay
 from tests.ballscrew.monitor.test_left_out import sent
 from tests.live_fake import Frames, lived, rig_frames, since
 
-END_S = 200.0
-AFTER_S = 45.0  # that a monitor is followed for once it has been started again
+END_S = 130.0
+AFTER_S = 30.0  # that a monitor is followed for once it has been started again
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def restarted(paper, frames: Frames, folder: Path, at_s: float, gap_s: float) ->
     return monitor, lived(monitor, after), sentence
 
 
-@pytest.mark.parametrize(("at_s", "gap_s"), [(40.0, 0.4), (90.7, 45.0)])
+@pytest.mark.parametrize(("at_s", "gap_s"), [(40.0, 0.4), (60.7, 25.0)])
 def test_the_elongation_goes_on(paper, frames, through, tmp_path, at_s, gap_s):
     """In the drive, with the machine going on while nobody listens; the same as by the parts joined."""
     monitor, moments, sentence = restarted(paper, frames, tmp_path, at_s, gap_s)
@@ -112,7 +112,7 @@ def test_a_silence_of_an_hour_ends_it(paper, frames, tmp_path):
 
 def test_a_start_with_a_warm_screw_is_said_once_and_marked(paper, frames, tmp_path):
     rig, model = paper
-    late = [frame for frame in frames if since(frames, frame) > 150.0]
+    late = [frame for frame in frames if since(frames, frame) > 100.0]
     monitor = Monitor(model, rig)
     moments = lived(monitor, late)
     assert [note for note in monitor.tally.notes if note.startswith("began warm: about ")] == [monitor.start.sentence]
@@ -126,7 +126,7 @@ def test_a_start_with_a_warm_screw_is_said_once_and_marked(paper, frames, tmp_pa
 def test_a_cold_screw_and_one_counted_from_a_zero_are_not_marked(paper, frames):
     rig, model = paper
     assert not lived(Monitor(model, rig), frames[:500])[-1].trust.began_warm
-    late = [frame for frame in frames if since(frames, frame) > 190.0]
+    late = [frame for frame in frames if since(frames, frame) > 120.0]
     monitor = Monitor(model, replace(rig, zero_C=20.0))
     assert not lived(monitor, late)[-1].trust.began_warm
     assert monitor.start.warm

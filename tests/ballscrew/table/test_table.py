@@ -22,16 +22,6 @@ ROD = PAPER.parent / "examples" / "heated_rod"
 
 
 @pytest.fixture(scope="module")
-def short_log(tmp_path_factory, fs20_log):
-    """The first five minutes of FS-20."""
-    lines = fs20_log.read_text().splitlines(keepends=True)
-    first = float(lines[0][1:].partition(")")[0])
-    path = tmp_path_factory.mktemp("short") / "short.log"
-    path.write_text("".join(line for line in lines if float(line[1:].partition(")")[0]) < first + 300.0))
-    return path
-
-
-@pytest.fixture(scope="module")
 def found(short_log):
     rig, model = face.load_rig(PAPER), face.load_model(PAPER / "model.toml")
     return rig, face.review(face.read(short_log, rig), rig, model)

@@ -97,7 +97,7 @@ def test_names_that_are_nearly_right_doubled_or_not_there(tmp_path: Path, rig: R
     assert "no time column 't' in the header (time, left, B, P/kW, ambient)" in said
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 @given(
     sep=st.sampled_from([";", "\t", "|"]), comma=st.booleans(), head=st.integers(0, 5), units=st.booleans(),
     form=st.sampled_from(["%d.%m.%Y %H:%M:%S", "%Y-%m-%d %H:%M:%S", "%d-%b-%Y %H:%M:%S"]), end=st.booleans(),

@@ -13,11 +13,10 @@ from estimator.errors import InputError
 from estimator.rig import Rig
 from tests.drivers.lab.conftest import NAMES, ROWS, rows, write
 
-asammdf = pytest.importorskip("asammdf")
-
 
 def mf4(path: Path, names: dict[str, str], apart_s: float = 0.0) -> Path:
     """The rows of the CSVs, each column a signal of its own group, in its unit, `apart_s` after the one before."""
+    asammdf = pytest.importorskip("asammdf")  # late: it takes most of a second
     table = np.array(rows(), dtype=float)
     with asammdf.MDF(version="4.10") as mdf:
         for k, (name, unit) in enumerate(names.items(), start=1):

@@ -84,11 +84,15 @@ def test_date_and_time_of_day_in_two_columns(tmp_path: Path, rig: Rig, names: li
         (lambda s: f"{(1_770_000_000 + s) * 1000:.0f}", "milliseconds since 1970"),
         (lambda s: f"{1_770_000_000_000_000 + int(s * 1e6)}", "microseconds since 1970"),
         (lambda s: f"{1_770_000_000_000_000_000 + int(s * 1e9)}", "nanoseconds since 1970"),
+        (lambda s: f"{740_000.5 + s / 86400:.9f}", "days since the year 0"),
+        (lambda s: f"{134_200_000_000_000_000 + int(s * 1e7)}", "100 ns since 1601"),
+        (lambda s: f"{639_000_000_000_000_000 + int(s * 1e7)}", "100 ns since the year 1"),
     ],
 )
 def test_times_as_numbers(tmp_path: Path, rig: Rig, text: Callable[[float], str], said: str) -> None:
     record = read_recording(write(tmp_path / "a.csv", rows(text)), rig)
-    np.testing.assert_allclose(record.time_s, np.arange(ROWS) * STEP, atol=0.4)
+    within_s = 0.4 if said == "minutes" else 0.1  # two digits of a minute are half a second
+    np.testing.assert_allclose(record.time_s, np.arange(ROWS) * STEP, atol=within_s)
     assert any(said in note for note in record.notes) or not said
 
 
@@ -128,20 +132,6 @@ def test_a_clock_of_twelve_hours_that_does_not_say_which(tmp_path: Path, rig: Ri
     for form in ("%I:%M:%S", "%d.%m.%Y %I:%M:%S"):
         cells = rows(clock(form, "2026-03-13 12:58:00"))
         assert_as_plain(write(tmp_path / "a.csv", cells), rig, "times begin again after 43200 s")
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (lambda s: f"{740_000.5 + s / 86400:.9f}", "days since the year 0"),
-        (lambda s: f"{134_200_000_000_000_000 + int(s * 1e7)}", "100 ns since 1601"),
-        (lambda s: f"{639_000_000_000_000_000 + int(s * 1e7)}", "100 ns since the year 1"),
-    ],
-)
-def test_times_that_other_programs_count(tmp_path: Path, rig: Rig, text: Callable[[float], str], said: str) -> None:
-    record = read_recording(write(tmp_path / "a.csv", rows(text)), rig)
-    np.testing.assert_allclose(record.time_s, np.arange(ROWS) * STEP, atol=0.1)
-    assert any(said in note for note in record.notes)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from estimator.filter import Filter
 from tests.conftest import stepped
 
 TICK_S = 10
-SECONDS = 1500
+SECONDS = 1340
 AHEAD = 600 // TICK_S
 
 

@@ -291,12 +291,3 @@ def test_loglike_of_another_library(system):
     # initialize_known at F x0 + b and F P0 F' + Q of the first tick, transition and intercept of the next tick, unused
     # readings NaN
     assert loglike(random_system(seed=7, ticks=400)) == pytest.approx(-4237.980421226866, rel=1e-9)
-
-
-def test_compiled_once_and_known_to_be(system):
-    loglike(system), score(system), smoothed(system), list(passes(system)), ahead(system, 3, 3)
-    assert not batch.is_cold()
-    assert not batch.is_cold(passes, smoothed)
-    used = batch.kernels
-    for kernel in (used.forward, used.compare, used.smooth, used.score, used._coast):
-        assert len(kernel.dispatcher.signatures) == 1

@@ -8,6 +8,8 @@ import shutil
 from pathlib import Path
 
 from estimator.batch import batch
+from estimator.batch.batch import ahead, loglike, passes, score, smoothed
+from tests.estimator.batch.test_batch import random_system
 from tests.processes import ended
 
 
@@ -40,3 +42,13 @@ def test_what_numba_keeps_counts_and_not_the_dates_of_files(tmp_path):
     assert batch._is_compiled(kernel())
     source.write_text("def more(x):\n    return x + 2.0\n")
     assert not batch._is_compiled(kernel())
+
+
+def test_compiled_once_and_known_to_be():
+    system = random_system()
+    loglike(system), score(system), smoothed(system), list(passes(system)), ahead(system, 3, 3)
+    assert not batch.is_cold()
+    assert not batch.is_cold(passes, smoothed)
+    used = batch.kernels
+    for kernel in (used.forward, used.compare, used.smooth, used.score, used._coast):
+        assert len(kernel.dispatcher.signatures) == 1

@@ -70,10 +70,6 @@ def test_the_error_at_a_place_is_that_at_the_table_when_it_is_there(anywhere):
     assert np.isfinite(table.error_um[5:]).all() == (rig.nut is not None and "anchor" in rig.supports)
 
 
-def nothing(run: Recording) -> None:
-    pass
-
-
 def gaps(run: Recording) -> None:
     run.channels[np.random.default_rng(0).random(run.channels.shape) < 0.4] = np.nan
 
@@ -105,16 +101,25 @@ def lost_drive_and_inputs(run: Recording) -> None:
 
 
 BREAKS = [
-    nothing, gaps, whole_silent_ticks, late_readings, first_ticks_without_thermometer,
+    gaps, whole_silent_ticks, late_readings, first_ticks_without_thermometer,
     first_sample_without_displacement, a_channel_that_comes_later, lost_drive_and_inputs,
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("broken", BREAKS)
+TOGETHER = {
+    "gaps": (gaps,),
+    "late": (whole_silent_ticks, late_readings, a_channel_that_comes_later),
+    "a late start": (first_ticks_without_thermometer,),
+    "no drive": (first_sample_without_displacement, lost_drive_and_inputs),
+}
+
+
+@pytest.mark.parametrize("broken", TOGETHER)
 def test_replay_is_the_filter_with(broken, lived):
     model, rig, run = lived
     run = copy(run)
-    broken(run)
+    for each in TOGETHER[broken]:
+        each(run)
     track = both(model, rig, run)
     assert len(track) == TICKS
     assert np.isfinite(track.elongation_um[-1])
@@ -201,14 +206,14 @@ def test_a_rig_without_a_screw(monkeypatch):
 
 def test_the_heated_rod():
     rig = load_rig(ROD)
-    track = both(load_model(ROD / "model.toml"), rig, read_recording(ROD / "check.csv", rig).rows(slice(300)))
+    track = both(load_model(ROD / "model.toml"), rig, read_recording(ROD / "check.csv", rig).rows(slice(150)))
     assert track.fused.all()
     assert np.isnan(track.error_at_table_um).all()
 
 
-def test_a_recording_of_the_bus(rig):
-    """A drive and some minutes of its stop."""
-    run = read_recording(PAPER / "FS-20.blf", rig).rows(slice(330))
+def test_a_recording_of_the_bus(rig, fs20_log):
+    """A drive and the beginning of its stop."""
+    run = read_recording(fs20_log, rig).rows(slice(280))
     track = both(load_model(PAPER / "model.toml"), rig, run)
     assert track.fused[:, :15].mean() > 0.95
     assert track.fused[:, 15].sum() > 50

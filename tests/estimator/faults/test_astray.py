@@ -42,9 +42,9 @@ def test_nobody_is_accused_or_suspected(frozen, track, paper, monkeypatch):
 
 
 def test_live_judges_as_batch(frozen, track, paper):
-    live = stepped(Filter(paper[1], paper[0]), frozen)
+    live = stepped(Filter(paper[1], paper[0]), frozen.rows(slice(2 * AT)))
     for key in SERIES:
-        np.testing.assert_allclose(getattr(live, key), getattr(track, key), rtol=1e-9, atol=1e-9, err_msg=key)
+        np.testing.assert_allclose(getattr(live, key), getattr(track, key)[: 2 * AT], rtol=1e-9, atol=1e-9, err_msg=key)
 
 
 def test_what_reads_as_none_does_is_left_out_all_the_same(frozen, paper):

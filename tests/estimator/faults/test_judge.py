@@ -68,7 +68,7 @@ FAILURES = {
 
 
 @pytest.mark.parametrize("name", FAILURES)
-def test_a_failure_is_named_left_out_and_adds_nothing(name, lived, without, tick_by_tick, rig, full):
+def test_a_failure_is_named_left_out_and_adds_nothing(name, lived, without, rig, full):
     change, fault, within_s, um = FAILURES[name]
     log = changed(lived, change)
     track = replay(full, rig, log)
@@ -77,7 +77,14 @@ def test_a_failure_is_named_left_out_and_adds_nothing(name, lived, without, tick
     assert abs(track.elongation_um - without.elongation_um)[AT:].max() < um
     assert not (np.delete(track.fault, ONE, axis=1) > Fault.JUDGED).any()
     assert (track.fault[:AT] == Fault.NONE).all()
-    shown = slice(int(named[0]) + 90)
+
+
+@pytest.mark.parametrize("name", ["85 degC", "spikes"])
+def test_live_and_a_trial_name_it_as_well(name, lived, tick_by_tick, rig, full):
+    """Others: batch/test_replayed_faults.py and, of drifts, test_suspicion.py."""
+    change, _, within_s, _ = FAILURES[name]
+    log = changed(lived, change)
+    track, shown = replay(full, rig, log), slice(AT + within_s + 30)
     live = tick_by_tick(log.rows(shown))
     np.testing.assert_array_equal(live.fault, track.fault[shown])
     np.testing.assert_allclose(live.elongation_um, track.elongation_um[shown], rtol=0, atol=1e-9)
@@ -135,7 +142,7 @@ def test_one_that_the_model_comes_near_to_is_not_taken_back(lived, rig, full):
     assert (replay(full, rig, log).fault[AT + 40 :, ONE] > Fault.JUDGED).all()
 
 
-def test_a_board_that_shifts_all_by_a_kelvin_gives_them_other_zeros(lived, tick_by_tick, rig, full):
+def test_a_board_that_shifts_all_by_a_kelvin_gives_them_other_zeros(lived, rig, full):
     readings = lived.recording.channels.copy()
     readings[AT:, rig.is_thermometer] += 1.0
     track = replay(full, rig, replace(lived.recording, channels=readings))
@@ -144,9 +151,6 @@ def test_a_board_that_shifts_all_by_a_kelvin_gives_them_other_zeros(lived, tick_
     jumped = np.flatnonzero(track.jump[:, ONE])
     assert (len(jumped), jumped[0] - AT) == (1, pytest.approx(4, abs=1))
     assert track.jump[jumped[0], ONE] == pytest.approx(1.0, abs=0.15)
-    shown = slice(AT + 240)
-    live = tick_by_tick(replace(lived.recording, channels=readings).rows(shown))
-    np.testing.assert_allclose(live.elongation_um, track.elongation_um[shown], rtol=0, atol=1e-9)
 
 
 def test_a_displacement_that_jumps_has_another_zero(lived, rig, full):

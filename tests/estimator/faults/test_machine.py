@@ -134,8 +134,8 @@ def test_another_machines_estimate_says_how_far_it_is_off(recording, another, pa
 
 
 def test_live_says_the_same_as_after_the_fact_and_learns_anew_after_hours(recording, another, paper, monkeypatch):
-    monkeypatch.setattr(machine, "RENEWED_S", 300.0)
-    some = recording.rows(slice(0, 500))
+    monkeypatch.setattr(machine, "RENEWED_S", 150.0)
+    some = recording.rows(slice(0, 300))
     some.channels[200:203] = np.nan
     live, batch = stepped(Filter(another, paper[0]), some), replay(another, paper[0], some)
     assert 0.1 < batch.off_share[-1] < 0.4

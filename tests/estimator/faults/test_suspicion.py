@@ -115,10 +115,10 @@ def test_on_a_machine_that_is_not_the_models_zeros_stay(paper, tmp_path):
 def test_live_suspects_and_widens_as_batch_does(healthy, paper):
     """Two that drift from soon after the stop on, one of them so slowly that it is not accused yet."""
     rig, model = paper
-    begun = healthy.rows(slice(0, 700))
+    begun = healthy.rows(slice(0, 560))
     recording = replace(begun, channels=begun.channels.copy())
     recording.channels[360:363] = np.nan
-    for i, K_per_h in ((ONE, 3.0), (ONE + 5, 9.0)):
+    for i, K_per_h in ((ONE, 4.0), (ONE + 5, 14.0)):
         recording.channels[:, i] += np.maximum(recording.time_s - 300.0, 0.0) * K_per_h / 3600.0
     live, batch = stepped(Filter(model, rig), recording), replay(model, rig, recording)
     assert suspected(batch).size

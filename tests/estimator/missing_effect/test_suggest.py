@@ -50,7 +50,7 @@ def test_what_leaves_little_takes_more_recordings(plain, bar, lives):
 def test_healthy_recordings_say_what_has_changed_since(plain, bar, lives):
     """The model's nut is another one's; the healthy runs tell, so that churning does not bend it."""
     other = plain.with_values({"nut_friction.power": 26.0})
-    new, healthy = lives(with_effect(plain, "churning", share=0.5))[:2], lives(plain, seed=40)[:2]
+    new, healthy = lives(with_effect(plain, "churning", share=0.5))[:2], lives(plain, seed=40)[:1]
     found = suggest(other, Runs(bar, new), CATALOGUE.values(), healthy=Runs(bar, healthy))
     assert (found.verdict, found.found[0].names) == ("effect", ("churning",))
     assert not found.before.refit

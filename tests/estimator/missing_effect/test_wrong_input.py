@@ -18,15 +18,14 @@ from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.wrong_input import ZERO, _likely, corrected, gone
 from estimator.work import Runs
 
-NEAR = ["nut_speed_exponent", "churning", "friction_thinning", "radiation", "local_heat_driving", "channel_offset"]
-RIVALS = [CATALOGUE[name] for name in NEAR]  # what a wrong speed or place comes nearest to
+OF_SPEED = [CATALOGUE[name] for name in ("nut_speed_exponent", "churning")]  # what a wrong speed comes nearest to
+OF_PLACE = [CATALOGUE[name] for name in ("local_heat_driving", "channel_offset")]
 
 
-@pytest.mark.parametrize("wrong", ["speed", "speed and position"])
-def test_a_wrong_label_names_run_and_signal(wrong, plain, bar, lives):
-    runs = lives(plain)[:3]
+def test_a_wrong_label_names_run_and_signal(plain, bar, lives):
+    runs, wrong = lives(plain)[:3], "speed and position"
     runs[1] = corrected(runs[1], bar, wrong, -np.log(1.2))
-    found = suggest(plain, Runs(bar, runs), RIVALS)
+    found = suggest(plain, Runs(bar, runs), OF_SPEED)
     assert found.verdict == "input_error"
     assert (found.wrong_input.run, found.wrong_input.signal) == ("run 1", wrong)
     assert found.wrong_input.ratio == pytest.approx(1.2, abs=0.04)
@@ -35,7 +34,7 @@ def test_a_wrong_label_names_run_and_signal(wrong, plain, bar, lives):
 def test_one_run_with_another_zero_of_the_position_is_named_with_its_size(plain, bar, lives):
     runs = lives(plain)[:3]
     runs[2] = corrected(runs[2], bar, ZERO, -30.0)
-    found = suggest(plain, Runs(bar, runs), RIVALS)
+    found = suggest(plain, Runs(bar, runs), OF_PLACE)
     assert (found.verdict, found.wrong_input.run, found.wrong_input.signal) == ("input_error", "run 2", "position")
     assert found.wrong_input.shift_mm == pytest.approx(30.0, abs=5.0)
 
@@ -52,6 +51,12 @@ def test_how_far_the_table_goes_for_what_the_screw_turns(rig, driven, speed, pos
     assert gone(label, rig) == pytest.approx(position / speed, rel=0.01)
     unread = replace(run, inputs=run.inputs | {"position": np.full(len(run), np.nan)})
     assert np.isnan(gone(unread, rig))
+
+
+def test_a_speed_that_the_position_contradicts_is_wrong_alone(plain, bar, lives):
+    (name, size), *_ = _likely(plain, bar, corrected(lives(plain)[1], bar, "speed", -np.log(1.2)))
+    assert name == "speed"
+    assert np.exp(size) == pytest.approx(1.2, abs=0.04)
 
 
 def test_speed_that_the_position_bears_out_is_not_called_wrong_alone(plain, bar, lives):

@@ -122,12 +122,12 @@ def test_sentences_put_what_matters_most_first(rig):
     assert "nor a single reading" in sentences(False, Error(0.4, 1.0), Error(0.05, 0.1), [], [])[1]
 
 
-def test_the_command_prints_tables_and_writes_json(fs20_log):
-    status, out, _ = ballscrew("diagnose", fs20_log)
+def test_the_command_prints_tables_and_writes_json(fs20_log, tmp_path):
+    status, out, _ = ballscrew("diagnose", fs20_log, "--json", tmp_path / "told.json")
     assert status == 0
     assert "model alone (open loop)" in out
     assert "sensors alone" in out
-    told = json.loads(ballscrew("diagnose", fs20_log, "--json", "-")[1])
+    told = json.loads((tmp_path / "told.json").read_text())
     assert {"adequate", "where", "readings", "sentences", "errors", "whiteness", "missing_heat"} <= set(told)
     for each in told["where"]:
         assert {"from_mm", "to_mm", "phase", "heat_W", "sd_W", "follows", "p"} <= set(each)

@@ -38,8 +38,7 @@ def series(dice: np.random.Generator, recordings: int, lasting: float, **signal:
     return found
 
 
-@pytest.mark.parametrize("lasting", [0.1, 3.0], ids=["white", "lasting"])
-@pytest.mark.parametrize("recordings", [1, 4])
+@pytest.mark.parametrize(("recordings", "lasting"), [(1, 3.0), (4, 0.1)], ids=["lasting", "white"])
 def test_p_of_noise_is_uniform_or_cautious(recordings, lasting):
     dice = np.random.default_rng(recordings)
     p = np.array([follows(series(dice, recordings, lasting), KNOWN).p for _ in range(80)])

@@ -109,7 +109,7 @@ def test_known_heat_is_found_at_its_place_and_time(drive, small_model, lived):
 
 def test_its_sd_is_honest_over_seeds(drive, small_model, lived):
     scores = []
-    for seed in range(12):
+    for seed in range(8):
         mean, covariance = by_phase(judged(small_model, drive[1], lived(3.0, seed=seed)), "drive")
         scores.append((mean.sum() - 3.0) / np.sqrt(covariance.sum()))
     assert 0.1 < np.mean(np.square(scores)) < 2.5

@@ -171,7 +171,7 @@ WRONG = st.one_of(
 )
 
 
-@settings(max_examples=400)
+@settings(max_examples=250)
 @given(data=st.data())
 def test_any_value_anywhere_gives_numbers_or_one_line(small, data):
     """In a whole run, without a warning: the value is right, or it is named with its effect."""

@@ -53,7 +53,7 @@ def test_a_run_that_decides_sets_rivals_apart_as_far_as_foretold(plain, bar, liv
         costs = [panel.cost * panel.weight for panel in (panel_of(h, some) for h in again)]
         return costs[1] - costs[0]
 
-    hottest = best_of([Plan("FS", 3600.0, 3600.0, (0.0, 100.0), 20.0, 174.5)], two, runs, trials)
+    hottest = best_of([Plan("FS", 3600.0, 1200.0, (0.0, 100.0), 20.0, 174.5)], two, runs, trials)
     for told, within in ((run, 1.5), (hottest, 5.0)):  # the sensors' scatter moves it by about one
         both = slow_trials_of(wide, Runs(bar, [*runs.recordings, made(told.plan, truth)]))
         assert (apart(both) - apart(trials)) ** 0.5 == pytest.approx(told.separation_sd, abs=within)

@@ -114,12 +114,12 @@ def test_an_effect_that_is_left_out_takes_its_own_doubts_with_it(small_model, sm
     recording = live(small_model, small, run).recording
     both, one = (small_model.with_values({path: doubts[path] for path in list(doubts)[first:]}) for first in (0, 1))
     filters = [Filter(model, small) for model in (both, one, small_model)]
-    for k in range(200):
+    for k in range(80):
         for each in filters:
             each.step(recording.sample(k))
     for each in filters:
         each.leave_out("still_air")
-    sd = [each.step(recording.sample(200)).sigma_um for each in filters]
+    sd = [each.step(recording.sample(80)).sigma_um for each in filters]
     assert sd[0] == pytest.approx(sd[1], rel=1e-9)
     assert sd[1] > sd[2]
 

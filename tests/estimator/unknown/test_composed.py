@@ -76,11 +76,11 @@ def test_an_effect_may_end_where_the_screw_does(plain, bar, lives):
 
 @pytest.fixture(scope="module")
 def rubbing(plain, bar, lives):
-    return looked(plain, bar, lives(plain + Rubbing))
+    return looked(plain, bar, lives(plain + Rubbing)[:3])
 
 
-@pytest.mark.parametrize("share", [0.7, 1.3])
-def test_no_exponent_hangs_on_how_well_it_is_known_beforehand(share, rubbing, monkeypatch):
+def test_no_exponent_hangs_on_how_well_it_is_known_beforehand(rubbing, monkeypatch):
+    share = 0.7
     monkeypatch.setattr(law, "EXPONENT_SD", share * law.EXPONENT_SD)
     monkeypatch.setattr(effect_text, "WIDTH_SD_MM", share * effect_text.WIDTH_SD_MM)
     made = composed(*rubbing, taken=())
@@ -108,7 +108,7 @@ def test_a_place_a_width_and_an_exponent_are_found(rubbing):
 
 
 def test_a_time_is_found_and_heat_taken_away_cools(plain, bar, lives):
-    made = made_of(plain, bar, lives(plain + Blast))
+    made = made_of(plain, bar, lives(plain + Blast)[:3])
     assert made is not None
     own = {path.partition(".")[2]: value for path, value in made.hypothesis.own().items()}
     assert own["tau"].value == pytest.approx(120.0, rel=0.2)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from itertools import combinations, pairwise
+from typing import Any
 
 import numpy as np
 import pytest
-
-with np.printoptions():  # it changes how numpy prints, for all tests after it
-    import colour
 
 from viz.drawing import paths
 from viz.drawing.paths import LANES
@@ -36,8 +35,17 @@ VIEWS = {
 }  # fmt: skip
 
 
+@cache
+def science() -> Any:
+    """colour-science, late: it takes seconds."""
+    with np.printoptions():  # it changes how numpy prints, for all tests after it
+        import colour
+    return colour
+
+
 def lab(colours: Sequence[paths.Colour], eyes: str | None) -> np.ndarray:
     """Colours (n, 3) in CIE L*a*b* as these eyes see them."""
+    colour = science()
     linear = colour.models.eotf_sRGB(np.array(colours) / 255.0)
     if eyes:
         linear = np.clip(linear @ colour.blindness.matrix_cvd_Machado2009(eyes, 1.0).T, 0.0, 1.0)
@@ -47,7 +55,7 @@ def lab(colours: Sequence[paths.Colour], eyes: str | None) -> np.ndarray:
 def apart(pairs: Sequence[tuple[paths.Colour, paths.Colour]], eyes: str | None) -> float:
     """CIEDE2000 of the pair that is hardest to tell apart."""
     one, other = (lab(some, eyes) for some in zip(*pairs, strict=True))
-    return float(np.min(colour.delta_E(one, other, method="CIE 2000")))
+    return float(np.min(science().delta_E(one, other, method="CIE 2000")))
 
 
 @pytest.mark.parametrize("eyes", EYES)

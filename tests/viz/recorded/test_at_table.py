@@ -6,28 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from estimator.step import TableErrors
-from tests.viz_fake import fake_run
 from tests.viz_read import fixed, rows, view_names
 from viz.recorded import at_table
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun
 
 AT = "/FS-20/at_table"
-
-
-@pytest.fixture(scope="module")
-def run() -> ReviewedRun:
-    return fake_run("FS-20", 400)
-
-
-@pytest.fixture(scope="module")
-def saved(run: ReviewedRun, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("table") / "run.rrd"
-    save(path, [run], "")
-    return path
 
 
 def test_the_error_over_the_stroke_has_its_band_and_the_truth(saved: Path, run: ReviewedRun) -> None:

@@ -10,8 +10,8 @@ import pytest
 from drivers.virtual_rig import Run, simulate
 from drivers.virtual_rig.machine.planted import BASE, PLANTED
 
-minutes = partial(simulate, "FS-10", cycles=1, max_drive_s=60.0, stop_s=240.0)
-"""A short drive and a few minutes of rest: every effect leaves its trace there."""
+minutes = partial(simulate, "FS-10", cycles=1, max_drive_s=60.0, stop_s=180.0)
+"""A short drive and three minutes of rest: every effect leaves its trace there."""
 
 
 @pytest.fixture(scope="module")

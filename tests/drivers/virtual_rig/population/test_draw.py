@@ -16,7 +16,7 @@ from drivers.virtual_rig.population.draw import LAWS, machine
 
 @pytest.fixture(scope="module")
 def many() -> list[Machine]:
-    return [machine(number) for number in range(1, 201)]
+    return [machine(number) for number in range(1, 121)]
 
 
 def ranges():
@@ -118,9 +118,8 @@ def test_other_machines_heat_as_the_paper_s_does(number):
     assert grown[-1] < grown.max() - 5.0
 
 
-@pytest.mark.parametrize("name", ["CS-10", "ES-2.5"])
-def test_slower_and_shorter_strokes_reach_50_um_too(name):
-    for number in (3, 7):
-        run = simulate(name, machine=number, cycles=1, stop_s=2.0)
-        assert run.travel.drives[0].stop_s < 7200.0
-        assert run.truth.elongation_um.max() == pytest.approx(50.0, abs=1.5)
+@pytest.mark.parametrize(("name", "number"), [("CS-10", 3), ("ES-2.5", 7)])
+def test_slower_and_shorter_strokes_reach_50_um_too(name, number):
+    run = simulate(name, machine=number, cycles=1, stop_s=2.0)
+    assert run.travel.drives[0].stop_s < 7200.0
+    assert run.truth.elongation_um.max() == pytest.approx(50.0, abs=1.5)

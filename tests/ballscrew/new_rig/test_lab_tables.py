@@ -1,0 +1,141 @@
+"""`ballscrew init` from lab CSVs: a rod, two bodies, a screw whose columns are named in German."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
+from tests.ballscrew.new_rig.test_new_rig import ROD, TWO, made, roles
+from tests.conftest import ballscrew
+
+
+def test_a_rod_with_a_heater(tmp_path):
+    told = made(ROD, "-o", tmp_path / "rod")
+    assert roles(told) == {f"TC{k}": "thermometer" for k in range(1, 9)} | {
+        "chiller_C": "temperature", "air_C": "ambient", "heater_W": "heater",
+    }  # fmt: skip
+    rig, model = load_rig(tmp_path / "rod"), load_model(tmp_path / "rod" / "model.toml")
+    assert (rig.tick_s, rig.log.time_column, rig.nut, rig.supports) == (5.0, "t_s", None, {})
+    assert [*model.effects] == ["conduction", "still_air", "thermometers", "heater"]
+    assert model["heater.power"] == 1.0
+    assert model["heater.at"] == rig.channels["TC1"].at_mm
+    assert ("where each heater is", "at in model.toml") in [(one["what"], one["lines"]) for one in told["unknown"]]
+    text = (tmp_path / "rod" / "model.toml").read_text()
+    (tmp_path / "rod" / "model.toml").write_text(re.sub(r"\nat = \S+", "\nat = -15.0", text))  # beyond the ends as yet
+    load_model(tmp_path / "rod" / "model.toml")
+    assert ballscrew("review", tmp_path / "rod")[0] == 0
+
+
+def test_two_thermometers_are_on_two_bodies_and_begin_as_they_warmed(tmp_path):
+    made(TWO, "-o", tmp_path / "two")
+    rig, model = load_rig(tmp_path / "two"), load_model(tmp_path / "two" / "model.toml")
+    assert (rig.screw, rig.bodies) == (None, ("body_1", "body_2"))
+    known = load_model(TWO.with_name("model.toml"))
+    for mine, theirs in (("heater1.power", "heater_power.first"), ("bodies.g", "loss_to_air.g")):
+        ratio = model[mine] / model["bodies.capacity"] / (known[theirs] / known["bodies.capacity"])
+        assert 0.3 < ratio < 2.0
+    assert ballscrew("review", tmp_path / "two")[0] == 0
+
+
+HEADS = ["Zeit [s]", "Temp 1 [°C]", "Temp 2 [°C]", "Temp 3 [°C]", "Raumluft [K]", "Drehzahl [1/min]", "Lage [mm]"]
+
+
+def screw_rows(count: int = 200) -> list[list[float]]:
+    """A screw that is driven to and fro, warms and grows: s, three degC, air in K, rpm, mm."""
+    s = np.arange(count) * 1.0
+    warm = 5 * (1 - np.exp(-s / 60))
+    rpm, place = 1000 * np.sign(np.sin(s / 10)), 100 + 100 * np.abs((s / 10 / np.pi) % 2 - 1)
+    return np.column_stack([s, 20 + warm, 20.5 + 1.2 * warm, 21 + warm, 295 + 0 * s, rpm, place]).tolist()
+
+
+def csv(path: Path, heads: list[str], rows: list[list[float]], sep: str = ";", head: str = "") -> Path:
+    lines = [sep.join(heads), *(sep.join(f"{cell:.3f}".replace(".", ",") for cell in row) for row in rows), ""]
+    path.write_text(head + "\n".join(lines), encoding="utf-8")
+    return path
+
+
+def test_a_german_lab_csv_with_units_in_brackets(tmp_path):
+    path = csv(tmp_path / "lauf.csv", HEADS, screw_rows(), head="Anlage 7\nSerie 12\n\n")
+    told = made(path, "-o", tmp_path / "rig")
+    found = {one["name"]: (one["taken_as"], one["unit"]) for one in told["signals"]}
+    assert found["ambient"] == ("ambient", "K")
+    assert found["speed"] == ("speed", "rpm")
+    assert found["position"] == ("position", "mm")
+    rig = load_rig(tmp_path / "rig")
+    assert (rig.inputs["ambient"].unit, rig.inputs["ambient"].offset) == ("degC", -273.15)
+    assert [*rig.thermometers] == HEADS[1:4]
+    assert rig.nut is not None
+    assert "nut_friction" in load_model(tmp_path / "rig" / "model.toml").effects
+    status, _, err = ballscrew("review", tmp_path / "rig")
+    assert status == 0, err
+
+
+def test_of_two_speeds_the_one_that_moves_the_table_is_taken_and_the_other_said(tmp_path):
+    rows = [[*row, 500.0 + k % 3] for k, row in enumerate(screw_rows())]
+    told = made(csv(tmp_path / "run.csv", [*HEADS, "Drehzahl Pumpe [1/min]"], rows), "-o", tmp_path / "rig")
+    (speed,) = [one for one in told["signals"] if one["taken_as"] == "speed"]
+    assert (speed["signal"], speed["or"]) == ("Drehzahl [1/min]", ["Drehzahl Pumpe [1/min]"])
+    assert "or Drehzahl Pumpe [1/min]; edit" in (tmp_path / "rig" / "rig.toml").read_text()
+
+
+def test_several_recordings_are_one_guess_and_each_has_its_own_zero(tmp_path):
+    """Of two that grow one after the other the zeros differ by more than the growth."""
+    heads = [*HEADS, "Dehnung [um]"]
+    for name, zero, air in (("a.csv", 0.0, 0.0), ("b.csv", 400.0, -6.0)):
+        rows = [[row[0], *(one + air for one in row[1:4]), *row[4:], zero + 10 * (row[1] - 20)] for row in screw_rows()]
+        csv(tmp_path / name, heads, rows)
+    told = made(tmp_path, "-o", tmp_path / "rig")
+    assert {"a.csv", "b.csv"} <= {*told["files"]}
+    rig = load_rig(tmp_path / "rig")
+    assert rig.channels["displacement"].scale == 1.0
+    assert rig.inputs["position"].lo <= 100.0 < 200.0 <= rig.inputs["position"].hi
+    assert ballscrew("review", tmp_path / "rig")[0] == 0
+
+
+def test_a_growth_that_shrinks_as_the_screw_warms_is_turned_round(tmp_path):
+    rows = [[*row, -0.05 * (row[1] - 20)] for row in screw_rows()]
+    made(csv(tmp_path / "run.csv", [*HEADS, "Dehnung [mm]"], rows), "-o", tmp_path / "rig")
+    assert load_rig(tmp_path / "rig").channels["displacement"].scale == -1000.0
+
+
+def test_what_is_of_no_rig_is_left_out_and_names_are_apart(tmp_path):
+    """Torque, humidity and vibration have units that look like others; two currents and a wanted temperature."""
+    more = ["Moment [Nm]", "Feuchte [%]", "Vibration [mm/s]", "Strom 1 [A]", "Strom 2 [A]", "T Soll [°C]", "P [kW]"]
+    rows = [
+        [*row, 3.0 + k % 2, 40.0, 0.3 + 0.1 * (k % 3), 2.0 + k % 4, 1.0, 21.0, 0.4]
+        for k, row in enumerate(screw_rows())
+    ]
+    told = made(csv(tmp_path / "run.csv", [*HEADS, *more], rows), "-o", tmp_path / "rig")
+    assert set(told["not_used"]) == {*more[:3]}
+    found = {one["signal"]: (one["name"], one["taken_as"]) for one in told["signals"]}
+    assert (found["Strom 1 [A]"][0], found["Strom 2 [A]"][0]) == ("current", "current_2")
+    assert found["T Soll [°C]"][1] == "temperature"
+    assert found["P [kW]"] == ("p", "power")
+    assert not (tmp_path / "rig" / "effects.py").exists()
+    assert ballscrew("review", tmp_path / "rig")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("times", "heads", "tick_s"),
+    [
+        (lambda s: s * 1000, "t_ms", 5.0),
+        (lambda s: s * 1000, "t", 5.0),
+        (lambda s: 1.7e12 + s * 1000, "timestamp", 5.0),
+        (lambda s: s / 60, "time [min]", 5.0),
+        (lambda s: 12 * s, "t", 60.0),
+        (lambda s: s / 50, "t", 1.0),
+    ],
+    ids=["ms", "ms unsaid", "epoch", "minutes", "each minute", "ten a second"],
+)
+def test_times_are_read_in_whatever_they_count(tmp_path, times, heads, tick_s):
+    rows = [[times(5.0 * k), 20 + k / 20, 21 + k / 25, 22 + k / 30] for k in range(200)]
+    path = tmp_path / "run.csv"
+    lines = [",".join(f"{cell:.9g}" if j else f"{cell:.3f}" for j, cell in enumerate(row)) for row in rows]
+    path.write_text("\n".join([f"{heads},T1,T2,T3", *lines, ""]))
+    assert made(path, "-o", tmp_path / "rig")["tick_s"] == pytest.approx(tick_s)
+    assert ballscrew("review", tmp_path / "rig")[0] == 0
