@@ -27,8 +27,11 @@ def simulated(name: str, rig: Rig, machine: int = 0, seed: int = 1, **options: A
     return recording, np.interp(recording.time_s, run.truth.time_s, run.truth.elongation_um)
 
 
-def record(run: Run, rig: Rig, speed: float = 1.0, position: float = 1.0, shift_mm: float = 0.0) -> Recording:
-    """A run as ticks; `speed` and `position` are errors of the drive's signals, 1: none; `shift_mm` of the latter."""
+def record(
+    run: Run, rig: Rig, speed: float = 1.0, position: float = 1.0, shift_mm: float = 0.0, since_s: float = 0.0
+) -> Recording:
+    """A run as ticks; `speed` and `position` are errors of the drive's signals from a time on, 1: none; `shift_mm` of
+    the latter."""
     measured, time_s = run.measured, run.measured.time_s
     around, reading, direct = measured.environment, run.holds.reading, measured.direct
     values = dict(zip(rig.thermometers, measured.channels.T)) | {
@@ -40,8 +43,11 @@ def record(run: Run, rig: Rig, speed: float = 1.0, position: float = 1.0, shift_
     good = reading.state == 0
     told["displacement"] = run.holds.frozen_s[good] + LATE_S, reading.elongation_um[good]
     now = (time_s[:, None] + (np.arange(INSTANTS) + 1.0 - INSTANTS) / INSTANTS).ravel()
-    drive = run.motion(now)
-    told |= {"position": (now, drive.position_mm * position + shift_mm), "speed": (now, drive.speed_rpm * speed)}
+    drive, wrong = run.motion(now), now >= since_s
+    told |= {
+        "position": (now, np.where(wrong, drive.position_mm * position + shift_mm, drive.position_mm)),
+        "speed": (now, np.where(wrong, drive.speed_rpm * speed, drive.speed_rpm)),
+    }
     readings = {name: _readings(time_s, *each) for name, each in told.items()}
     return replace(Condenser(rig, Tally()).rows(readings, time_s), name=f"{run.name}.blf")
 

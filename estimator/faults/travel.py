@@ -3,12 +3,14 @@
     path  mean speed x time x lead of this tick or the one before, the longer: the most that the position can change by;
           the time is that of the tick and at most of the last reading before it
 
-A table that turns back within a tick moves less: a jump that is shorter than the path of a tick is not seen. Where a
-drive begins or ends the mean speed of the tick hangs on when in it that was: on a fast bus nobody knows.
+A table that turns back within a tick moves less: a jump that is shorter than the path of a tick is not seen so, but
+from one frame to the next. Where a drive begins or ends the mean speed of the tick hangs on when in it that was: on a
+fast bus nobody knows.
 
     pace  how far the position moves as a share of what the speed says, by stretches in which that does not turn: 1
 
-A position in inches, a speed in another scale are told by it within seconds, however often the table turns.
+A position in inches, a speed in another scale are told by it within seconds, however often the table turns; and one
+that runs the other way than before.
 
 Where speeds are as far apart as ticks, or further, the axis can have started, stopped or turned between two of them:
 
@@ -85,8 +87,8 @@ class Travel:
         self._last, self._before, self._offset, self._slips, self._stands = np.nan, 0.0, 0.0, 0, 0
         self._fastest, self._turned, self._apart_s = 0.0, 0, np.inf
         self._stood, self._unseen, self._moves = 0, 0.0, 0
-        self._paces, self._pace, self._signed = deque[float](maxlen=PACED), 0.0, False
-        self._wrong_s, self._now_s = -np.inf, 0.0
+        self._paces, self._pace, self._signed, self._side = deque[float](maxlen=PACED), 0.0, False, 0.0
+        self._wrong_s, self._now_s, self._against = -np.inf, 0.0, False
 
     @property
     def why(self) -> str:
@@ -101,6 +103,8 @@ class Travel:
             return (
                 f"the position moves {self._pace:.2g} times as far as the speed says: check units, scales and lead_mm"
             )
+        if self._against:
+            return "the position moves the other way than before"
         if self._offset:
             return f"the position jumped by {self._offset:+.1f} mm"
         unseen = self._unseen and self._stood >= IN_A_ROW
@@ -136,16 +140,23 @@ class Travel:
         self._rest(moved, turns=path > 0 or not slow)
         slips = abs(moved) > most
         self._slips = self._slips + 1 if slips else 0
-        if slips:
-            offset = self._offset + moved
-            self._offset = offset if abs(offset) > most else 0.0
+        told = np.isfinite(sample.slip_mm)
+        if sample.slip_mm if told else slips:
+            by, least = (sample.slip_mm, SLACK_MM) if told else (moved, most)
+            offset = self._offset + by
+            self._offset = offset if abs(offset) > least else 0.0
         self._stands = self._stands + 1 if path > SLACK_MM and abs(moved) < STANDS_MM else 0
 
     def _keep_pace(self, sample: Sample) -> None:
         """A speed without a sign hides where the table turns, and that it moved less then."""
-        self._signed |= sample.inputs["speed"] < 0.0
+        if not self._signed and sample.inputs["speed"] < 0.0:
+            self._signed = True
+            self._paces.clear()  # which way the table went is told from here on
         self._paces.append(sample.pace)
-        pace = float(np.median(self._paces)) if len(self._paces) == PACED else 1.0
+        known = len(self._paces) == PACED
+        side, pace = np.sign(np.median(self._paces)), float(np.median(np.abs(self._paces))) if known else 1.0
+        self._side = self._side or side * (known and self._signed)
+        self._against = known and self._side * side < 0
         wrong = not (PACE if self._signed else UNSIGNED) < pace < 1.0 / PACE
         self._pace = (self._pace or pace) if wrong else 0.0
 

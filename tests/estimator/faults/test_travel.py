@@ -215,3 +215,46 @@ def test_a_drive_that_sends_seldom_at_rest_is_checked_there(rig):
         read = {name: Readings(row, row, now, value[sent]) for name, value in (("position", place), ("speed", rpm))}
         run = Condenser(rig, Tally()).rows(read, np.arange(row[-1] + 1.0))
         assert [why for _, why in disagreements(run, rig)] == said
+
+
+def framed(rig, change, every=1):
+    """What is said at each tick of a drive of 330 mm/s that sends each 10 ms, of a position that `change` has made
+    another one, read with every so many of the speeds."""
+    position, speed = strokes(330.0, 0.01, 3)
+    now, rpm = 0.01 * np.arange(len(position)), speed / rig.the_screw().lead_mm * 60.0
+    frame, row, some = np.arange(len(now)), (now + 0.005).astype(int), slice(None, None, every)
+    read = {
+        "position": Readings(frame, row, now, change(position, now)).where(some),
+        "speed": Readings(frame, row, now, rpm),
+    }
+    return list(disagreements(Condenser(rig, Tally()).rows(read, np.arange(row[-1] + 1.0)), rig))
+
+
+@pytest.mark.parametrize("every", [1, 5])
+def test_a_position_that_is_told_more_seldom_than_the_speed_does_not_jump(every, rig):
+    assert framed(rig, lambda position, _: position, every) == []
+
+
+@pytest.mark.parametrize("at_s", [200.0, 200.31, 203.0, 207.77])
+def test_a_shift_shorter_than_the_way_of_a_tick_is_said_within_a_second(at_s, rig):
+    ((said_s, why),) = framed(rig, lambda position, now: position + np.where(now >= at_s, 40.0, 0.0))
+    assert 0.0 <= said_s - int(at_s) <= 1.0
+    assert why.startswith(("the position jumped by +39", "the position jumped by +40"))
+
+
+def test_a_shift_between_two_frames_that_is_back_is_over(rig):
+    travel, whys = Travel(rig), []
+    for slip_mm in (0.0, 40.0, 0.0, -39.6, 0.0):
+        inputs = {"position": 0.0, "speed": 0.0}
+        travel.step(Sample(0.0, np.empty(0), np.empty(0), inputs, 0.0, np.empty(0), slip_mm=slip_mm))
+        whys.append(travel.why)
+    assert whys == ["", *["the position jumped by +40.0 mm"] * 2, "", ""]
+
+
+def test_a_position_that_runs_the_other_way_from_its_own_place_on_is_said(rig):
+    def turned(position, now):
+        return np.where(now < 200.0, position, 2.0 * position[20000] - position)
+
+    said_s, why = framed(rig, turned)[0]
+    assert why == "the position moves the other way than before"
+    assert said_s < 215.0
