@@ -68,7 +68,7 @@ def _simulated(name: str, machine: int) -> tuple[Run, Recording, Array]:
 def _lying(run: Run, good: Recording, kind: str, at_s: float, rig: Rig) -> Recording:
     """The recording with a lie from a time on."""
     if kind in DRIVES:
-        return handed_over.record(run, rig, since_s=at_s, **DRIVES[kind])
+        return handed_over.record(run, rig, since_s=at_s or -np.inf, **DRIVES[kind])
     now = good.time_s >= at_s
     if kind in LENGTHS:
         i, readings = rig.index("displacement"), good.channels.copy()

@@ -137,6 +137,7 @@ class Filter:
             since_s=judged.since_s[0],
             may_drift_K=judged.may_drift_K[0],
             off_share=judged.off_share[0],
+            shift_mm=judged.shift_mm[0],
             jump=np.zeros(len(fuse)) if judged.jump is None else judged.jump,
             input_fault=run.forcing.input_fault,
             doubt=doubt.states[0],

@@ -149,6 +149,7 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
             since_s=judgement.since_s[some],
             may_drift_K=judgement.may_drift_K[some],
             off_share=judgement.off_share[some],
+            shift_mm=judgement.shift_mm[some],
             jump=jump[some],
             input_fault=trial.drive.inputs.fault[1:][at],
             doubt=doubtful.states,

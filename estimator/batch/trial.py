@@ -169,6 +169,7 @@ class Trial:
             np.zeros(self.recording.channels.shape),  # what may drift may be heat that the model lacks: it is sought
             self._whole(np.zeros(len(run.fault)), self.jump),
             self._whole(self.drive.inputs.fault[0], self.drive.inputs.fault[1:]),
+            np.zeros(K),  # nor is heat in another place the position's fault as long as effects are sought
         )
         return use_of(self.recording, self.rig, told)
 

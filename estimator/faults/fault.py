@@ -15,6 +15,7 @@ POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
 MINUTE_S, FORGOTTEN_S = 60.0, 1000.0  # of the thermometers' innovations
 
 MAY_DRIFT = "may drift"  # of a channel that is fused
+ELSEWHERE = "the nut's heat is not where the position says"
 
 
 class Fault(IntEnum):
@@ -137,6 +138,7 @@ class Judgement:
     fault    (K, m) a Fault each, since when (K, m) s
     may_drift_K  (K, m) by how much channels that are fused may have drifted, 0: not suspected; since when in since_s
     off_share  (K,) by which share of their values the model's parameters must be off, 0: as a fit has left them
+    shift_mm   (K,) by how much the nut's heat stands elsewhere than the position says, 0: it does not
     jump     (m,) by how much channels jumped whose zero is now another one; None: none did
     drift    (m,) by how much channels had drifted that were fused up to now; None: none had
     loose    (m,) by how much more channels may have drifted that go on being fused; None: none by more than was said
@@ -148,6 +150,7 @@ class Judgement:
     since_s: Array
     may_drift_K: Array
     off_share: Array
+    shift_mm: Array
     jump: Array | None = None
     drift: Array | None = None
     loose: Array | None = None

@@ -67,7 +67,8 @@ class Judge:
 
         In the ticks before that one the channels that are `well` are fused, as whoever asks has taken for granted.
         """
-        seen = replace(seen, value=np.where(seen.muted | ~np.isfinite(seen.sd), np.nan, seen.value))
+        value = np.where(seen.muted | ~np.isfinite(seen.sd), np.nan, seen.value)
+        seen = replace(seen, value=value, astray=seen.astray | self._neighbours.elsewhere)
         jumps = self._jumps.compare(seen, self.well)
         repeats = self._standstill.compare(np.where(self._heat & np.isfinite(seen.value), seen.reading, np.nan))
         progress = self._recovery.compare(seen.time_s, jumps, repeats.count, self.fault)
@@ -101,8 +102,9 @@ class Judge:
         if jump is not None:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
         return Judgement(
-            fault, since_s, may_drift_K, added.off_share, jump, drift, self._loosen(added.off_share[-1]), apart, anew
-        )
+            fault, since_s, may_drift_K, added.off_share, added.shift_mm, jump, drift,
+            self._loosen(added.off_share[-1]), apart, anew,
+        )  # fmt: skip
 
     def _leave_lengths(self, tick: Tick) -> bool:
         """Lengths are broken that have led the estimate too far; whether there are any that were not yet."""

@@ -9,7 +9,8 @@ which they may be off beside what a fit has left open:
                              been unsure in the last quarter of an hour, and at least as what models lack in detail
 
 Each share has the weight that it began with times its likelihood, and the root of their mean square is that of the run.
-The thermometer that the likeliest of them explains worst is not heard: one may be broken.
+As many filters again take the position of the table for told with another zero: d has one element more, of 100 mm. The
+thermometer that the likeliest of them explains worst is not heard: one may be broken.
 """
 
 from __future__ import annotations
@@ -31,15 +32,21 @@ OUTLYING = 3.0  # sd, from which on the worst thermometer is not heard
 YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each block; how often an older one is
 LED_SDS, LED_UM = 5.0, 0.4  # of the elongation by thermometers alone; 3.6 at most on machines 0 - 14
 LEAST = 0.005  # a smaller share makes no difference
+ELSEWHERE, SURE = 0.02, 30.0  # what weighs another place of the nut at first; of log-odds, from which on it is told
+PLACE_MM, WALK_MM2_S = 100.0, 0.1  # by how much it may be another, and become so
+SHIFT_SDS, SHIFT_MM, IN_A_ROW = 5.0, 15.0, 3  # least that is told, by so many looks
+STILL_SDS, STILL_MM = 1.0, 5.0  # least that goes on being told
 
 
 @dataclass(frozen=True)
 class Known:
     """How well p parameters are known: root root' the covariance (p, p) of their errors; whole (p,) what each of them
-    is, or how wide its table is, whichever is more; 0: it is no other on another machine."""
+    is, or how wide its table is, whichever is more; 0: it is no other on another machine. The one number `shift` is by
+    which the position is told with another zero, mm: nothing, unless the thermometers say so."""
 
     root: Array
     whole: Array
+    shift: int | None = None
 
     def apart(self, led: Led, share: float) -> Array:
         """Whether lengths have led further than thermometers allow, (K,), where parameters are off by a share.
@@ -86,26 +93,38 @@ class Look:
 
 
 class Machine:
-    """What one run has told of its model's parameters, look after look; `share` is by which they are off."""
+    """What one run has told of its model's parameters, look after look; `share` is by which they are off.
+
+    shift_mm  by how much the nut's heat stands elsewhere than the position says, 0: the thermometers do not say so
+    """
 
     def __init__(self, known: Known, heat: Array, tick_s: float) -> None:
         """heat (m,) bool, which channels are thermometers."""
         self._heat, self._tick_s, self._ticks = heat, tick_s, list[tuple[Array, ...]]()
-        self._told = known.whole.any()
-        self._prior = known.root @ known.root.T + SHARES[:, None, None] ** 2 * np.diag(known.whole**2)
+        self._told, self._shift = known.whole.any(), known.shift
+        places = 1 if known.shift is None else 2
+        self._shares, self._shifted = (
+            np.tile(SHARES, places),
+            np.repeat([False, True], len(SHARES))[: places * len(SHARES)],
+        )
+        self._prior = known.root @ known.root.T + self._shares[:, None, None] ** 2 * np.diag(known.whole**2)
+        if known.shift is not None:
+            self._prior[self._shifted, known.shift, known.shift] = PLACE_MM**2
         self._P, self._d = self._prior, np.zeros(self._prior.shape[:2])
-        weight = np.where(SHARES > 0.0, ANOTHER / (len(SHARES) - 1), 1.0 - ANOTHER)
-        self._first_log, self._log = np.log(weight), np.zeros(len(SHARES))
+        weight = np.where(self._shares > 0.0, ANOTHER / (len(SHARES) - 1), 1.0 - ANOTHER)
+        weight *= np.where(self._shifted, ELSEWHERE, 1.0 - ELSEWHERE if places > 1 else 1.0)
+        self._first_log, self._log = np.log(weight), np.zeros(len(weight))
         self._details = np.where(heat, DETAILS[True], DETAILS[False]) ** 2
         m, p = len(heat), len(known.whole)
         self._zero = Look(np.full(m, np.nan), np.zeros((m, p)), np.zeros(m))
         self._last, self._age_s, self._unsure = Look(np.zeros(m), np.zeros((m, p)), np.zeros(m)), 0.0 * heat, 0.0 * heat
         self._weight, self._learnt_s, self._waited_s = weight, 0.0, 0.0
+        self._times, self.shift_mm = 0, 0.0
 
     @property
     def share(self) -> float:
         """By which share of their values the parameters are off, 0: they are as the fit says."""
-        share = float(np.sqrt(self._weight @ SHARES**2)) if self._told else 0.0
+        share = float(np.sqrt(self._weight @ self._shares**2)) if self._told else 0.0
         return share if share >= LEAST else 0.0
 
     def hear(self, seen: Seen, some: slice, used: Array) -> None:
@@ -137,7 +156,9 @@ class Machine:
         self._unsure = np.maximum(
             np.where(np.isfinite(now.variance), now.variance, 0.0), np.exp(-passed_s / UNSURE_S) * self._unsure
         )
-        self._log -= np.where(SHARES > 0.0, DETAILS_PER_S * passed_s, 0.0)
+        self._log -= np.where(self._shares > 0.0, DETAILS_PER_S * passed_s, 0.0)
+        if self._shift is not None:
+            self._P[self._shifted, self._shift, self._shift] += WALK_MM2_S * passed_s
         y, moved = now.less(self._zero)
         heard = np.flatnonzero(self._believed(y, moved) & ~first)
         if len(heard):
@@ -145,6 +166,19 @@ class Machine:
         log = self._first_log + self._log
         weight = np.exp(log - log.max())
         self._weight = weight / weight.sum()
+        if self._shift is not None:
+            self._place(log, self._shift)
+
+    def _place(self, log: Array, k: int) -> None:
+        """Whether the nut's heat stands elsewhere, by what all filters say of it together that parameter k may move."""
+        here, there = (np.logaddexp.reduce(log[so]) for so in (~self._shifted, self._shifted))
+        weight = np.exp(log[self._shifted] - there)
+        d, var = self._d[self._shifted, k], self._P[self._shifted, k, k]
+        mean = float(weight @ d)
+        sd = float(np.sqrt(weight @ (var + (d - mean) ** 2)))
+        sds, least_mm = (STILL_SDS, STILL_MM) if self.shift_mm else (SHIFT_SDS, SHIFT_MM)
+        self._times = self._times + 1 if there - here > SURE and abs(mean) > max(sds * sd, least_mm) else 0
+        self.shift_mm = mean if self._times >= (1 if self.shift_mm else IN_A_ROW) else 0.0
 
     def _begin(self, now: Look, which: Array) -> None:
         """The misfit of channels counts from now on."""

@@ -1,7 +1,8 @@
 """Which of several thermometers has changed as neither the model nor the others explain.
 
     c      ~ N(0, C),  C = s^2 (D D' + A) + B      change of reading less model alone, (n,) K
-    D      how c moves with what the model's parameters may be off by (state/doubt.py), and must be (machine.py)
+    D      how c moves with what the model's parameters may be off by (state/doubt.py), and must be (machine.py), and with
+           where the nut's heat stands
     A      heat that no parameter stands for: alike along the screw, and a little of each one's own
     B      what all have in common, and scatter
     s      how many times worse the model is than it says, 1 .. 128: by the likelihood of the other thermometers
@@ -27,7 +28,7 @@ from functools import cache
 
 import numpy as np
 
-from estimator.faults.machine import Known
+from estimator.faults.machine import PLACE_MM, Known
 from estimator.record import Array
 
 WINDOWS = (6, 14, 32, 62, 182, 362)  # blocks of 10 s
@@ -182,6 +183,8 @@ class Windows:
         )
         moved = self.known.doubtful(doubt, np.full(len(before), self.share))
         blocks = np.array([now.block - means.block for means in before])
+        if self.known.shift is not None:  # where the nut's heat stands is as open as any thermometer's zero
+            moved = np.concatenate([moved, PLACE_MM * doubt[..., [self.known.shift]]], axis=-1)
         model = moved @ moved.mT + (blocks / TWO_MINUTES)[:, None, None] * self._unknown
         return Change(difference, model, self._scatter, rough)
 

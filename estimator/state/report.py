@@ -28,7 +28,7 @@ class Estimates:
     grown_um   (K,)   growth of the span since the start by the model alone
     fault, since_s  (K, m) of the channels, a Fault each and since when;   jump (K, m) of their zeros
     may_drift_K     (K, m) by how much those that are fused may have drifted, 0: not suspected
-    off_share  (K,) by which share of their values the model's parameters must be off
+    off_share  (K,) by which share of their values the model's parameters must be off;   shift_mm (K,) the position
     input_fault     (K, p) of the inputs
     doubt      (K, size, q) what the states are off by, and doubt_um (K, q) the elongation, per standard normal error of
                the model's parameters
@@ -46,6 +46,7 @@ class Estimates:
     since_s: Array
     may_drift_K: Array
     off_share: Array
+    shift_mm: Array
     jump: Array
     input_fault: Array
     doubt: Array
@@ -95,6 +96,7 @@ class Reporter:
             since_s=judged,
             may_drift_K=np.zeros(len(judged)),
             off_share=0.0,
+            shift_mm=0.0,
             jump=np.zeros(len(judged)),
             input_fault=run.forcing.input_fault,
             doubt=np.zeros((len(run.x), 0)),
@@ -139,6 +141,7 @@ class Reporter:
             since_s=estimates.since_s,
             may_drift_K=estimates.may_drift_K,
             off_share=estimates.off_share,
+            shift_mm=estimates.shift_mm,
             jump=estimates.jump,
             input_fault=estimates.input_fault,
             begins=np.zeros(len(rows), dtype=bool),
