@@ -76,7 +76,7 @@ class Outcome:
     um        most that the failure has added to the error of the elongation
     in_2sd    share of ticks in which the truth is within 2 sd
     named_s   when all of its channels had been named with a right word, or were said to drift perhaps, inf: never
-    accused   how many others were;   suspected: how many others were said to drift perhaps
+    accused   how many others were, the position among them;   suspected: how many were said to drift perhaps
     suspected_share  of the hours of all others, those in which they were
     lost_s    longest time that the estimate was off by more than 5 sd and 0.5 um
     sd_um     of the estimate, mean over the ticks
@@ -207,7 +207,7 @@ def _outcome(case: Case, rig: Rig, track: Track, base: Track, true_um: Array) ->
         um=float(added.max()),
         in_2sd=float((error <= 2.0 * sd).mean()),
         named_s=named_s,
-        accused=int((fault[:, healthy] > Fault.JUDGED).any(axis=0).sum()),
+        accused=int((fault[:, healthy] > Fault.JUDGED).any(axis=0).sum()) + bool(track.shift_mm[now].any()),
         suspected=int(may_drift[:, healthy].any(axis=0).sum()),
         suspected_share=float(may_drift[:, healthy].mean()),
         sd_um=float(sd.mean()),

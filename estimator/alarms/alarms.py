@@ -116,8 +116,8 @@ class Alarms:
         """Heat that stands elsewhere than the position says."""
         self._elsewhere_s = np.fmin(self._elsewhere_s, step.time_s) if step.shift_mm else np.nan
         if step.shift_mm:
-            text = f"{ELSEWHERE}: as if it were off by {step.shift_mm:+.0f} mm; check its zero"
-            yield Alarm("position", "", float(self._elsewhere_s), text)
+            by = f"as if it were off by {step.shift_mm:+.0f} mm; check its zero, and what else heats there"
+            yield Alarm("position", "", float(self._elsewhere_s), f"{ELSEWHERE}: {by}")
 
     def _inputs(self, step: Step) -> Iterator[Alarm]:
         """Inputs that are held; what is stuck may be as it was, and stays as it is."""

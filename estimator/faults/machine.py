@@ -32,7 +32,8 @@ OUTLYING = 3.0  # sd, from which on the worst thermometer is not heard
 YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each block; how often an older one is
 LED_SDS, LED_UM = 5.0, 0.4  # of the elongation by thermometers alone; 3.6 at most on machines 0 - 14
 LEAST = 0.005  # a smaller share makes no difference
-ELSEWHERE, SURE = 0.02, 30.0  # what weighs another place of the nut at first; of log-odds, from which on it is told
+ELSEWHERE = 0.02  # what weighs another place of the nut's heat at first
+LEAST_ODDS, SURE = -10.0, 30.0  # logarithms of its odds: least, and from which on it is told
 PLACE_MM, WALK_MM2_S = 100.0, 0.1  # by how much it may be another, and become so
 SHIFT_SDS, SHIFT_MM, IN_A_ROW = 5.0, 15.0, 3  # least that is told, by so many looks
 STILL_SDS, STILL_MM = 1.0, 5.0  # least that goes on being told
@@ -96,6 +97,7 @@ class Machine:
     """What one run has told of its model's parameters, look after look; `share` is by which they are off.
 
     shift_mm  by how much the nut's heat stands elsewhere than the position says, 0: the thermometers do not say so
+    place_mm  by how much it may
     """
 
     def __init__(self, known: Known, heat: Array, tick_s: float) -> None:
@@ -119,7 +121,7 @@ class Machine:
         self._zero = Look(np.full(m, np.nan), np.zeros((m, p)), np.zeros(m))
         self._last, self._age_s, self._unsure = Look(np.zeros(m), np.zeros((m, p)), np.zeros(m)), 0.0 * heat, 0.0 * heat
         self._weight, self._learnt_s, self._waited_s = weight, 0.0, 0.0
-        self._times, self.shift_mm = 0, 0.0
+        self._times, self.shift_mm, self.place_mm = 0, 0.0, 0.0
 
     @property
     def share(self) -> float:
@@ -170,14 +172,16 @@ class Machine:
             self._place(log, self._shift)
 
     def _place(self, log: Array, k: int) -> None:
-        """Whether the nut's heat stands elsewhere, by what all filters say of it together that parameter k may move."""
+        """Whether the nut's heat stands elsewhere, by what those filters say together in which parameter k moves it."""
         here, there = (np.logaddexp.reduce(log[so]) for so in (~self._shifted, self._shifted))
-        weight = np.exp(log[self._shifted] - there)
+        odds, weight = float(there - here), np.exp(log[self._shifted] - there)
+        self._log[self._shifted] += max(0.0, LEAST_ODDS - odds)  # it may become another
         d, var = self._d[self._shifted, k], self._P[self._shifted, k, k]
-        mean = float(weight @ d)
-        sd = float(np.sqrt(weight @ (var + (d - mean) ** 2)))
+        mean, square = float(weight @ d), float(weight @ (var + d**2))
+        self.place_mm = float(np.sqrt(square / (1.0 + np.exp(-max(odds, LEAST_ODDS)))))
         sds, least_mm = (STILL_SDS, STILL_MM) if self.shift_mm else (SHIFT_SDS, SHIFT_MM)
-        self._times = self._times + 1 if there - here > SURE and abs(mean) > max(sds * sd, least_mm) else 0
+        sure = odds > SURE and abs(mean) > max(sds * np.sqrt(square - mean**2), least_mm)
+        self._times = self._times + 1 if sure else 0
         self.shift_mm = mean if self._times >= (1 if self.shift_mm else IN_A_ROW) else 0.0
 
     def _begin(self, now: Look, which: Array) -> None:
@@ -193,10 +197,12 @@ class Machine:
         self._age_s[:] = np.inf  # what was heard last says nothing of them
 
     def _believed(self, y: Array, moved: Array) -> Array:
-        """Channels (m,) that were read, but for the thermometer that is furthest off, if it is far."""
-        best = int(np.argmax(self._weight))
-        variance = self._unsure + self._details + ((moved @ self._P[best]) * moved).sum(axis=1)
-        off = np.where(self._heat, np.nan_to_num((y - moved @ self._d[best]) ** 2 / variance), 0.0)
+        """Channels (m,) that were read, but for the thermometer that is furthest off, if far, wherever the nut is."""
+        off, log = np.full(len(y), np.inf), self._first_log + self._log
+        for so in (~self._shifted, self._shifted) if self._shift is not None else (~self._shifted,):
+            best = int(np.argmax(np.where(so, log, -np.inf)))
+            variance = self._unsure + self._details + ((moved @ self._P[best]) * moved).sum(axis=1)
+            off = np.minimum(off, np.where(self._heat, np.nan_to_num((y - moved @ self._d[best]) ** 2 / variance), 0.0))
         return np.asarray(np.isfinite(y) & ((off < OUTLYING**2) | (off < off.max())))
 
     def _learn(self, now: Look, heard: Array) -> None:

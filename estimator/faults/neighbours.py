@@ -128,7 +128,7 @@ class Neighbours:
     def _close(self, block: Block, now_s: float) -> int | None:
         """The end of a block: which channel has failed often enough."""
         self._machine.block(block.ticks)
-        self._windows.share = self._machine.share
+        self._windows.share, self._windows.place_mm = self._machine.share, self._machine.place_mm
         if self._astray:
             self._astray = False
             self.forget_all(self._windows.known)

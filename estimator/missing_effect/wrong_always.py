@@ -12,6 +12,7 @@ from typing import ClassVar
 
 from estimator.batch.trials import Trials
 from estimator.effect import Effect, Param
+from estimator.effects.elsewhere import Elsewhere
 from estimator.hypotheses.candidates import Candidate
 from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.inputs.inputs import Inputs
@@ -20,7 +21,6 @@ from estimator.inputs.start import SENSOR_K
 from estimator.missing_effect.wrong_input import ALL, KELVIN, LOG, MM, Mislabel
 from estimator.model import Value
 from estimator.rig import Rig
-from estimator.state.elsewhere import Elsewhere
 from estimator.terms import Shift, Term
 
 

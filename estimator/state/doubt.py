@@ -21,10 +21,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from estimator.effects.elsewhere import SHIFT, Elsewhere
 from estimator.faults.machine import Known
+from estimator.model import Model
 from estimator.network.forcing import Drive, Ticks
 from estimator.record import Array
-from estimator.state.elsewhere import SHIFT, in_doubt
+from estimator.rig import Rig
 from estimator.state.moves import Course, Doubtful, Kernels, Moves, carried, followed
 from estimator.state.open_loop import lag_filter
 from estimator.state.own import OwnErrors
@@ -46,7 +48,7 @@ class Doubt:
         doubts = run.forcing.model.doubts
         self._run, self._start = run, run.x[run.state.temperatures]
         self._moved = [Moved(run.forcing, run.forcing.model, path) for path in doubts.paths]
-        shifted = in_doubt(run.forcing.model, run.forcing.rig)
+        shifted = shifting(run.forcing.model, run.forcing.rig)
         self._moved += [Moved(run.forcing, shifted, SHIFT)] if shifted else []
         self._in_ticks = [i for i, moved in enumerate(self._moved) if moved.in_ticks]
         self._by_rows = [i for i in self._in_ticks if self._moved[i].by_rows]
@@ -202,6 +204,12 @@ def regime_slopes(moved: Sequence[Moved], run: Run, regimes: Sequence[int]) -> l
             if np.any(network.mass) or np.any(conductance):
                 of.F[i], of.J[i] = run.forcing.modes_of(regime).along(network.mass, conductance)
     return found
+
+
+def shifting(model: Model, rig: Rig) -> Model | None:
+    """The model with a shift of the position, none so far; None where the rig has no nut that moves."""
+    moves = rig.screw is not None and rig.nut is not None and "position" in rig.inputs
+    return (model + Elsewhere).with_values({SHIFT: 0.0}) if moves and Elsewhere.name not in model.effects else None
 
 
 def stacked(columns: Sequence[Array], shape: tuple[int, ...]) -> Array:

@@ -71,6 +71,14 @@ class Moved:
     def __init__(self, forcing: Forcing, model: Model, path: str) -> None:
         self._forcing, self._model, self.path = forcing, model.with_values({path: model[path] + 1j * STEP}), path
         self._effects = model.moved_by(path.partition(".")[0])
+        if path.partition(".")[0] in model.correcting:
+            self._effects = [name for name in self._effects if name in model.use or self._hears(name)]
+
+    def _hears(self, name: str) -> bool:
+        """Whether an effect says anything else where the inputs are set right."""
+        rig, model = self._forcing.rig, self._model
+        terms = model.terms_of(name, model.inputs(self._forcing.nothing, rig), rig)
+        return any(assemble.is_complex(value) for term in terms for value in assemble.values(term))
 
     def network(self, which: Sequence[int] | None = None) -> Network:
         """Derivatives of the network of some regimes met so far, or of all."""

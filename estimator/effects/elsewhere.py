@@ -9,7 +9,6 @@ from types import SimpleNamespace
 from estimator.effect import Effect, Param
 from estimator.inputs.inputs import Inputs
 from estimator.inputs.moved import moved
-from estimator.model import Model
 from estimator.rig import Rig
 from estimator.terms import Term
 
@@ -30,9 +29,3 @@ class Elsewhere(Effect):
 
 
 SHIFT = f"{Elsewhere.name}.shift"
-
-
-def in_doubt(model: Model, rig: Rig) -> Model | None:
-    """The model with a shift of the position, none so far; None where the rig has no nut that moves."""
-    moves = rig.screw is not None and rig.nut is not None and "position" in rig.inputs
-    return (model + Elsewhere).with_values({SHIFT: 0.0}) if moves and Elsewhere.name not in model.effects else None
