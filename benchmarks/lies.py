@@ -33,15 +33,23 @@ LENGTHS: dict[str, Callable[[Array, float], Array]] = {  # readings from a time 
     "displacement the other way": lambda reading, last: 2.0 * last - reading,
     "displacement + 2 um": lambda reading, _: reading + 2.0,
 }
-DRIVES = {
-    "position in inches": {"position": 1.0 / 25.4},
-    "position the other way": {"position": -1.0, "shift_mm": 600.0},
-    "position + 40 mm": {"shift_mm": 40.0},
-    "speed x 1.3": {"speed": 1.3},
+DRIVES: dict[str, dict[str, handed_over.Lie]] = {
+    "position in inches": {"position": lambda mm: mm / 25.4},
+    "position the other way": {"position": lambda mm: 600.0 - mm},
+    "position + 40 mm": {"position": lambda mm: mm + 40.0},
+    "position at 0": {"position": lambda mm: 0.0 * mm},
+    "position stands still": {"position": lambda mm: np.full_like(mm, mm[0])},
+    "position not told": {"position": lambda mm: np.full_like(mm, np.nan)},
+    "position jumps": {
+        "position": lambda mm: mm + np.random.default_rng(0).choice([0.0, 100.0], len(mm), p=[0.9, 0.1])
+    },
+    "speed x 1.3": {"speed": lambda rpm: 1.3 * rpm},
+    "speed at 0": {"speed": lambda rpm: 0.0 * rpm},
+    "speed stands still": {"speed": lambda rpm: np.full_like(rpm, rpm[0])},
+    "speed not told": {"speed": lambda rpm: np.full_like(rpm, np.nan)},
 }
 FIRST = ", from the start on"
 DRIVES |= {f"{kind}{FIRST}": DRIVES[kind] for kind in ("position the other way", "position + 40 mm")}
-STANDS = "position stands still"
 HEAD = ("", "um, most", "um, valid", "lost while valid, s", "named after s, median", "worst", "others accused")
 
 
@@ -68,17 +76,11 @@ def _simulated(name: str, machine: int) -> tuple[Run, Recording, Array]:
 def _lying(run: Run, good: Recording, kind: str, at_s: float, rig: Rig) -> Recording:
     """The recording with a lie from a time on."""
     if kind in DRIVES:
-        return handed_over.record(run, rig, since_s=at_s or -np.inf, **DRIVES[kind])
-    now = good.time_s >= at_s
-    if kind in LENGTHS:
-        i, readings = rig.index("displacement"), good.channels.copy()
-        before = readings[~now, i]
-        readings[now, i] = LENGTHS[kind](readings[now, i], before[np.isfinite(before)][-1])
-        return replace(good, channels=readings)
-    at = int(np.argmax(now))
-    stands = {"position": np.where(now, good.inputs["position"][at], good.inputs["position"])}
-    cover = np.where(now[:, None], good.coverage[at], good.coverage)
-    return replace(good, inputs={**good.inputs, **stands}, coverage=cover)
+        return handed_over.record(run, rig, DRIVES[kind], -np.inf if kind.endswith(FIRST) else at_s)
+    now, i, readings = good.time_s >= at_s, rig.index("displacement"), good.channels.copy()
+    before = readings[~now, i]
+    readings[now, i] = LENGTHS[kind](readings[now, i], before[np.isfinite(before)][-1])
+    return replace(good, channels=readings)
 
 
 def _valid(recording: Recording, track: Track, rig: Rig) -> Array:
@@ -87,7 +89,8 @@ def _valid(recording: Recording, track: Track, rig: Rig) -> Array:
     for k, sample in enumerate(recording):
         step = track.step(k, ("",) * len(rig.names))
         tests.step(step)
-        watch.drive(step.time_s)
+        if np.isfinite(sample.omega):
+            watch.drive(step.time_s)
         watch.tick(sample, step, tests.diverged)
         valid[k] = watch.trust(step.time_s).valid
     return valid
@@ -105,6 +108,7 @@ def found(run: str, at_s: float, machine: int, kind: str) -> Found:
     broken, own = (track.fault > Fault.JUDGED) & now[:, None], np.zeros(len(rig.names), dtype=bool)
     own[rig.index("displacement")] = kind in LENGTHS
     left_out_s, said_s = track.time_s[broken[:, own].any(axis=1)], [s for s, _ in disagreements(recording, rig)]
+    said_s += track.time_s[np.flatnonzero(track.shift_mm)].tolist()
     told_s = left_out_s if kind in LENGTHS else said_s
     named_s = min((float(s) - at_s for s in told_s if s >= at_s), default=np.inf)
     most, sent = (float(np.max(error[some], initial=0.0)) for some in (now, valid))
@@ -117,7 +121,7 @@ def table() -> str:
 
 
 def _rows() -> Iterator[list[str]]:
-    kinds, some = (*LENGTHS, *DRIVES, STANDS), dict[str, list[Found]]()
+    kinds, some = (*LENGTHS, *DRIVES), dict[str, list[Found]]()
     for run, at_s in WHEN:
         for machine in MACHINES:
             for kind in kinds:

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from estimator.faults.fault import Fault, Judgement, Led, Seen
-from estimator.faults.travel import Travel
 from estimator.model import Model
 from estimator.network.discretise import Transition
 from estimator.network.forcing import Drive
@@ -47,12 +46,10 @@ class Filter:
         self.model, self.rig, self.mute = model, rig, mute or unmuted(rig)
         self.run: Run | None = None
         self._transitions: dict[int, Transition] = {}
-        self._travel = Travel(rig)
 
     def step(self, sample: Sample) -> Step:
         """Take one tick: begin with the first sample with a thermometer in it; then predict, compare, update."""
         rows = collect("", [sample])
-        self._travel.step(sample)
         if self.run is None:
             return self._begin(rows)
         return self._advance(self.run, sample, rows, self.run.forcing.read(rows))
@@ -109,7 +106,7 @@ class Filter:
                 muted=muted[None],
                 doubt=moves.readings,
                 led=self._unled.led,
-                astray=np.array([self._travel.astray]),
+                astray=drive.astray,
             )
         )
         if judged.anew:

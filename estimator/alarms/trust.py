@@ -59,8 +59,8 @@ class Watch:
             why.append(f"fewer than {self.least} thermometers for {FEW_S:g} s")
         if self.needs_drive and now_s - self._drive > DRIVE_S[self._moving]:
             why.append("no news of the drive")
-        if self._travel.why:
-            why.append(self._travel.why)
+        if self._travel.lately:
+            why.append(self._travel.lately)
         if self._elsewhere:
             why.append(ELSEWHERE)
         if self._diverged:

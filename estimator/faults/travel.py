@@ -28,7 +28,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from estimator.record import Array, Recording, Sample
+from estimator.record import Recording, Sample
 from estimator.rig import RAD_S, Rig
 
 SLACK_MM, SLACK = 5.0, 0.1  # of the path: both are read at slightly other times
@@ -39,6 +39,7 @@ FEW = 20  # ticks that turn, whose speeds do not tell how fast the axis is; rows
 PACED, PACE = 5, 0.85  # ticks that turn, over which the pace is looked at; least of it, and of one over it
 UNSIGNED = 0.5  # the same where the speed has no sign
 HEAT_S = 7200.0  # for which heat in a wrong place is felt
+FELT_S = 120.0  # after which thermometers alone have told of heat that was not known
 QUICK = 0.5  # ticks: further apart, speeds do not tell how far the table moves between two
 
 
@@ -50,15 +51,6 @@ def disagreements(recording: Recording, rig: Rig) -> Iterator[tuple[float, str]]
         if travel.why and travel.why != before:
             yield sample.time_s, travel.why
         before = travel.why
-
-
-def astray(recording: Recording, rig: Rig) -> Array:
-    """At which ticks heat is in the wrong place, (K,) bool."""
-    travel, found = Travel(rig), np.zeros(len(recording), dtype=bool)
-    for k, sample in enumerate(recording):
-        travel.step(sample)
-        found[k] = travel.astray
-    return found
 
 
 def too_slow(recording: Recording, rig: Rig) -> str:
@@ -86,15 +78,17 @@ class Travel:
         self._rad_s, self._tick_s = RAD_S[rig.inputs["speed"].unit] if self._given else np.nan, rig.tick_s
         self._last, self._before, self._offset, self._slips, self._stands = np.nan, 0.0, 0.0, 0, 0
         self._fastest, self._turned, self._apart_s = 0.0, 0, np.inf
-        self._stood, self._unseen, self._moves = 0, 0.0, 0
+        self._stood, self._unseen, self._moves, self._untold = 0, 0.0, 0, 0
         self._paces, self._pace, self._signed, self._side = deque[float](maxlen=PACED), 0.0, False, 0.0
-        self._wrong_s, self._now_s, self._against = -np.inf, 0.0, False
+        self._wrong, self._wrong_s, self._now_s, self._against = "", -np.inf, 0.0, False
 
     @property
     def why(self) -> str:
         """What is wrong; a jump stays so until the position is back where it must be."""
         if self._slips >= IN_A_ROW:
             return "the position moves further than the speed says"
+        if self._untold >= IN_A_ROW:
+            return "the position is not told though the screw turns"
         if self._stands >= IN_A_ROW:
             return "the position stands still though the speed says that the screw turns"
         if self._moves >= FEW:
@@ -111,6 +105,11 @@ class Travel:
         return f"the position moved by {self._unseen:+.1f} mm though the screw stood at every reading" if unseen else ""
 
     @property
+    def lately(self) -> str:
+        """What is wrong, or was within the last minutes."""
+        return self.why or (self._wrong if self._now_s - self._wrong_s < FELT_S else "")
+
+    @property
     def astray(self) -> bool:
         """Whether heat is in the wrong place, or was within the last hours."""
         return self._now_s - self._wrong_s < HEAT_S
@@ -120,7 +119,7 @@ class Travel:
         self._follow(sample)
         self._now_s = sample.time_s
         if self.why:
-            self._wrong_s = sample.time_s
+            self._wrong, self._wrong_s = self.why, sample.time_s
 
     def _follow(self, sample: Sample) -> None:
         """What position and speed say."""
@@ -132,6 +131,7 @@ class Travel:
         path, moved = self._lead * sample.omega * (self._tick_s + sample.apart_s), place - self._last
         before, self._before, self._last = self._before, path, place
         self._learn(sample, turned=path > 0 and before > 0)
+        self._untold = self._untold + 1 if np.isnan(place) and path > 0 else 0
         if not np.isfinite(path + moved):
             return
         usual = (1.0 + SLACK) * max(path, before) + abs(path - before) + SLACK_MM

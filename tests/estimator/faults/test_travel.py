@@ -9,7 +9,7 @@ import pytest
 
 from drivers.decode.condense import Condenser, Readings
 from drivers.frames import Tally
-from estimator.faults.travel import Travel, disagreements, too_slow
+from estimator.faults.travel import FELT_S, Travel, disagreements, too_slow
 from estimator.record import Sample
 
 
@@ -35,8 +35,22 @@ def drive(rig):
 def test_strokes_and_gaps_are_right(rig, drive):
     position, omega = drive
     assert set(told(rig, position, omega)) == {""}
-    position[50:60], omega[80:90] = np.nan, np.nan
+    position[50:52], position[10:20], omega[80:90] = np.nan, np.nan, np.nan
     assert set(told(rig, position, omega)) == {""}
+
+
+def test_a_position_that_is_not_told_while_the_screw_turns_is_said_as_long_and_felt_for_minutes(rig, drive):
+    position, omega = drive
+    position[50:60] = np.nan
+    whys = told(rig, position, omega)
+    assert [k for k, why in enumerate(whys) if why] == [*range(52, 60)]
+    assert whys[52] == "the position is not told though the screw turns"
+    travel, lately = Travel(rig), []
+    for k in range(300):
+        inputs = {"position": np.nan if k < 5 else 0.0, "speed": 100.0 if k < 5 else 0.0}
+        travel.step(Sample(float(k), np.empty(0), np.empty(0), inputs, 10.0 * (k < 5), np.empty(0)))
+        lately.append(travel.lately)
+    assert [k for k, why in enumerate(lately) if why] == [*range(2, 4 + int(FELT_S))]
 
 
 @pytest.mark.parametrize("share", [0.5, 2.0])
