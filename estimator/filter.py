@@ -140,7 +140,8 @@ class Filter:
             doubt=doubt.states[0],
             doubt_um=doubt.elongation[0],
         )
-        self._latest = estimates.suspecting(run.state, self._unled.fusion.x[None])
+        led_var = self._doubt.known.elongation_var(self._unled.led, judged.off_share)
+        self._latest = estimates.suspecting(run.state, self._unled.fusion.x[None], led_var)
         return self._reporter.track(rows, self._latest).step(0, compared.why(fault, muted))
 
     def _course(self, sample: Sample, before: tuple[Array, Array, Array], grown_um: float) -> Course:

@@ -95,9 +95,13 @@ class Alarms:
         """Thermometers that are broken, and those that may be."""
         if not (step.fault.any() or step.may_drift_K.any()):
             return
-        for i in np.flatnonzero((heat | (step.fault == Fault.APART)) & (step.fault > Fault.JUDGED)):
+        for i in np.flatnonzero((heat | ~self._heat) & (step.fault > Fault.JUDGED)):
             fault = Fault(step.fault[i])
-            at = f" at {step.measured[i]:.2f} degC" if fault == Fault.STUCK and np.isfinite(step.measured[i]) else ""
+            at = (
+                f" at {step.measured[i]:.2f} {self.rig.channels[self.rig.names[i]].unit}"
+                if fault == Fault.STUCK and np.isfinite(step.measured[i])
+                else ""
+            )
             text = f"{place_of(self.rig, i)} {fault.said}{at}"
             yield Alarm(fault.word, self.rig.names[i], float(step.since_s[i]), text)
         for i in np.flatnonzero(heat & (step.may_drift_K != 0) & (step.fault == Fault.NONE)):

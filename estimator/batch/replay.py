@@ -155,7 +155,8 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
             doubt=doubtful.states,
             doubt_um=doubtful.elongation,
         )
-        yield at, estimates.suspecting(posed.state, part.unled[some])
+        led_var = doubt.known.elongation_var(part.led[some], judgement.off_share[some])
+        yield at, estimates.suspecting(posed.state, part.unled[some], led_var)
     if judgement.apart:
         doubt.become(part.doubt)
 

@@ -98,8 +98,12 @@ class Led:
 
     def later(self, before: Led) -> Led:
         """Of ticks after these, the tick before each, which `before` is of the first: (K,)."""
-        pairs = (np.concatenate([getattr(one, field.name) for one in (before, self)]) for field in fields(self))
-        return Led(*(pair[: len(self)] for pair in pairs))
+        return Led.joined(before, self)[: len(self)]
+
+    @classmethod
+    def joined(cls, first: Led, then: Led) -> Led:
+        """Ticks that follow each other, as one."""
+        return cls(*(np.concatenate([getattr(one, field.name) for one in (first, then)]) for field in fields(cls)))
 
 
 @dataclass(frozen=True)
@@ -165,7 +169,7 @@ class Tick:
     read       read and not muted
     known      whether its level is known
     deviation  of the innovation from its level, with its limit;   beyond  further than that
-    repeats    how often a thermometer has read the same
+    repeats    how often a thermometer has read the same, or a length, by how unlikely that is
     """
 
     time_s: float

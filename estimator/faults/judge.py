@@ -45,7 +45,7 @@ class Judge:
         m, self._heat, self._begun_s, self._begun_with = len(noise), rig.is_thermometer, begun_s, begun_with
         places = [np.nan if channel.at_mm is None else channel.at_mm for channel in rig.channels.values()]
         self._modelled = np.isfinite(noise)
-        self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s), Standstill(m)
+        self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s), Standstill(self._heat)
         self._neighbours = Neighbours(np.array(places, dtype=float), noise, self._heat, rig.tick_s, known)
         self._suspects, self._recovery = Suspects(m, begun_with), Recovery(m)
         self.fault, self.since_s = np.zeros(m, dtype=np.int8), np.full(m, np.nan)
@@ -70,7 +70,7 @@ class Judge:
         value = np.where(seen.muted | ~np.isfinite(seen.sd), np.nan, seen.value)
         seen = replace(seen, value=value, astray=seen.astray | self._neighbours.elsewhere)
         jumps = self._jumps.compare(seen, self.well)
-        repeats = self._standstill.compare(np.where(self._heat & np.isfinite(seen.value), seen.reading, np.nan))
+        repeats = self._standstill.compare(np.where(np.isfinite(seen.value), seen.reading, np.nan))
         progress = self._recovery.compare(seen.time_s, jumps, repeats.count, self.fault)
         ticks = self._quiet(seen, jumps, repeats.count, progress)
         used = self.well & np.isfinite(seen.value) & ~jumps.beyond
@@ -177,9 +177,11 @@ class Judge:
         self._held = np.where(out, self._held + 1, np.where(read, 0, self._held))
         believed = out & (self._held >= LENGTH_READINGS)
         self._held[believed] = 0
+        stuck = read & (tick.repeats >= STUCK)
         for i in np.flatnonzero(read).tolist():
-            self._set(i, Fault.JUDGED if out[i] and not believed[i] else Fault.NONE, tick)
-        return believed
+            held = Fault.JUDGED if out[i] and not believed[i] else Fault.NONE
+            self._set(i, Fault.STUCK if stuck[i] else held, tick)
+        return believed & ~stuck
 
     def _set(self, i: int, fault: Fault, tick: Tick) -> None:
         """A channel's fault as of now; it keeps the time at which it was first held."""

@@ -56,9 +56,12 @@ class Known:
         """
         if not self.whole.any():
             return np.zeros(len(led), dtype=bool)
-        doubt = self.doubtful(led.doubt, np.full(len(led), share))
-        sd_um = led.worse * np.sqrt(led.var + (doubt**2).sum(axis=1))
+        sd_um = led.worse * np.sqrt(self.elongation_var(led, np.full(len(led), share)))
         return np.abs(led.um) > np.maximum(LED_SDS * sd_um, LED_UM)
+
+    def elongation_var(self, led: Led, share: Array) -> Array:
+        """Of the elongation by thermometers alone, (K,) um^2, where parameters are off by shares (K,)."""
+        return np.asarray(led.var + (self.doubtful(led.doubt, share) ** 2).sum(axis=1))
 
     def doubtful(self, moved: Array, share: Array) -> Array:
         """What moves with parameters by `moved` (K, ..., p) is off by, where they are off by shares (K,) of themselves.

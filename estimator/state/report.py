@@ -14,7 +14,10 @@ from estimator.state.state import State
 from estimator.state.view import BedGrowth, Mounting
 from estimator.step import Mode, TableErrors, Track
 
-LENGTHS_LIE = 0.25  # of how far they lead the estimate from what thermometers alone say: what that is in doubt by
+LENGTHS_LIE = (
+    0.3  # of how far they lead the estimate from what thermometers alone say: what that is in doubt by; and of
+)
+# how much better they make it known
 
 
 @dataclass(frozen=True)
@@ -57,15 +60,18 @@ class Estimates:
         """One tick, its fields without the leading axis, as the online filter has it."""
         return cls(**{name: np.asarray(value)[None] for name, value in tick.items()})
 
-    def suspecting(self, state: State, unled: Array) -> Estimates:
+    def suspecting(self, state: State, unled: Array, unled_var: Array) -> Estimates:
         """The same, in doubt also by what it would be off by if what may drift did, and if lengths lied.
 
-        unled  (K, size) the estimates by thermometers alone
+        unled  (K, size) the estimates by thermometers alone;   unled_var (K,) um^2, of their elongation
         """
+        var = state.led(self.grown_um, self.x, (self.x, self.P))[1] + (self.doubt_um**2).sum(axis=1)
+        better_um = np.sqrt(np.maximum(unled_var - var, 0.0))
         lies = LENGTHS_LIE * (self.x - unled)[:, :, None]
         astray = np.concatenate([state.astray(self.P, self.may_drift_K), lies], axis=2)
         astray_um = np.einsum("ks,ksq->kq", state.elongation(self.grown_um), astray)
-        doubt, doubt_um = np.concatenate([self.doubt, astray], axis=2), np.hstack([self.doubt_um, astray_um])
+        doubt = np.concatenate([self.doubt, astray], axis=2)
+        doubt_um = np.hstack([self.doubt_um, astray_um, LENGTHS_LIE * better_um[:, None]])
         return replace(self, doubt=doubt, doubt_um=doubt_um)
 
 
