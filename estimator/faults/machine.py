@@ -34,8 +34,8 @@ LED_SDS, LED_UM = 5.0, 0.4  # of the elongation by thermometers alone; 3.6 at mo
 LEAST = 0.005  # a smaller share makes no difference
 ELSEWHERE = 0.02  # what weighs another place of the nut's heat at first
 LEAST_ODDS, SURE = -10.0, 30.0  # logarithms of its odds: least, and from which on it is told
-PLACE_MM, WALK_MM2_S = 100.0, 0.1  # by how much it may be another, and become so
-SHIFT_SDS, SHIFT_MM, IN_A_ROW = 5.0, 15.0, 3  # least that is told, by so many looks
+PLACE_MM, WALK_MM2_S = 100.0, 0.5  # by how much it may be another, and become so
+SHIFT_SDS, SHIFT_MM, IN_A_ROW = 3.0, 15.0, 3  # least that is told, by so many looks
 STILL_SDS, STILL_MM = 1.0, 5.0  # least that goes on being told
 
 
@@ -49,14 +49,16 @@ class Known:
     whole: Array
     shift: int | None = None
 
-    def apart(self, led: Led, share: float) -> Array:
-        """Whether lengths have led further than thermometers allow, (K,), where parameters are off by a share.
+    def apart(self, led: Led, share: float, place_mm: float) -> Array:
+        """Whether lengths have led further than thermometers allow, (K,), where parameters are off by a share, and the
+        nut's heat may stand elsewhere by so much.
 
         Never by a model of which nothing says how good it is.
         """
         if not self.whole.any():
             return np.zeros(len(led), dtype=bool)
-        sd_um = led.worse * np.sqrt(self.elongation_var(led, np.full(len(led), share)))
+        place_um = 0.0 if self.shift is None else place_mm * led.doubt[:, self.shift]
+        sd_um = led.worse * np.sqrt(self.elongation_var(led, np.full(len(led), share)) + place_um**2)
         return np.abs(led.um) > np.maximum(LED_SDS * sd_um, LED_UM)
 
     def elongation_var(self, led: Led, share: Array) -> Array:

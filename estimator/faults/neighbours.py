@@ -81,7 +81,8 @@ class Neighbours:
         asked, (share, shift_mm) = used & self._heat, np.empty((2, K))
         while k < K:
             some = slice(k, min(k + self._length - block.ticks, K))
-            gone = self._windows.known.apart(seen.led[some], self._machine.share) & ~seen.astray[some]
+            machine = self._machine
+            gone = self._windows.known.apart(seen.led[some], machine.share, machine.place_mm) & ~seen.astray[some]
             apart = bool(gone.any())
             some = slice(k, k + int(np.argmax(gone)) + 1) if apart else some
             block.difference += np.where(asked[some], seen.reading[some] - seen.alone[some], np.nan).sum(axis=0)
