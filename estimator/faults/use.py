@@ -152,10 +152,7 @@ def _elsewhere(told: Told) -> Iterator[tuple[float, str]]:
     ends = np.flatnonzero(np.diff(np.concatenate([[0], told.shift_mm != 0, [0]]))).reshape(-1, 2)
     for first, end in ends:
         most_mm = float(max(told.shift_mm[first:end], key=abs))
-        yield (
-            float(told.time_s[first]),
-            f"{ELSEWHERE}: as if it were off by {most_mm:+.0f} mm, or heat is missing there",
-        )
+        yield float(told.time_s[first]), f"{ELSEWHERE} (off by {most_mm:+.0f} mm, or heat is missing there)"
 
 
 def _silent(recording: Recording) -> dict[str, float]:
