@@ -24,7 +24,7 @@ from estimator.record import Array
 
 SHARES = np.array([0.0, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2])
 ANOTHER = 0.25  # what weighs another machine than the model's before anything is seen
-DETAILS_PER_S = 1 / 250  # of log-likelihood: so much all others gain on no share by what models lack in detail
+DETAILS_PER_S = 1 / 250  # of log-likelihood: so much another share, or place, gains by what models lack in detail
 LASTS_S, UNSURE_S = 300.0, 1000.0  # misfits; what the filter is unsure of after a drive
 RENEWED_S, LEFT = 36000.0, 1e-3  # then parameters may have become others; least weight that a share begins again with
 DETAILS = {True: 0.03, False: 0.2}  # K of a thermometer, um of a length
@@ -33,7 +33,7 @@ YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each bl
 LED_SDS, LED_UM = 5.0, 0.4  # of the elongation by thermometers alone; 3.6 at most on machines 0 - 14
 LEAST = 0.005  # a smaller share makes no difference
 ELSEWHERE = 0.02  # what weighs another place of the nut's heat at first
-LEAST_ODDS, SURE = -10.0, 30.0  # logarithms of its odds: least, and from which on it is told
+LEAST_ODDS, SURE = -10.0, 40.0  # logarithms of its odds: least, and from which on it is told
 PLACE_MM, WALK_MM2_S = 100.0, 0.5  # by how much it may be another, and become so
 SHIFT_SDS, SHIFT_MM, IN_A_ROW = 3.0, 15.0, 3  # least that is told, by so many looks
 STILL_SDS, STILL_MM = 1.0, 5.0  # least that goes on being told
@@ -163,7 +163,7 @@ class Machine:
         self._unsure = np.maximum(
             np.where(np.isfinite(now.variance), now.variance, 0.0), np.exp(-passed_s / UNSURE_S) * self._unsure
         )
-        self._log -= np.where(self._shares > 0.0, DETAILS_PER_S * passed_s, 0.0)
+        self._log -= DETAILS_PER_S * passed_s * ((self._shares > 0.0) + 1.0 * self._shifted)
         if self._shift is not None:
             self._P[self._shifted, self._shift, self._shift] += WALK_MM2_S * passed_s
         y, moved = now.less(self._zero)
