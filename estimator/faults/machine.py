@@ -36,7 +36,7 @@ ELSEWHERE = 0.02  # what weighs another place of the nut's heat at first
 LEAST_ODDS, SURE = -10.0, 40.0  # logarithms of its odds: least, and from which on it is told
 PLACE_MM, WALK_MM2_S = 100.0, 0.5  # by how much it may be another, and become so
 SHIFT_SDS, SHIFT_MM, IN_A_ROW = 3.0, 15.0, 3  # least that is told, by so many looks
-STILL_SDS, STILL_MM = 1.0, 5.0  # least that goes on being told
+STILL_SDS, STILL_MM, LASTING = 1.0, 5.0, 20  # least that goes on being told, and looks for which less does not end it
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,10 @@ class Machine:
         self.place_mm = float(np.sqrt(square / (1.0 + np.exp(-max(odds, LEAST_ODDS)))))
         sds, least_mm = (STILL_SDS, STILL_MM) if self.shift_mm else (SHIFT_SDS, SHIFT_MM)
         sure = odds > SURE and abs(mean) > max(sds * np.sqrt(square - mean**2), least_mm)
-        self._times = self._times + 1 if sure else 0
+        if sure:
+            self._times = min(self._times + 1, LASTING)
+        else:
+            self._times = max(self._times - 1, 0) if self.shift_mm else 0
         self.shift_mm = mean if self._times >= (1 if self.shift_mm else IN_A_ROW) else 0.0
 
     def _begin(self, now: Look, which: Array) -> None:
