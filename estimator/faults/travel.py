@@ -39,6 +39,7 @@ FEW = 20  # ticks that turn, whose speeds do not tell how fast the axis is; rows
 PACED, PACE = 5, 0.85  # ticks that turn, over which the pace is looked at; least of it, and of one over it
 UNSIGNED = 0.5  # the same where the speed has no sign
 HEAT_S = 7200.0  # for which heat in a wrong place is felt
+LONG_SILENCE = 7200  # ticks: heat that nothing was heard of is felt as long as that lasted, and no longer than this
 FELT_S = 120.0  # after which thermometers alone have told of heat that was not known
 QUICK = 0.5  # ticks: further apart, speeds do not tell how far the table moves between two
 
@@ -79,6 +80,7 @@ class Travel:
         self._last, self._before, self._offset, self._slips, self._stands = np.nan, 0.0, 0.0, 0, 0
         self._fastest, self._turned, self._apart_s = 0.0, 0, np.inf
         self._stood, self._unseen, self._moves, self._untold = 0, 0.0, 0, 0
+        self._silent = 0  # ticks without news of the drive, less those with
         self._paces, self._pace, self._signed, self._side = deque[float](maxlen=PACED), 0.0, False, 0.0
         self._wrong, self._wrong_s, self._now_s, self._against = "", -np.inf, 0.0, False
 
@@ -111,13 +113,15 @@ class Travel:
 
     @property
     def astray(self) -> bool:
-        """Whether heat is in the wrong place, or was within the last hours."""
-        return self._now_s - self._wrong_s < HEAT_S
+        """Whether heat is in the wrong place, or was within the last hours; or nothing was heard of it for as long."""
+        return self._now_s - self._wrong_s < HEAT_S or self._silent > 0
 
     def step(self, sample: Sample) -> None:
         """One tick."""
         self._follow(sample)
         self._now_s = sample.time_s
+        silent = self._given and np.isnan(sample.omega)
+        self._silent = min(self._silent + 1, LONG_SILENCE) if silent else max(self._silent - 1, 0)
         if self.why:
             self._wrong, self._wrong_s = self.why, sample.time_s
 

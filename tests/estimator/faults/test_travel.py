@@ -272,3 +272,12 @@ def test_a_position_that_runs_the_other_way_from_its_own_place_on_is_said(rig):
     said_s, why = framed(rig, turned)[0]
     assert why == "the position moves the other way than before"
     assert said_s < 215.0
+
+
+def test_heat_is_astray_while_nothing_is_heard_of_the_drive_and_as_long_again(rig):
+    travel, astray = Travel(rig), []
+    for k in range(100):
+        inputs = dict.fromkeys(("position", "speed"), np.nan if 20 <= k < 50 else 0.0)
+        travel.step(Sample(float(k), np.empty(0), np.empty(0), inputs, inputs["speed"], np.empty(0)))
+        astray.append(travel.astray)
+    assert [k for k, so in enumerate(astray) if so] == [*range(20, 79)]
