@@ -130,7 +130,7 @@ class Neighbours:
         """The end of a block: which channel has failed often enough."""
         self._machine.block(block.ticks)
         self._windows.share, self._windows.place_mm = self._machine.share, self._machine.place_mm
-        if self._astray:
+        if self._astray or self.elsewhere:
             self._astray = False
             self.forget_all(self._windows.known)
             return None
