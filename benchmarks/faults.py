@@ -75,8 +75,9 @@ class Outcome:
 
     um        most that the failure has added to the error of the elongation
     in_2sd    share of ticks in which the truth is within 2 sd
-    named_s   when all of its channels had been named with a right word, or were said to drift perhaps, inf: never
-    accused   how many others were;   suspected: how many others were said to drift perhaps
+    named_s   when all of its channels had been named with a right word, or were said to drift perhaps, or most zeros to
+              be others, inf: never
+    accused   how many others were, the position among them;   suspected: how many were said to drift perhaps
     suspected_share  of the hours of all others, those in which they were
     lost_s    longest time that the estimate was off by more than 5 sd and 0.5 um
     sd_um     of the estimate, mean over the ticks
@@ -202,12 +203,14 @@ def _outcome(case: Case, rig: Rig, track: Track, base: Track, true_um: Array) ->
     right = np.isin(fault, [each for each in Fault if each.word in words])
     right |= may_drift & (track.since_s[now] >= case.at_s) & (Fault.DRIFTING.word in words)
     named = [np.flatnonzero(right[:, i]) for i in np.flatnonzero(own)]
+    if case.row == "all zeros":
+        named = [np.flatnonzero((track.jump[now] != 0.0).sum(axis=1) > len(rig.thermometers) // 2)]
     named_s = max((float(rows[0]) * tick_s if len(rows) else np.inf for rows in named), default=0.0)
     return Outcome(
         um=float(added.max()),
         in_2sd=float((error <= 2.0 * sd).mean()),
         named_s=named_s,
-        accused=int((fault[:, healthy] > Fault.JUDGED).any(axis=0).sum()),
+        accused=int((fault[:, healthy] > Fault.JUDGED).any(axis=0).sum()) + bool(track.shift_mm[now].any()),
         suspected=int(may_drift[:, healthy].any(axis=0).sum()),
         suspected_share=float(may_drift[:, healthy].mean()),
         sd_um=float(sd.mean()),
@@ -252,6 +255,9 @@ def _all(found: dict[Case, Outcome]) -> str:
         some = [outcome for case, outcome in found.items() if case.row == name]
         rows.append(Row(f"{name}: share of cases with <= 0.5 um", *_share([o.um <= 0.5 for o in some]), 1.0, True))
         rows.append(Row(f"{name}: largest, um", f"{max(o.um for o in some):.2f}"))
+        rows.append(Row(f"{name}: channels or inputs accused that were well", str(sum(o.accused for o in some))))
+        if name != "inputs":
+            rows.append(_named(name, some))
     says = [f"Runs of {', '.join(run for run, _ in WHEN.values())} with a failure at {SEED} and later seeds. {LATE}"]
     tables = [
         table("Thermometers that fail", rows, says),
@@ -280,8 +286,7 @@ def _cells(found: dict[Case, Outcome], name: str, must: tuple[float, float]) -> 
     yield Row(f"{name}: largest, um", f"{worst:.2f}", worst, 0.5)
     inside = float(np.mean([outcome.in_2sd for outcome in some.values()]))
     yield Row(f"{name}: truth in 2 sd, share of ticks", f"{inside:.1%}", inside, 0.93, True)
-    soon = [outcome.named_s <= SOON_S for outcome in some.values()]
-    yield Row(f"{name}: named with its kind within {SOON_S:.0f} s", *_share(soon), 0.98, True)
+    yield _named(name, list(some.values()))
     healthy = len(some) * (len(paper_rig.rig().thermometers) - 1)
     accused = sum(outcome.accused for outcome in some.values()) / healthy
     yield Row(f"{name}: healthy channels accused", f"{accused:.1%}", accused, 0.01)
@@ -289,6 +294,11 @@ def _cells(found: dict[Case, Outcome], name: str, must: tuple[float, float]) -> 
     yield Row(f"{name}: healthy channels said to drift perhaps for a time", f"{suspected:.1%}")
     lost = max(outcome.lost_s for outcome in some.values())
     yield Row(f"{name}: off by more than 5 sd and 0.5 um, longest, s", f"{lost:.0f}", lost, 2.0)
+
+
+def _named(name: str, some: Sequence[Outcome]) -> Row:
+    soon = [outcome.named_s <= SOON_S for outcome in some]
+    return Row(f"{name}: named with its kind within {SOON_S:.0f} s", *_share(soon), 0.98, True)
 
 
 def _by_kind(found: dict[Case, Outcome]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +17,8 @@ from estimator.rig import Rig
 INSTANTS = 20  # of the drive in a tick
 LATE_S = 0.005  # a frame after what it tells
 
+Lie = Callable[[Array], Array]  # of a signal from some time on
+
 
 def simulated(name: str, rig: Rig, machine: int = 0, seed: int = 1, **options: Any) -> tuple[Recording, Array]:
     """Experiment `name` of a machine as ticks, and the elongation that is true at each, um: (K,)
@@ -27,8 +30,8 @@ def simulated(name: str, rig: Rig, machine: int = 0, seed: int = 1, **options: A
     return recording, np.interp(recording.time_s, run.truth.time_s, run.truth.elongation_um)
 
 
-def record(run: Run, rig: Rig, speed: float = 1.0, position: float = 1.0, shift_mm: float = 0.0) -> Recording:
-    """A run as ticks; `speed` and `position` are errors of the drive's signals, 1: none; `shift_mm` of the latter."""
+def record(run: Run, rig: Rig, lies: Mapping[str, Lie] | None = None, since_s: float = -np.inf) -> Recording:
+    """A run as ticks. From a time on signals of the drive are what `lies` make of them, NaN: not told."""
     measured, time_s = run.measured, run.measured.time_s
     around, reading, direct = measured.environment, run.holds.reading, measured.direct
     values = dict(zip(rig.thermometers, measured.channels.T)) | {
@@ -40,8 +43,10 @@ def record(run: Run, rig: Rig, speed: float = 1.0, position: float = 1.0, shift_
     good = reading.state == 0
     told["displacement"] = run.holds.frozen_s[good] + LATE_S, reading.elongation_um[good]
     now = (time_s[:, None] + (np.arange(INSTANTS) + 1.0 - INSTANTS) / INSTANTS).ravel()
-    drive = run.motion(now)
-    told |= {"position": (now, drive.position_mm * position + shift_mm), "speed": (now, drive.speed_rpm * speed)}
+    drive, wrong = run.motion(now), now >= since_s
+    for name, value in (("position", drive.position_mm), ("speed", drive.speed_rpm)):
+        lied = np.append(value[~wrong], lies[name](value[wrong])) if lies and name in lies else value
+        told[name] = now[np.isfinite(lied)], lied[np.isfinite(lied)]
     readings = {name: _readings(time_s, *each) for name, each in told.items()}
     return replace(Condenser(rig, Tally()).rows(readings, time_s), name=f"{run.name}.blf")
 

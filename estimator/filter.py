@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from estimator.faults.fault import Fault, Judgement, Led, Seen
-from estimator.faults.travel import Travel
 from estimator.model import Model
 from estimator.network.discretise import Transition
 from estimator.network.forcing import Drive
@@ -47,12 +46,10 @@ class Filter:
         self.model, self.rig, self.mute = model, rig, mute or unmuted(rig)
         self.run: Run | None = None
         self._transitions: dict[int, Transition] = {}
-        self._travel = Travel(rig)
 
     def step(self, sample: Sample) -> Step:
         """Take one tick: begin with the first sample with a thermometer in it; then predict, compare, update."""
         rows = collect("", [sample])
-        self._travel.step(sample)
         if self.run is None:
             return self._begin(rows)
         return self._advance(self.run, sample, rows, self.run.forcing.read(rows))
@@ -109,7 +106,7 @@ class Filter:
                 muted=muted[None],
                 doubt=moves.readings,
                 led=self._unled.led,
-                astray=np.array([self._travel.astray]),
+                astray=drive.astray,
             )
         )
         if judged.anew:
@@ -137,12 +134,14 @@ class Filter:
             since_s=judged.since_s[0],
             may_drift_K=judged.may_drift_K[0],
             off_share=judged.off_share[0],
+            shift_mm=judged.shift_mm[0],
             jump=np.zeros(len(fuse)) if judged.jump is None else judged.jump,
             input_fault=run.forcing.input_fault,
             doubt=doubt.states[0],
             doubt_um=doubt.elongation[0],
         )
-        self._latest = estimates.suspecting(run.state, self._unled.fusion.x[None])
+        led_var = self._doubt.known.elongation_var(self._unled.led, judged.off_share)
+        self._latest = estimates.suspecting(run.state, self._unled.fusion.x[None], led_var)
         return self._reporter.track(rows, self._latest).step(0, compared.why(fault, muted))
 
     def _course(self, sample: Sample, before: tuple[Array, Array, Array], grown_um: float) -> Course:

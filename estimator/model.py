@@ -148,7 +148,7 @@ class Model:
 
     def inputs(self, u: Inputs, rig: Rig) -> Inputs:
         """The inputs, set right by the effects that say what is wrong with them."""
-        for name in self._correcting:
+        for name in self.correcting:
             u = self.effects[name].inputs(self.namespace(name), u, rig)
         return u
 
@@ -202,12 +202,12 @@ class Model:
     def moved_by(self, name: str) -> list[str]:
         """The effects whose terms change with the parameters of this one: itself, and those that scale it; all, where
         it sets inputs right."""
-        if name in self._correcting:
+        if name in self.correcting:
             return [*self.effects]
         return [other for other, effect in self.effects.items() if other == name or name in effect.scales]
 
     @property
-    def _correcting(self) -> list[str]:
+    def correcting(self) -> list[str]:
         """Effects that set inputs right."""
         return [name for name, effect in self.effects.items() if type(effect).inputs is not Effect.inputs]
 

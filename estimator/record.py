@@ -30,7 +30,9 @@ class Sample:
               makes another heat in short strokes, whose ends count more
     apart_s  longest time from one reading of the speed to the next, of those that ended in the tick, s; 0: short beside
              a tick, inf: too long to know what was between, NaN: none was read
-    pace     how far the position moved as a share of what the speed says, NaN: it did not turn, or was not read
+    pace     how far the position moved as a share of what the speed says, below 0: against it; NaN: it did not turn,
+             or was not read
+    slip_mm  by how much the position jumped from one frame to the next, 0: not; NaN: frames are too few to tell
     """
 
     time_s: float
@@ -42,6 +44,7 @@ class Sample:
     unevenness: float = 1.0
     apart_s: float = 0.0
     pace: float = math.nan
+    slip_mm: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -66,10 +69,11 @@ class Recording:
     unevenness: Array = field(default_factory=lambda: np.ones(1))
     apart_s: Array = field(default_factory=lambda: np.zeros(1))
     pace: Array = field(default_factory=lambda: np.full(1, np.nan))
+    slip_mm: Array = field(default_factory=lambda: np.full(1, np.nan))
     began_s: float | None = None
 
     def __post_init__(self) -> None:
-        for name, usual in (("unevenness", 1.0), ("apart_s", 0.0), ("pace", math.nan)):
+        for name, usual in (("unevenness", 1.0), ("apart_s", 0.0), ("pace", math.nan), ("slip_mm", math.nan)):
             if len(getattr(self, name)) != len(self.time_s):
                 object.__setattr__(self, name, np.full(len(self.time_s), usual))
 
@@ -94,6 +98,7 @@ class Recording:
             unevenness=self.unevenness[which],
             apart_s=self.apart_s[which],
             pace=self.pace[which],
+            slip_mm=self.slip_mm[which],
         )
 
     def sample(self, k: int) -> Sample:
@@ -101,7 +106,7 @@ class Recording:
         inputs = {name: float(column[k]) for name, column in self.inputs.items()}
         return Sample(
             float(self.time_s[k]), self.channels[k], self.ages_s[k], inputs, float(self.omega[k]), self.coverage[k],
-            float(self.unevenness[k]), float(self.apart_s[k]), float(self.pace[k]),
+            float(self.unevenness[k]), float(self.apart_s[k]), float(self.pace[k]), float(self.slip_mm[k]),
         )  # fmt: skip
 
     def __iter__(self) -> Iterator[Sample]:
@@ -124,6 +129,7 @@ def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
         unevenness=np.array([s.unevenness for s in rows]),
         apart_s=np.array([s.apart_s for s in rows]),
         pace=np.array([s.pace for s in rows]),
+        slip_mm=np.array([s.slip_mm for s in rows]),
         **about,  # type: ignore[arg-type]
     )
 

@@ -36,6 +36,7 @@ class Step:
     fault, since_s    (m,) what is wrong with each channel, a Fault, and since when
     may_drift_K       (m,) by how much a thermometer that is fused may have drifted, since since_s; 0: not suspected
     off_share         by which share of their values the model's parameters must be off, 0: they are what a fit says
+    shift_mm          by how much the nut's heat stands elsewhere than the position says, 0: it does not
     jump              (m,) by how much its zero has become another one with this tick; 0 where it has not
     input_fault       (p,) why each input of the rig is held, a Fault, NONE: it is not
     begins            whether the run began with this tick; again, where what it had begun with were no temperatures
@@ -64,6 +65,7 @@ class Step:
     since_s: Array
     may_drift_K: Array
     off_share: float
+    shift_mm: float
     jump: Array
     input_fault: Array
     begins: bool
@@ -105,6 +107,7 @@ class Track:
     since_s: Array
     may_drift_K: Array
     off_share: Array
+    shift_mm: Array
     jump: Array
     input_fault: Array
     begins: Array
@@ -124,7 +127,8 @@ class Track:
         said |= {"fault": np.zeros((K, m), dtype=np.int8), "begins": np.zeros(K, dtype=bool)}
         said |= {name: np.zeros((K, m)) for name in ("jump", "may_drift_K")}
         said |= {"input_fault": np.zeros((K, len(rows.inputs)), dtype=np.int8)}
-        said |= {"mode": np.full(K, Mode.INIT), "nis_channels": np.zeros(K, dtype=int), "off_share": np.zeros(K)}
+        said |= {"mode": np.full(K, Mode.INIT), "nis_channels": np.zeros(K, dtype=int)}
+        said |= {name: np.zeros(K) for name in ("off_share", "shift_mm")}
         return cls(np.empty(0), (), names, **said)
 
     @classmethod

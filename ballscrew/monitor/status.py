@@ -96,7 +96,7 @@ class Status:
             ],
             "resumed_s": self.resumed_s, "provisional": self.moment.provisional,
             "why_invalid": list(self.moment.trust.why), "suspects": _suspects(self.alarms),
-            "off_share": step.off_share,
+            "off_share": step.off_share, "shift_mm": step.shift_mm,
         }  # fmt: skip
 
 

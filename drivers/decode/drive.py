@@ -16,17 +16,24 @@ from estimator.rig import Rig, Screw
 
 AT_ONCE = 1024  # ticks, of which every sum over the cells takes 2 MB
 SOME, TOLD = 3, 0.7  # stretches of a tick that tell of a motion; of them those over which the position has moved
+SLIP_MM, SLIP = (
+    5.0,
+    0.1,
+)  # least jump between two frames, beside the longest way near it: it may have stopped for a moment
+QUICK_S = 0.11  # from one frame to the next: in that no axis makes a stroke
+GOES_MM, HELD = 0.1, 0.1  # ways that count; share of them with no new position: it is told more seldom than the speed
 _STANDS = 1e-3  # cells: a shorter way is a stand
 
 
 class Drive(NamedTuple):
-    """Of each tick, as in Recording: (rows,) rad/s, (rows, cells), (rows,), (rows,) s, (rows,)."""
+    """Of each tick, as in Recording: (rows,) rad/s, (rows, cells), (rows,), (rows,) s, (rows,), (rows,) mm."""
 
     omega: Array
     coverage: Array
     unevenness: Array
     apart_s: Array
     pace: Array
+    slip_mm: Array
 
 
 class DriveCondenser:
@@ -39,6 +46,9 @@ class DriveCondenser:
         self.screw = rig.screw
         self.nut = rig.nut if rig.screw and "position" in rig.inputs else None
         self._last = (-np.inf, np.nan, np.nan)  # s, mm, rad/s
+        self._held = (0, 0)  # ways that the speed tells of, and those of them on which the position stood
+        self._before = np.full((3, 2), np.nan)  # the two frames before that
+        self._lead = self.screw.lead_mm / (2 * np.pi) if self.screw else np.nan
         self._row = -(1 << 40)
 
     def rows(self, now: Array, position: Array, speed: Array, row: Index, rows: int) -> Drive:
@@ -49,7 +59,8 @@ class DriveCondenser:
         """
         cover = np.zeros((rows, self.screw.cells if self.screw else 0))
         if not self.turns:
-            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), np.full(rows, np.nan))
+            none = np.full(rows, np.nan)
+            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), none, none)
         columns = zip(self._last, (now, position, speed), strict=True)
         now, position, speed = (np.concatenate(([last], column)) for last, column in columns)
         row = np.concatenate(([self._row], row))
@@ -67,24 +78,50 @@ class DriveCondenser:
         omega = np.divide(angle, time, out=np.abs(speed[latest]), where=time > 0)
         uneven = np.divide(squares * time, angle**2, out=np.ones(rows), where=angle > 0)
         pace = self._pace(position, speed, joined, turned, into, rows)
+        slip_mm = self._slip(np.array([now, position, speed]), row, rows)
         if self.nut:
             weight = np.where(angle[into] > 0, turned, passed)
             cover = self._cover(position, joined, weight, into, latest)
         omega[silent] = cover[silent] = np.nan
         self._last, self._row = (float(now[-1]), float(position[-1]), float(speed[-1])), int(row[-1]) - rows
-        return Drive(omega, cover, uneven, apart, pace)
+        return Drive(omega, cover, uneven, apart, pace, slip_mm)
 
     def _pace(self, position: Array, speed: Array, joined: Index, turned: Array, row: Index, rows: int) -> Array:
         """How far the position moves as a share of what the speed says, where that does not turn, (rows,).
 
-        NaN where the position is told more seldom than the speed: then it may have turned between two.
+        Below 0 where it falls while the speed is positive; NaN where the position is told more seldom than the speed:
+        then it may have turned between two.
         """
-        moved = np.abs(position[joined + 1] - position[joined])
+        moved = position[joined + 1] - position[joined]
         known = np.isfinite(moved) & (speed[joined] * speed[joined + 1] > 0)
-        lead = self.screw.lead_mm / (2 * np.pi) if self.screw else np.nan
-        way, path = (np.bincount(row[known], amount[known], rows) for amount in (moved, lead * turned))
-        told, of = (np.bincount(row[some], minlength=rows) for some in (known & (moved > 0), known))
-        return np.divide(way, path, out=np.full(rows, np.nan), where=(path > 0) & (of >= SOME) & (told > TOLD * of))
+        sums = (np.abs(moved), moved * np.sign(speed[joined]), self._lead * turned)
+        way, along, path = (np.bincount(row[known], amount[known], rows) for amount in sums)
+        told, of = (np.bincount(row[some], minlength=rows) for some in (known & (moved != 0), known))
+        sure = (path > 0) & (of >= SOME) & (told > TOLD * of)
+        return np.divide(np.copysign(way, along), path, out=np.full(rows, np.nan), where=sure)
+
+    def _slip(self, frames: Array, row: Index, rows: int) -> Array:
+        """By how much the position jumps from one frame to the next, beside what the speed says, (rows,) mm; 0: not.
+
+        frames (3, n) s, mm, rad/s. A jump stands alone: on the ways before and after it position and speed agree. It
+        counts in the tick of the frame after these; NaN where these are not known, or the position is told more seldom.
+        """
+        now, position, speed = frames = np.hstack([self._before, frames])
+        self._before = frames[:, -3:-1]
+        passed = np.where(np.diff(now) <= QUICK_S, np.diff(now), np.nan)
+        moved, told = np.diff(position), self._lead * passed * (speed[1:] + speed[:-1]) / 2
+        moved, told = (np.array([each[:-2], each[1:-1], each[2:]]) for each in (moved, told))  # before, there, after
+        goes = np.abs(told[1]) > GOES_MM
+        went, held = (np.cumsum(so) + n for so, n in zip((goes, goes & (moved[1] == 0)), self._held, strict=True))
+        self._held = (went[-1], held[-1]) if len(went) else self._held
+        row, known = row[1:], np.isfinite(moved + told).all(axis=0) & (held <= HELD * went)
+        along = np.sign((moved * told)[::2].sum(axis=0))
+        off = moved - np.where(along == 0, 1.0, along) * told
+        most = SLIP_MM + (1.0 + SLIP) * np.abs(told).max(axis=0) + np.ptp(told, axis=0)
+        jumps = known & ((np.abs(off) > most) == [[False], [True], [False]]).all(axis=0)
+        found = np.bincount(row[jumps], off[1, jumps], rows).astype(float)
+        found[np.bincount(row[known], minlength=rows) == 0] = np.nan
+        return found
 
     def _cover(self, position: Array, joined: Index, weight: Array, row: Index, latest: Index) -> Array:
         """Cover of the cells by the nut, on its way between frames; where it has no way, where the latest one was."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.alarms.window import FALSE_S, WINDOWS, WindowTest
-from estimator.faults.fault import MAY_DRIFT, Fault
+from estimator.faults.fault import ELSEWHERE, MAY_DRIFT, Fault
 from estimator.faults.sentences import place_of
 from estimator.record import Array
 from estimator.rig import Rig
@@ -23,7 +23,8 @@ ANOTHER_S = 60.0  # for so long
 class Alarm:
     """What is wrong, with which channel ("": all of them), and since when, s since the first frame.
 
-    kind    "bias", "nis", "rejected", "silent", "may drift", "machine", or the word of a channel's or an input's Fault
+    kind    "bias", "nis", "rejected", "silent", "may drift", "machine", "position", or the word of a channel's or an
+            input's Fault
     over_s  of a test, how long the readings were looked at; 0: as they come
     """
 
@@ -53,6 +54,7 @@ class Alarms:
         self._heat = rig.is_thermometer
         self._silent = np.full(len(rig.names), -1)  # ticks since the last reading, -1: never read
         self._another_s = np.nan  # since when the machine is not the model's
+        self._elsewhere_s = np.nan  # since when the nut's heat is not where the position says
 
     @property
     def diverged(self) -> bool:
@@ -63,7 +65,7 @@ class Alarms:
         """Take one tick; returns the alarms that begin with it, and those that end."""
         heat = self._heat & (np.array(step.why, dtype=object) != "muted")
         found, judged = [*self._silences(step, heat), *self._faults(step, heat), *self._inputs(step)], {0.0}
-        found += self._machine(step)
+        found += [*self._machine(step), *self._place(step)]
         for test in self._tests:
             if test.add(step):
                 judged.add(test.over_s)
@@ -93,9 +95,13 @@ class Alarms:
         """Thermometers that are broken, and those that may be."""
         if not (step.fault.any() or step.may_drift_K.any()):
             return
-        for i in np.flatnonzero((heat | (step.fault == Fault.APART)) & (step.fault > Fault.JUDGED)):
+        for i in np.flatnonzero((heat | ~self._heat) & (step.fault > Fault.JUDGED)):
             fault = Fault(step.fault[i])
-            at = f" at {step.measured[i]:.2f} degC" if fault == Fault.STUCK and np.isfinite(step.measured[i]) else ""
+            at = (
+                f" at {step.measured[i]:.2f} {self.rig.channels[self.rig.names[i]].unit}"
+                if fault == Fault.STUCK and np.isfinite(step.measured[i])
+                else ""
+            )
             text = f"{place_of(self.rig, i)} {fault.said}{at}"
             yield Alarm(fault.word, self.rig.names[i], float(step.since_s[i]), text)
         for i in np.flatnonzero(heat & (step.may_drift_K != 0) & (step.fault == Fault.NONE)):
@@ -109,6 +115,13 @@ class Alarms:
         if step.time_s - self._another_s >= ANOTHER_S:
             by = f"its parameters are off by some {step.off_share:.0%}; the estimate's sd allows for it"
             yield Alarm("machine", "", float(self._another_s), f"the model is not this machine's: {by}")
+
+    def _place(self, step: Step) -> Iterator[Alarm]:
+        """Heat that stands elsewhere than the position says."""
+        self._elsewhere_s = np.fmin(self._elsewhere_s, step.time_s) if step.shift_mm else np.nan
+        if step.shift_mm:
+            by = f"as if it were off by {step.shift_mm:+.0f} mm; check its zero, and what else heats there"
+            yield Alarm("position", "", float(self._elsewhere_s), f"{ELSEWHERE}: {by}")
 
     def _inputs(self, step: Step) -> Iterator[Alarm]:
         """Inputs that are held; what is stuck may be as it was, and stays as it is."""

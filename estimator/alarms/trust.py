@@ -7,6 +7,7 @@ from math import ceil
 
 import numpy as np
 
+from estimator.faults.fault import ELSEWHERE
 from estimator.faults.travel import Travel
 from estimator.inputs.phase import turns
 from estimator.record import Sample
@@ -30,7 +31,7 @@ class Watch:
         self.needs_drive = "speed" in rig.inputs
         self._heat = rig.is_thermometer
         self._enough = self._displacement = self._drive = -np.inf
-        self._moving = self._started = self._diverged = False
+        self._moving = self._started = self._diverged = self._elsewhere = False
         self._why, self._doubted_s = tuple[str, ...](), -np.inf
         self._travel = Travel(rig)
 
@@ -41,7 +42,7 @@ class Watch:
     def tick(self, sample: Sample, step: Step, diverged: bool) -> None:
         """A tick has closed."""
         self._started, self._diverged = step.mode != Mode.INIT, diverged
-        self._moving = bool(turns(sample.omega))
+        self._moving, self._elsewhere = bool(turns(sample.omega)), step.shift_mm != 0.0
         self._travel.step(sample)
         if step.fused[self._heat].sum() >= self.least:
             self._enough = step.time_s
@@ -58,8 +59,10 @@ class Watch:
             why.append(f"fewer than {self.least} thermometers for {FEW_S:g} s")
         if self.needs_drive and now_s - self._drive > DRIVE_S[self._moving]:
             why.append("no news of the drive")
-        if self._travel.why:
-            why.append(self._travel.why)
+        if self._travel.lately:
+            why.append(self._travel.lately)
+        if self._elsewhere:
+            why.append(ELSEWHERE)
         if self._diverged:
             why.append("rig and model part")
         lasting = self._lasting(tuple(why), now_s)

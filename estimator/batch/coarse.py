@@ -40,6 +40,7 @@ def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
             ages_s=ages,
             inputs={name: _shortened(name, recording, groups, ticks) for name in recording.inputs},
             omega=_mean(omega),
+            apart_s=np.full(groups, np.nan),  # where the table is at the end of a tick is no longer told
             unevenness=_unevenness(recording, groups, ticks),
             coverage=np.einsum("gt,gtc->gc", turned, coverage) / turned.sum(axis=1)[:, None],
         ),

@@ -59,8 +59,8 @@ class Readings:
 class Judged:
     """Some ticks, filtered and judged; with `anew` the run begins again with the last of them.
 
-    after  x, P after the last, as judged;   unled  x (K, size) of the filter that hears no length
-    doubt  of that filter
+    after  x, P after the last, as judged;   unled  x (K, size) of the filter that hears no length, and its doubt
+    led    how far lengths have led from that one
     """
 
     chunk: Chunk
@@ -68,6 +68,7 @@ class Judged:
     moves: Moves
     after: tuple[Array, Array]
     unled: Array
+    led: Led
     doubt: Doubt
 
 
@@ -94,11 +95,11 @@ class Unled:
         self._found = own, doubt, led
         return led.later(self._led)
 
-    def take(self, chunk: Chunk, judgement: Judgement, moves: Moves, after: tuple[Array, Array]) -> Array:
-        """The ticks as they have been judged; its own x, (K, size)."""
+    def take(self, chunk: Chunk, judgement: Judgement, moves: Moves, after: tuple[Array, Array]) -> tuple[Array, Led]:
+        """The ticks as they have been judged; its own x, (K, size), and how far lengths have led from it."""
         if self._found is None:
             self.last = after
-            return chunk.x
+            return chunk.x, Led.nowhere(len(chunk.x), self._led.doubt.shape[1])
         if not np.array_equal(self._found[0].fused, chunk.fused & self._heat):
             self.led(chunk, moves)
         own, self.doubt, led = self._found
@@ -107,7 +108,7 @@ class Unled:
         x = self.last[0] if judgement.apart else after[0]
         um, var = self._state.led(self._system.grown[at], x[None], (own.x[-1:], self.last[1][None]))
         self._led = replace(led[-1:], um=um, var=var)
-        return own.x
+        return own.x, Led.joined(led[:-1], self._led)
 
 
 def judged(system: System, readings: Readings, judge: Judge, state: State, unled: Unled) -> Iterator[Judged]:
@@ -121,9 +122,9 @@ def judged(system: System, readings: Readings, judge: Judge, state: State, unled
         K = len(judgement.fault)
         chunk, moves = _as_judged(system, chunk.rows(slice(0, K)), judgement, start), moves.rows(slice(0, K))
         start = chunk.x[-1], state.judged(chunk.P[-1], judgement)
-        x = unled.take(chunk, judgement, moves, start)
+        x, led = unled.take(chunk, judgement, moves, start)
         start = unled.last if judgement.apart else start
-        yield Judged(chunk, judgement, moves, start, x, unled.doubt)
+        yield Judged(chunk, judgement, moves, start, x, led, unled.doubt)
         if judgement.anew:
             return
         length = min(2 * length, LONGEST) if ticks.stop - at == K else max(SHORTEST, K)

@@ -149,12 +149,14 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
             since_s=judgement.since_s[some],
             may_drift_K=judgement.may_drift_K[some],
             off_share=judgement.off_share[some],
+            shift_mm=judgement.shift_mm[some],
             jump=jump[some],
             input_fault=trial.drive.inputs.fault[1:][at],
             doubt=doubtful.states,
             doubt_um=doubtful.elongation,
         )
-        yield at, estimates.suspecting(posed.state, part.unled[some])
+        led_var = doubt.known.elongation_var(part.led[some], judgement.off_share[some])
+        yield at, estimates.suspecting(posed.state, part.unled[some], led_var)
     if judgement.apart:
         doubt.become(part.doubt)
 

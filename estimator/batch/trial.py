@@ -17,7 +17,6 @@ from estimator.batch.system import System
 from estimator.errors import InputError
 from estimator.faults.fault import Fault
 from estimator.faults.neighbours import may_be_heat
-from estimator.faults.travel import astray as astray_of
 from estimator.faults.use import Told, Use, use_of
 from estimator.model import Model
 from estimator.network.forcing import Forcing
@@ -169,6 +168,7 @@ class Trial:
             np.zeros(self.recording.channels.shape),  # what may drift may be heat that the model lacks: it is sought
             self._whole(np.zeros(len(run.fault)), self.jump),
             self._whole(self.drive.inputs.fault[0], self.drive.inputs.fault[1:]),
+            np.zeros(K),  # nor is heat in another place the position's fault as long as effects are sought
         )
         return use_of(self.recording, self.rig, told)
 
@@ -226,9 +226,8 @@ class Trial:
 
         `doubt` is carried ahead of the filter; whoever needs it behind it has to do that part after part.
         """
-        alone = posed.run.lagged + posed.offset[1:]
-        astray = astray_of(self.recording, self.rig)[self.begin :]
-        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, self.ahead(posed, doubt), astray)
+        alone, ahead, astray = posed.run.lagged + posed.offset[1:], self.ahead(posed, doubt), self.drive.astray[1:]
+        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, ahead, astray)
         unled = Unled(posed.system, posed.state, doubt, self.rig)
         return judged(posed.system, readings, self.run.judge(doubt.known), posed.state, unled)
 

@@ -1,7 +1,7 @@
 """The catalogue of effects, one file per place on the rig.
 
 In the order to read them: screw, nut, bearings, friction, air, surroundings, local, readings, length,
-held.
+held; elsewhere, which is in no model but moves what the others do.
 """
 
 from __future__ import annotations

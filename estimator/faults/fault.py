@@ -15,6 +15,7 @@ POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
 MINUTE_S, FORGOTTEN_S = 60.0, 1000.0  # of the thermometers' innovations
 
 MAY_DRIFT = "may drift"  # of a channel that is fused
+ELSEWHERE = "the nut's heat is not where the position says"
 
 
 class Fault(IntEnum):
@@ -97,8 +98,12 @@ class Led:
 
     def later(self, before: Led) -> Led:
         """Of ticks after these, the tick before each, which `before` is of the first: (K,)."""
-        pairs = (np.concatenate([getattr(one, field.name) for one in (before, self)]) for field in fields(self))
-        return Led(*(pair[: len(self)] for pair in pairs))
+        return Led.joined(before, self)[: len(self)]
+
+    @classmethod
+    def joined(cls, first: Led, then: Led) -> Led:
+        """Ticks that follow each other, as one."""
+        return cls(*(np.concatenate([getattr(one, field.name) for one in (first, then)]) for field in fields(cls)))
 
 
 @dataclass(frozen=True)
@@ -137,6 +142,7 @@ class Judgement:
     fault    (K, m) a Fault each, since when (K, m) s
     may_drift_K  (K, m) by how much channels that are fused may have drifted, 0: not suspected; since when in since_s
     off_share  (K,) by which share of their values the model's parameters must be off, 0: as a fit has left them
+    shift_mm   (K,) by how much the nut's heat stands elsewhere than the position says, 0: it does not
     jump     (m,) by how much channels jumped whose zero is now another one; None: none did
     drift    (m,) by how much channels had drifted that were fused up to now; None: none had
     loose    (m,) by how much more channels may have drifted that go on being fused; None: none by more than was said
@@ -148,6 +154,7 @@ class Judgement:
     since_s: Array
     may_drift_K: Array
     off_share: Array
+    shift_mm: Array
     jump: Array | None = None
     drift: Array | None = None
     loose: Array | None = None
@@ -162,7 +169,7 @@ class Tick:
     read       read and not muted
     known      whether its level is known
     deviation  of the innovation from its level, with its limit;   beyond  further than that
-    repeats    how often a thermometer has read the same
+    repeats    how often a thermometer has read the same, or a length, by how unlikely that is
     """
 
     time_s: float

@@ -45,7 +45,7 @@ class Judge:
         m, self._heat, self._begun_s, self._begun_with = len(noise), rig.is_thermometer, begun_s, begun_with
         places = [np.nan if channel.at_mm is None else channel.at_mm for channel in rig.channels.values()]
         self._modelled = np.isfinite(noise)
-        self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s), Standstill(m)
+        self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s), Standstill(self._heat)
         self._neighbours = Neighbours(np.array(places, dtype=float), noise, self._heat, rig.tick_s, known)
         self._suspects, self._recovery = Suspects(m, begun_with), Recovery(m)
         self.fault, self.since_s = np.zeros(m, dtype=np.int8), np.full(m, np.nan)
@@ -67,9 +67,10 @@ class Judge:
 
         In the ticks before that one the channels that are `well` are fused, as whoever asks has taken for granted.
         """
-        seen = replace(seen, value=np.where(seen.muted | ~np.isfinite(seen.sd), np.nan, seen.value))
+        value = np.where(seen.muted | ~np.isfinite(seen.sd), np.nan, seen.value)
+        seen = replace(seen, value=value, astray=seen.astray | self._neighbours.elsewhere)
         jumps = self._jumps.compare(seen, self.well)
-        repeats = self._standstill.compare(np.where(self._heat & np.isfinite(seen.value), seen.reading, np.nan))
+        repeats = self._standstill.compare(np.where(np.isfinite(seen.value), seen.reading, np.nan))
         progress = self._recovery.compare(seen.time_s, jumps, repeats.count, self.fault)
         ticks = self._quiet(seen, jumps, repeats.count, progress)
         used = self.well & np.isfinite(seen.value) & ~jumps.beyond
@@ -101,8 +102,9 @@ class Judge:
         if jump is not None:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
         return Judgement(
-            fault, since_s, may_drift_K, added.off_share, jump, drift, self._loosen(added.off_share[-1]), apart, anew
-        )
+            fault, since_s, may_drift_K, added.off_share, added.shift_mm, jump, drift,
+            self._loosen(added.off_share[-1]), apart, anew,
+        )  # fmt: skip
 
     def _leave_lengths(self, tick: Tick) -> bool:
         """Lengths are broken that have led the estimate too far; whether there are any that were not yet."""
@@ -175,9 +177,11 @@ class Judge:
         self._held = np.where(out, self._held + 1, np.where(read, 0, self._held))
         believed = out & (self._held >= LENGTH_READINGS)
         self._held[believed] = 0
+        stuck = read & (tick.repeats >= STUCK)
         for i in np.flatnonzero(read).tolist():
-            self._set(i, Fault.JUDGED if out[i] and not believed[i] else Fault.NONE, tick)
-        return believed
+            held = Fault.JUDGED if out[i] and not believed[i] else Fault.NONE
+            self._set(i, Fault.STUCK if stuck[i] else held, tick)
+        return believed & ~stuck
 
     def _set(self, i: int, fault: Fault, tick: Tick) -> None:
         """A channel's fault as of now; it keeps the time at which it was first held."""

@@ -9,7 +9,8 @@ which they may be off beside what a fit has left open:
                              been unsure in the last quarter of an hour, and at least as what models lack in detail
 
 Each share has the weight that it began with times its likelihood, and the root of their mean square is that of the run.
-The thermometer that the likeliest of them explains worst is not heard: one may be broken.
+As many filters again take the position of the table for told with another zero: d has one element more, of 100 mm. The
+thermometer that the likeliest of them explains worst is not heard: one may be broken.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from estimator.record import Array
 
 SHARES = np.array([0.0, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2])
 ANOTHER = 0.25  # what weighs another machine than the model's before anything is seen
-DETAILS_PER_S = 1 / 250  # of log-likelihood: so much all others gain on no share by what models lack in detail
+DETAILS_PER_S = 1 / 250  # of log-likelihood: so much another share, or place, gains by what models lack in detail
 LASTS_S, UNSURE_S = 300.0, 1000.0  # misfits; what the filter is unsure of after a drive
 RENEWED_S, LEFT = 36000.0, 1e-3  # then parameters may have become others; least weight that a share begins again with
 DETAILS = {True: 0.03, False: 0.2}  # K of a thermometer, um of a length
@@ -31,26 +32,38 @@ OUTLYING = 3.0  # sd, from which on the worst thermometer is not heard
 YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each block; how often an older one is
 LED_SDS, LED_UM = 5.0, 0.4  # of the elongation by thermometers alone; 3.6 at most on machines 0 - 14
 LEAST = 0.005  # a smaller share makes no difference
+ELSEWHERE = 0.02  # what weighs another place of the nut's heat at first
+LEAST_ODDS, SURE = -10.0, 40.0  # logarithms of its odds: least, and from which on it is told
+PLACE_MM, WALK_MM2_S = 100.0, 0.5  # by how much it may be another, and become so
+SHIFT_SDS, SHIFT_MM, IN_A_ROW = 3.0, 15.0, 3  # least that is told, by so many looks
+STILL_SDS, STILL_MM, LASTING = 1.0, 5.0, 20  # least that goes on being told, and looks for which less does not end it
 
 
 @dataclass(frozen=True)
 class Known:
     """How well p parameters are known: root root' the covariance (p, p) of their errors; whole (p,) what each of them
-    is, or how wide its table is, whichever is more; 0: it is no other on another machine."""
+    is, or how wide its table is, whichever is more; 0: it is no other on another machine. The one number `shift` is by
+    which the position is told with another zero, mm: nothing, unless the thermometers say so."""
 
     root: Array
     whole: Array
+    shift: int | None = None
 
-    def apart(self, led: Led, share: float) -> Array:
-        """Whether lengths have led further than thermometers allow, (K,), where parameters are off by a share.
+    def apart(self, led: Led, share: float, place_mm: float) -> Array:
+        """Whether lengths have led further than thermometers allow, (K,), where parameters are off by a share, and the
+        nut's heat may stand elsewhere by so much.
 
         Never by a model of which nothing says how good it is.
         """
         if not self.whole.any():
             return np.zeros(len(led), dtype=bool)
-        doubt = self.doubtful(led.doubt, np.full(len(led), share))
-        sd_um = led.worse * np.sqrt(led.var + (doubt**2).sum(axis=1))
+        place_um = 0.0 if self.shift is None else place_mm * led.doubt[:, self.shift]
+        sd_um = led.worse * np.sqrt(self.elongation_var(led, np.full(len(led), share)) + place_um**2)
         return np.abs(led.um) > np.maximum(LED_SDS * sd_um, LED_UM)
+
+    def elongation_var(self, led: Led, share: Array) -> Array:
+        """Of the elongation by thermometers alone, (K,) um^2, where parameters are off by shares (K,)."""
+        return np.asarray(led.var + (self.doubtful(led.doubt, share) ** 2).sum(axis=1))
 
     def doubtful(self, moved: Array, share: Array) -> Array:
         """What moves with parameters by `moved` (K, ..., p) is off by, where they are off by shares (K,) of themselves.
@@ -86,26 +99,39 @@ class Look:
 
 
 class Machine:
-    """What one run has told of its model's parameters, look after look; `share` is by which they are off."""
+    """What one run has told of its model's parameters, look after look; `share` is by which they are off.
+
+    shift_mm  by how much the nut's heat stands elsewhere than the position says, 0: the thermometers do not say so
+    place_mm  by how much it may
+    """
 
     def __init__(self, known: Known, heat: Array, tick_s: float) -> None:
         """heat (m,) bool, which channels are thermometers."""
         self._heat, self._tick_s, self._ticks = heat, tick_s, list[tuple[Array, ...]]()
-        self._told = known.whole.any()
-        self._prior = known.root @ known.root.T + SHARES[:, None, None] ** 2 * np.diag(known.whole**2)
+        self._told, self._shift = known.whole.any(), known.shift
+        places = 1 if known.shift is None else 2
+        self._shares, self._shifted = (
+            np.tile(SHARES, places),
+            np.repeat([False, True], len(SHARES))[: places * len(SHARES)],
+        )
+        self._prior = known.root @ known.root.T + self._shares[:, None, None] ** 2 * np.diag(known.whole**2)
+        if known.shift is not None:
+            self._prior[self._shifted, known.shift, known.shift] = PLACE_MM**2
         self._P, self._d = self._prior, np.zeros(self._prior.shape[:2])
-        weight = np.where(SHARES > 0.0, ANOTHER / (len(SHARES) - 1), 1.0 - ANOTHER)
-        self._first_log, self._log = np.log(weight), np.zeros(len(SHARES))
+        weight = np.where(self._shares > 0.0, ANOTHER / (len(SHARES) - 1), 1.0 - ANOTHER)
+        weight *= np.where(self._shifted, ELSEWHERE, 1.0 - ELSEWHERE if places > 1 else 1.0)
+        self._first_log, self._log = np.log(weight), np.zeros(len(weight))
         self._details = np.where(heat, DETAILS[True], DETAILS[False]) ** 2
         m, p = len(heat), len(known.whole)
         self._zero = Look(np.full(m, np.nan), np.zeros((m, p)), np.zeros(m))
         self._last, self._age_s, self._unsure = Look(np.zeros(m), np.zeros((m, p)), np.zeros(m)), 0.0 * heat, 0.0 * heat
         self._weight, self._learnt_s, self._waited_s = weight, 0.0, 0.0
+        self._times, self.shift_mm, self.place_mm = 0, 0.0, 0.0
 
     @property
     def share(self) -> float:
         """By which share of their values the parameters are off, 0: they are as the fit says."""
-        share = float(np.sqrt(self._weight @ SHARES**2)) if self._told else 0.0
+        share = float(np.sqrt(self._weight @ self._shares**2)) if self._told else 0.0
         return share if share >= LEAST else 0.0
 
     def hear(self, seen: Seen, some: slice, used: Array) -> None:
@@ -137,7 +163,9 @@ class Machine:
         self._unsure = np.maximum(
             np.where(np.isfinite(now.variance), now.variance, 0.0), np.exp(-passed_s / UNSURE_S) * self._unsure
         )
-        self._log -= np.where(SHARES > 0.0, DETAILS_PER_S * passed_s, 0.0)
+        self._log -= DETAILS_PER_S * passed_s * ((self._shares > 0.0) + 1.0 * self._shifted)
+        if self._shift is not None:
+            self._P[self._shifted, self._shift, self._shift] += WALK_MM2_S * passed_s
         y, moved = now.less(self._zero)
         heard = np.flatnonzero(self._believed(y, moved) & ~first)
         if len(heard):
@@ -145,6 +173,24 @@ class Machine:
         log = self._first_log + self._log
         weight = np.exp(log - log.max())
         self._weight = weight / weight.sum()
+        if self._shift is not None:
+            self._place(log, self._shift)
+
+    def _place(self, log: Array, k: int) -> None:
+        """Whether the nut's heat stands elsewhere, by what those filters say together in which parameter k moves it."""
+        here, there = (np.logaddexp.reduce(log[so]) for so in (~self._shifted, self._shifted))
+        odds, weight = float(there - here), np.exp(log[self._shifted] - there)
+        self._log[self._shifted] += max(0.0, LEAST_ODDS - odds)  # it may become another
+        d, var = self._d[self._shifted, k], self._P[self._shifted, k, k]
+        mean, square = float(weight @ d), float(weight @ (var + d**2))
+        self.place_mm = float(np.sqrt(square / (1.0 + np.exp(-max(odds, LEAST_ODDS)))))
+        sds, least_mm = (STILL_SDS, STILL_MM) if self.shift_mm else (SHIFT_SDS, SHIFT_MM)
+        sure = odds > SURE and abs(mean) > max(sds * np.sqrt(square - mean**2), least_mm)
+        if sure:
+            self._times = min(self._times + 1, LASTING)
+        else:
+            self._times = max(self._times - 1, 0) if self.shift_mm else 0
+        self.shift_mm = mean if self._times >= (1 if self.shift_mm else IN_A_ROW) else 0.0
 
     def _begin(self, now: Look, which: Array) -> None:
         """The misfit of channels counts from now on."""
@@ -159,10 +205,12 @@ class Machine:
         self._age_s[:] = np.inf  # what was heard last says nothing of them
 
     def _believed(self, y: Array, moved: Array) -> Array:
-        """Channels (m,) that were read, but for the thermometer that is furthest off, if it is far."""
-        best = int(np.argmax(self._weight))
-        variance = self._unsure + self._details + ((moved @ self._P[best]) * moved).sum(axis=1)
-        off = np.where(self._heat, np.nan_to_num((y - moved @ self._d[best]) ** 2 / variance), 0.0)
+        """Channels (m,) that were read, but for the thermometer that is furthest off, if far, wherever the nut is."""
+        off, log = np.full(len(y), np.inf), self._first_log + self._log
+        for so in (~self._shifted, self._shifted) if self._shift is not None else (~self._shifted,):
+            best = int(np.argmax(np.where(so, log, -np.inf)))
+            variance = self._unsure + self._details + ((moved @ self._P[best]) * moved).sum(axis=1)
+            off = np.minimum(off, np.where(self._heat, np.nan_to_num((y - moved @ self._d[best]) ** 2 / variance), 0.0))
         return np.asarray(np.isfinite(y) & ((off < OUTLYING**2) | (off < off.max())))
 
     def _learn(self, now: Look, heard: Array) -> None:

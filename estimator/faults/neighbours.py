@@ -38,12 +38,16 @@ class Block:
 
 @dataclass(frozen=True)
 class Added:
-    """How many ticks were taken, which channel drifts with the last of them, by which share of their values the model's
-    parameters are off at each, (ticks,), and whether lengths are apart from the thermometers with the last."""
+    """How many ticks were taken, which channel drifts with the last of them, and whether lengths are apart with it.
+
+    off_share  (ticks,) by which share of their values the model's parameters are off
+    shift_mm   (ticks,) by how much the nut's heat stands elsewhere than the position says
+    """
 
     ticks: int
     drifting: int | None
     off_share: Array
+    shift_mm: Array
     apart: bool = False
 
 
@@ -68,15 +72,17 @@ class Neighbours:
         self._block, self._astray = Block(), False
 
     def add(self, seen: Seen, used: Array) -> Added:
-        """Take ticks up to the first at which a channel is found to drift, or may drift, or no longer, or lengths part.
+        """Take ticks up to the first at which a channel is found to drift, or may drift, or no longer, or lengths part,
+        or heat is found to stand elsewhere, or no longer.
 
         used  (K, m) which readings are believed
         """
         k, K, block = 0, len(seen.time_s), self._block
-        asked, share = used & self._heat, np.empty(K)
+        asked, (share, shift_mm) = used & self._heat, np.empty((2, K))
         while k < K:
             some = slice(k, min(k + self._length - block.ticks, K))
-            gone = self._windows.known.apart(seen.led[some], self._machine.share) & ~seen.astray[some]
+            machine = self._machine
+            gone = self._windows.known.apart(seen.led[some], machine.share, machine.place_mm) & ~seen.astray[some]
             apart = bool(gone.any())
             some = slice(k, k + int(np.argmax(gone)) + 1) if apart else some
             block.difference += np.where(asked[some], seen.reading[some] - seen.alone[some], np.nan).sum(axis=0)
@@ -84,16 +90,21 @@ class Neighbours:
             block.doubt += seen.doubt[some].sum(axis=0)
             self._machine.hear(seen, some, used[some])
             self._astray |= bool(seen.astray[some].any())
-            share[some] = self._machine.share
+            share[some], shift_mm[some] = self._machine.share, self._machine.shift_mm
             block.ticks, k = block.ticks + some.stop - some.start, some.stop
-            found, before = None, self.may_drift_K.copy()
+            found, before = None, (self.elsewhere, *self.may_drift_K)
             if block.ticks == self._length:
                 found = self._close(block, float(seen.time_s[k - 1]))
-                share[k - 1] = self._machine.share
+                share[k - 1], shift_mm[k - 1] = self._machine.share, self._machine.shift_mm
                 block = self._block
-            if found is not None or apart or not np.array_equal(before, self.may_drift_K):
-                return Added(k, found, share[:k], apart)
-        return Added(K, None, share)
+            if found is not None or apart or not np.array_equal(before, (self.elsewhere, *self.may_drift_K)):
+                return Added(k, found, share[:k], shift_mm[:k], apart)
+        return Added(K, None, share, shift_mm)
+
+    @property
+    def elsewhere(self) -> bool:
+        """Whether the nut's heat stands elsewhere than the position says."""
+        return self._machine.shift_mm != 0.0
 
     def forget(self, i: int) -> None:
         """Channel i has another zero from now on."""
@@ -118,8 +129,8 @@ class Neighbours:
     def _close(self, block: Block, now_s: float) -> int | None:
         """The end of a block: which channel has failed often enough."""
         self._machine.block(block.ticks)
-        self._windows.share = self._machine.share
-        if self._astray:
+        self._windows.share, self._windows.place_mm = self._machine.share, self._machine.place_mm
+        if self._astray or self.elsewhere:
             self._astray = False
             self.forget_all(self._windows.known)
             return None

@@ -1,7 +1,8 @@
 """Which of several thermometers has changed as neither the model nor the others explain.
 
     c      ~ N(0, C),  C = s^2 (D D' + A) + B      change of reading less model alone, (n,) K
-    D      how c moves with what the model's parameters may be off by (state/doubt.py), and must be (machine.py)
+    D      how c moves with what the model's parameters and the place of the nut's heat may be off by (state/doubt.py),
+           and must be (machine.py)
     A      heat that no parameter stands for: alike along the screw, and a little of each one's own
     B      what all have in common, and scatter
     s      how many times worse the model is than it says, 1 .. 128: by the likelihood of the other thermometers
@@ -145,11 +146,12 @@ class Windows:
     """Compares thermometers over each of the WINDOWS; remembers for minutes how wrong the model has been.
 
     known, share  how well its parameters are known, and by which share of their values they are off nevertheless
+    place_mm      by how much the nut's heat may stand elsewhere than the position says
     """
 
     def __init__(self, x_mm: Array, variance: Array, known: Known) -> None:
         """x_mm (m,) places along the screw, NaN: a channel without neighbours; variance (m,) of a mean, K^2."""
-        self.known, self.share = known, 0.0
+        self.known, self.share, self.place_mm = known, 0.0, 0.0
         self._x, self._scatter = x_mm, COMMON_K**2 + np.diag(2.0 * variance)
         self._alike = np.exp(-0.5 * ((x_mm[:, None] - x_mm) / ALIKE_MM) ** 2)
         self._unknown = SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(x_mm))  # in two minutes
@@ -182,6 +184,8 @@ class Windows:
         )
         moved = self.known.doubtful(doubt, np.full(len(before), self.share))
         blocks = np.array([now.block - means.block for means in before])
+        if self.known.shift is not None:
+            moved = np.concatenate([moved, self.place_mm * doubt[..., [self.known.shift]]], axis=-1)
         model = moved @ moved.mT + (blocks / TWO_MINUTES)[:, None, None] * self._unknown
         return Change(difference, model, self._scatter, rough)
 

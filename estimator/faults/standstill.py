@@ -10,6 +10,7 @@ from estimator.record import Array, held
 
 STEPS = 1.5  # resolution steps from one reading to the next, on average: then 20 repeats do not happen by chance
 CHANGES = 20  # that must have been seen
+LONGER = 3.0  # times as long as ever before: a logger repeats readings
 
 
 @dataclass(frozen=True)
@@ -24,10 +25,13 @@ class Standstill:
     """How finely m channels resolve their own noise, and for how many readings each has read the same.
 
     The resolution is the smallest change ever seen. A coarse sensor, whose readings change by one step or not at all,
-    may well stand still: of it nothing can be said.
+    may well stand still: of it nothing can be said. A length has seldom a reading: it counts as many repeats by chance
+    are unlikely, n ln(mean change / resolution), and no more than its readings have stood before are so.
     """
 
-    def __init__(self, m: int) -> None:
+    def __init__(self, heat: Array) -> None:
+        """heat (m,) bool, which channels are thermometers."""
+        m, self._heat, self._stood = len(heat), heat, np.zeros(len(heat))
         self._last, self._finest = np.full(m, np.nan), np.full(m, np.inf)
         self._same, self._changes, self._sum = np.zeros(m), np.zeros(m), np.zeros(m)
 
@@ -38,12 +42,17 @@ class Standstill:
         moved = change > 0
         repeats = self._same + np.cumsum(change == 0, axis=0)
         same = repeats - np.maximum.accumulate(np.where(moved, repeats, 0.0), axis=0)
+        before = np.vstack([self._same, same[:-1]])
         finest = np.minimum(np.minimum.accumulate(np.where(moved, change, np.inf), axis=0), self._finest)
         changes = self._changes + np.cumsum(moved, axis=0)
         total = self._sum + np.cumsum(np.where(moved, change, 0.0), axis=0)
         fine = (changes >= CHANGES) & (total >= STEPS * changes * np.where(changes, finest, 0.0))
-        return Repeats(np.where(fine, same, 0.0), (filled[1:], finest, same, changes, total))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            unlikely = np.where(fine, np.log(total / changes / finest), 0.0)
+        stood = np.maximum.accumulate(np.vstack([self._stood, np.where(moved, before, 0.0)]), axis=0)[1:]
+        count = np.where(self._heat, same, np.where(same > LONGER * stood, same * unlikely, 0.0))
+        return Repeats(np.where(fine, count, 0.0), (filled[1:], finest, same, changes, total, stood))
 
     def learn(self, repeats: Repeats, k: int) -> None:
         """Take the first k ticks."""
-        self._last, self._finest, self._same, self._changes, self._sum = (a[k - 1] for a in repeats.trail)
+        self._last, self._finest, self._same, self._changes, self._sum, self._stood = (a[k - 1] for a in repeats.trail)

@@ -3,12 +3,14 @@
     path  mean speed x time x lead of this tick or the one before, the longer: the most that the position can change by;
           the time is that of the tick and at most of the last reading before it
 
-A table that turns back within a tick moves less: a jump that is shorter than the path of a tick is not seen. Where a
-drive begins or ends the mean speed of the tick hangs on when in it that was: on a fast bus nobody knows.
+A table that turns back within a tick moves less: a jump that is shorter than the path of a tick is not seen so, but
+from one frame to the next. Where a drive begins or ends the mean speed of the tick hangs on when in it that was: on a
+fast bus nobody knows.
 
     pace  how far the position moves as a share of what the speed says, by stretches in which that does not turn: 1
 
-A position in inches, a speed in another scale are told by it within seconds, however often the table turns.
+A position in inches, a speed in another scale are told by it within seconds, however often the table turns; and one
+that runs the other way than before.
 
 Where speeds are as far apart as ticks, or further, the axis can have started, stopped or turned between two of them:
 
@@ -26,7 +28,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from estimator.record import Array, Recording, Sample
+from estimator.record import Recording, Sample
 from estimator.rig import RAD_S, Rig
 
 SLACK_MM, SLACK = 5.0, 0.1  # of the path: both are read at slightly other times
@@ -37,6 +39,8 @@ FEW = 20  # ticks that turn, whose speeds do not tell how fast the axis is; rows
 PACED, PACE = 5, 0.85  # ticks that turn, over which the pace is looked at; least of it, and of one over it
 UNSIGNED = 0.5  # the same where the speed has no sign
 HEAT_S = 7200.0  # for which heat in a wrong place is felt
+LONG_SILENCE = 7200  # ticks: heat that nothing was heard of is felt as long as that lasted, and no longer than this
+FELT_S = 120.0  # after which thermometers alone have told of heat that was not known
 QUICK = 0.5  # ticks: further apart, speeds do not tell how far the table moves between two
 
 
@@ -48,15 +52,6 @@ def disagreements(recording: Recording, rig: Rig) -> Iterator[tuple[float, str]]
         if travel.why and travel.why != before:
             yield sample.time_s, travel.why
         before = travel.why
-
-
-def astray(recording: Recording, rig: Rig) -> Array:
-    """At which ticks heat is in the wrong place, (K,) bool."""
-    travel, found = Travel(rig), np.zeros(len(recording), dtype=bool)
-    for k, sample in enumerate(recording):
-        travel.step(sample)
-        found[k] = travel.astray
-    return found
 
 
 def too_slow(recording: Recording, rig: Rig) -> str:
@@ -84,15 +79,18 @@ class Travel:
         self._rad_s, self._tick_s = RAD_S[rig.inputs["speed"].unit] if self._given else np.nan, rig.tick_s
         self._last, self._before, self._offset, self._slips, self._stands = np.nan, 0.0, 0.0, 0, 0
         self._fastest, self._turned, self._apart_s = 0.0, 0, np.inf
-        self._stood, self._unseen, self._moves = 0, 0.0, 0
-        self._paces, self._pace, self._signed = deque[float](maxlen=PACED), 0.0, False
-        self._wrong_s, self._now_s = -np.inf, 0.0
+        self._stood, self._unseen, self._moves, self._untold = 0, 0.0, 0, 0
+        self._silent = 0  # ticks without news of the drive, less those with
+        self._paces, self._pace, self._signed, self._side = deque[float](maxlen=PACED), 0.0, False, 0.0
+        self._wrong, self._wrong_s, self._now_s, self._against = "", -np.inf, 0.0, False
 
     @property
     def why(self) -> str:
         """What is wrong; a jump stays so until the position is back where it must be."""
         if self._slips >= IN_A_ROW:
             return "the position moves further than the speed says"
+        if self._untold >= IN_A_ROW:
+            return "the position is not told though the screw turns"
         if self._stands >= IN_A_ROW:
             return "the position stands still though the speed says that the screw turns"
         if self._moves >= FEW:
@@ -101,22 +99,31 @@ class Travel:
             return (
                 f"the position moves {self._pace:.2g} times as far as the speed says: check units, scales and lead_mm"
             )
+        if self._against:
+            return "the position moves the other way than before"
         if self._offset:
             return f"the position jumped by {self._offset:+.1f} mm"
         unseen = self._unseen and self._stood >= IN_A_ROW
         return f"the position moved by {self._unseen:+.1f} mm though the screw stood at every reading" if unseen else ""
 
     @property
+    def lately(self) -> str:
+        """What is wrong, or was within the last minutes."""
+        return self.why or (self._wrong if self._now_s - self._wrong_s < FELT_S else "")
+
+    @property
     def astray(self) -> bool:
-        """Whether heat is in the wrong place, or was within the last hours."""
-        return self._now_s - self._wrong_s < HEAT_S
+        """Whether heat is in the wrong place, or was within the last hours; or nothing was heard of it for as long."""
+        return self._now_s - self._wrong_s < HEAT_S or self._silent > 0
 
     def step(self, sample: Sample) -> None:
         """One tick."""
         self._follow(sample)
         self._now_s = sample.time_s
+        silent = self._given and np.isnan(sample.omega)
+        self._silent = min(self._silent + 1, LONG_SILENCE) if silent else max(self._silent - 1, 0)
         if self.why:
-            self._wrong_s = sample.time_s
+            self._wrong, self._wrong_s = self.why, sample.time_s
 
     def _follow(self, sample: Sample) -> None:
         """What position and speed say."""
@@ -128,6 +135,7 @@ class Travel:
         path, moved = self._lead * sample.omega * (self._tick_s + sample.apart_s), place - self._last
         before, self._before, self._last = self._before, path, place
         self._learn(sample, turned=path > 0 and before > 0)
+        self._untold = self._untold + 1 if np.isnan(place) and path > 0 else 0
         if not np.isfinite(path + moved):
             return
         usual = (1.0 + SLACK) * max(path, before) + abs(path - before) + SLACK_MM
@@ -136,16 +144,23 @@ class Travel:
         self._rest(moved, turns=path > 0 or not slow)
         slips = abs(moved) > most
         self._slips = self._slips + 1 if slips else 0
-        if slips:
-            offset = self._offset + moved
-            self._offset = offset if abs(offset) > most else 0.0
+        told = np.isfinite(sample.slip_mm)
+        if sample.slip_mm if told else slips:
+            by, least = (sample.slip_mm, SLACK_MM) if told else (moved, most)
+            offset = self._offset + by
+            self._offset = offset if abs(offset) > least else 0.0
         self._stands = self._stands + 1 if path > SLACK_MM and abs(moved) < STANDS_MM else 0
 
     def _keep_pace(self, sample: Sample) -> None:
         """A speed without a sign hides where the table turns, and that it moved less then."""
-        self._signed |= sample.inputs["speed"] < 0.0
+        if not self._signed and sample.inputs["speed"] < 0.0:
+            self._signed = True
+            self._paces.clear()  # which way the table went is told from here on
         self._paces.append(sample.pace)
-        pace = float(np.median(self._paces)) if len(self._paces) == PACED else 1.0
+        known = len(self._paces) == PACED
+        side, pace = np.sign(np.median(self._paces)), float(np.median(np.abs(self._paces))) if known else 1.0
+        self._side = self._side or side * (known and self._signed)
+        self._against = known and self._side * side < 0
         wrong = not (PACE if self._signed else UNSIGNED) < pace < 1.0 / PACE
         self._pace = (self._pace or pace) if wrong else 0.0
 

@@ -4,12 +4,12 @@ broken."""
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 
-from estimator.faults.fault import POWER_ON_C, Fault, Spell, Suspicion, spells, suspicions
+from estimator.faults.fault import ELSEWHERE, POWER_ON_C, Fault, Spell, Suspicion, spells, suspicions
 from estimator.faults.travel import disagreements, too_slow
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -30,6 +30,7 @@ class Told:
     fault, since_s  (K, m) a Fault each, and since when;   jump (K, m) by how much zeros became others
     may_drift_K     (K, m) by how much channels that are fused may have drifted, 0: not suspected
     input_fault     (K, p) why inputs were held, a Fault each
+    shift_mm        (K,) by how much the nut's heat stands elsewhere than the position says
     """
 
     time_s: Array
@@ -42,6 +43,7 @@ class Told:
     may_drift_K: Array
     jump: Array
     input_fault: Array
+    shift_mm: Array
 
     @classmethod
     def by(cls, track: Track) -> Told:
@@ -137,12 +139,20 @@ def use_of(recording: Recording, rig: Rig, told: Told) -> Use:
     }
     jumps = [Jump(float(told.time_s[k]), _sizes(told.jump[k], channels)) for k in np.flatnonzero(told.jump.any(axis=1))]
     broken = {name: some for name, some in held.items() if some}
-    again, travel = bool(told.begins.sum() > 1), tuple(disagreements(recording, rig))
+    again, travel = bool(told.begins.sum() > 1), (*disagreements(recording, rig), *_elsewhere(told))
     return Use(
         recording.name, float(told.time_s[begin]), again, tuple(found), tuple(jumps), broken, _silent(recording),
         tuple(name for name in rig.inputs if not np.isfinite(recording.inputs[name]).any()), travel,
         too_slow(recording, rig),
     )  # fmt: skip
+
+
+def _elsewhere(told: Told) -> Iterator[tuple[float, str]]:
+    """When the nut's heat began to stand elsewhere than the position says, and by how much at most."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], told.shift_mm != 0, [0]]))).reshape(-1, 2)
+    for first, end in ends:
+        most_mm = float(max(told.shift_mm[first:end], key=abs))
+        yield float(told.time_s[first]), f"{ELSEWHERE} (off by {most_mm:+.0f} mm, or heat is missing there)"
 
 
 def _silent(recording: Recording) -> dict[str, float]:

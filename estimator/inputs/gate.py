@@ -65,7 +65,7 @@ class InputGate:
         self._slow, p = np.array([slow(name, rig) for name in self._names], dtype=bool), len(self._names)
         self._levels = [Level(LEAST_K + LEAST_K_S * rig.tick_s) for _ in self._names]
         self.fault = np.zeros(p, dtype=np.int8)
-        self._standstill = Standstill(p)
+        self._standstill = Standstill(np.ones(p, dtype=bool))
 
     def passed(self, chunk: Recording) -> tuple[Array, Array]:
         """The inputs of the next ticks (K, p), NaN where they are refused, and the faults (K, p) that they have."""

@@ -12,11 +12,13 @@ from typing import ClassVar
 
 from estimator.batch.trials import Trials
 from estimator.effect import Effect, Param
+from estimator.effects.elsewhere import Elsewhere
 from estimator.hypotheses.candidates import Candidate
 from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.inputs.inputs import Inputs
+from estimator.inputs.moved import moved
 from estimator.inputs.start import SENSOR_K
-from estimator.missing_effect.wrong_input import ALL, KELVIN, LOG, MM, Mislabel, moved
+from estimator.missing_effect.wrong_input import ALL, KELVIN, LOG, MM, Mislabel
 from estimator.model import Value
 from estimator.rig import Rig
 from estimator.terms import Shift, Term
@@ -32,17 +34,13 @@ class WrongInput(Effect):
     least: ClassVar[float] = 0.0
 
 
-class PositionShift(WrongInput):
+class PositionShift(Elsewhere, WrongInput):
     """The position of the table is told with another zero than the rig file means.
 
     position = told - shift
     """
 
     signal, least = "position", MM.sure
-    shift = Param(10.0, "mm", lo=-1000.0, hi=1000.0, null=0.0, source="by search")
-
-    def inputs(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Inputs:
-        return replace(u, coverage=moved(u.coverage, rig, shift_mm=-p.shift)) if p.shift else u
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         rig.the_nut()

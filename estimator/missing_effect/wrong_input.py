@@ -8,7 +8,6 @@ without any model: the table would not go as far as the screw turns.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import scipy
@@ -20,6 +19,7 @@ from estimator.hypotheses.moments import moments_of
 from estimator.hypotheses.panel import Explanation, Panel
 from estimator.hypotheses.slopes import Column
 from estimator.inputs.inputs import nothing
+from estimator.inputs.moved import moved
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -137,25 +137,6 @@ def corrected(recording: Recording, rig: Rig, signal: str, size: float) -> Recor
         coverage = recording.coverage if "position" not in signal else moved(recording.coverage, rig, share)
         return replace(recording, omega=omega, coverage=coverage)
     return replace(recording, inputs={**recording.inputs, signal: recording.inputs[signal] * share})
-
-
-def moved(coverage: Array, rig: Rig, share: Any = 1.0, shift_mm: Any = 0.0) -> Array:
-    """Coverage (ticks, cells) if every position p were share p + shift_mm: each cell looks where it would have been.
-
-    Between cells by cubics whose slope has no jumps (Catmull-Rom); complex where share or shift is.
-    """
-    screw, nut = rig.the_screw(), rig.the_nut()
-    came_from = nut.centre_mm + (screw.x_mm - nut.direction * shift_mm - nut.centre_mm) / share
-    place = (came_from - screw.x_mm[0]) / (screw.length * 1e3)
-    place = np.where(
-        (place.real >= 0) & (place.real <= screw.cells - 1), place, np.clip(place.real, 0, screw.cells - 1)
-    )
-    left = np.floor(place.real).astype(int)
-    t = place - left
-    weights = (t * (2 * t - t * t - 1), 2 + t * t * (3 * t - 5), t * (1 + 4 * t - 3 * t * t), t * t * (t - 1))
-    told = sum(coverage[:, np.clip(left + k - 1, 0, screw.cells - 1)] * w / 2 for k, w in enumerate(weights))
-    total, now = coverage.sum(axis=1, keepdims=True), told.sum(axis=1, keepdims=True)
-    return np.asarray(told * np.divide(total, now, out=np.ones_like(now), where=now.real > 0))
 
 
 def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from estimator.faults.travel import Travel
 from estimator.inputs.inputs import InputReader, Inputs, no_inputs, nothing
 from estimator.inputs.start import Start
 from estimator.model import Model
@@ -29,15 +30,19 @@ from estimator.terms import OF_READINGS
 
 @dataclass(frozen=True)
 class Drive:
-    """Inputs of K ticks with the regime (K,) each belongs to: all that a model needs to know of a run."""
+    """Inputs of K ticks with the regime (K,) each belongs to: all that a model needs to know of a run.
+
+    astray  (K,) whether they put heat in the wrong place, or did within the last hours
+    """
 
     inputs: Inputs
     regime: Array
+    astray: Array
     _covered: dict[tuple[int, ...], Array] = field(default_factory=dict)
 
     def rows(self, at: slice) -> Drive:
         """Some of the ticks."""
-        return Drive(self.inputs.rows(at), self.regime[at])
+        return Drive(self.inputs.rows(at), self.regime[at], self.astray[at])
 
     def spread(self, q: Any, over: Any, rows: Array) -> Array:
         """As `assemble.spread`, (K, n); the coverage is projected once for all models of a rig."""
@@ -94,6 +99,7 @@ class Forcing:
         self.model, self.rig, self.start = model, rig, start
         self._reader: InputReader = like._reader if like else InputReader(rig, start)
         self._regimes: Regimes = like._regimes if like else Regimes(rig.tick_s, forgets=keep is not None)
+        self._travel: Travel = like._travel if like else Travel(rig)
         self._keep = keep
         self._solved: dict[int, Solved] = {}
         self._sound = Sound(model, rig)
@@ -141,10 +147,13 @@ class Forcing:
 
     def read(self, chunk: Recording) -> Drive:
         """Inputs and regimes of a chunk, whatever the model; call in order of time."""
-        u = self._reader.read(chunk)
+        u, regime, astray = self._reader.read(chunk), [], []
         unknown = np.isnan(chunk.omega) & ("speed" in self.rig.inputs)
-        rows = zip(u.omega[:, 0], u.coverage, unknown, strict=True)
-        return Drive(u, np.array([self._regimes.index(float(w), coverage, bool(lost)) for w, coverage, lost in rows]))
+        for sample, w, coverage, lost in zip(chunk, u.omega[:, 0], u.coverage, unknown, strict=True):
+            self._travel.step(sample)
+            regime.append(self._regimes.index(float(w), coverage, bool(lost or self._travel.why)))
+            astray.append(self._travel.astray)
+        return Drive(u, np.array(regime), np.array(astray))
 
     def ticks(self, drive: Drive) -> Ticks:
         """What the model makes of these inputs; an EffectError where an effect makes no number of them."""

@@ -5,8 +5,8 @@ trailing mean of speed and coverage over the last minute of motion instead, and 
 regime begins when that mean has moved by 5 % in speed or by 2 % of the nut's length in coverage; what this costs is
 measured in the tests (below 0.04 um).
 
-While nothing is heard of the drive, and until the lags of the thermometers are those of what it does now, other regimes
-hold: the screw may have stood or turned, so that its heat is unknown.
+While nothing is heard of the drive, or position and speed contradict each other, and until the lags of the thermometers
+are those of what it does now, other regimes hold: the screw may have stood or turned, so that its heat is unknown.
 """
 
 from __future__ import annotations

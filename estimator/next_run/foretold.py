@@ -27,7 +27,9 @@ def planned(plan: Plan, rig: Rig, level: float) -> Recording:
     inputs |= {name: np.where(driving, on, 0.0) for name, on in plan.levels.items()}
     if plan.stroke_mm is not None:
         inputs["position"] = np.full(len(time_s), plan.stroke_mm[0])
-    return Recording(plan.pattern, time_s, none, np.zeros_like(none), inputs, omega, _coverage(plan, rig, driving))
+    untold = np.full(len(time_s), np.nan)  # the position of a plan goes with no speed
+    cover = _coverage(plan, rig, driving)
+    return Recording(plan.pattern, time_s, none, np.zeros_like(none), inputs, omega, cover, apart_s=untold)
 
 
 def _omega(plan: Plan, rig: Rig) -> float:

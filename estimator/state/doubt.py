@@ -21,9 +21,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from estimator.effects.elsewhere import SHIFT, Elsewhere
 from estimator.faults.machine import Known
+from estimator.model import Model
 from estimator.network.forcing import Drive, Ticks
 from estimator.record import Array
+from estimator.rig import Rig
 from estimator.state.moves import Course, Doubtful, Kernels, Moves, carried, followed
 from estimator.state.open_loop import lag_filter
 from estimator.state.own import OwnErrors
@@ -45,14 +48,17 @@ class Doubt:
         doubts = run.forcing.model.doubts
         self._run, self._start = run, run.x[run.state.temperatures]
         self._moved = [Moved(run.forcing, run.forcing.model, path) for path in doubts.paths]
+        shifted = shifting(run.forcing.model, run.forcing.rig)
+        self._moved += [Moved(run.forcing, shifted, SHIFT)] if shifted else []
         self._in_ticks = [i for i, moved in enumerate(self._moved) if moved.in_ticks]
         self._by_rows = [i for i in self._in_ticks if self._moved[i].by_rows]
         self._apart = MovedApart(run.forcing, [self._moved[i] for i in self._by_rows])
         readings = run.forcing.readings
         self._own = OwnErrors(readings, readings.rows @ self._start, run.forcing.rig.tick_s)
-        self._paths, no_other = doubts.paths, np.zeros_like(self._own.sd)
-        together = scipy.linalg.block_diag(root(doubts.covariance), np.diag(self._own.sd))
-        self.known = Known(together, np.append(doubts.whole, no_other))
+        q, self._paths = len(doubts.paths), tuple(moved.path for moved in self._moved)
+        others = np.append(np.zeros(len(self._paths) - q), self._own.sd)
+        together = scipy.linalg.block_diag(root(doubts.covariance), np.diag(others))
+        self.known = Known(together, np.append(doubts.whole, 0.0 * others), q if shifted else None)
         first = np.zeros(len(run.offset))
         m, n, size = len(first), run.state.n, run.state.size
         found = [moved.readings(run, run.offset, first) or ReadingsTangent.none(m, n, size) for moved in self._moved]
@@ -118,7 +124,7 @@ class Doubt:
 
     @property
     def paths(self) -> tuple[str, ...]:
-        """The model's doubtful parameters, in order."""
+        """The model's doubtful parameters, in order, and then the position's shift, where there is a position."""
         return self._paths
 
     @property
@@ -198,6 +204,12 @@ def regime_slopes(moved: Sequence[Moved], run: Run, regimes: Sequence[int]) -> l
             if np.any(network.mass) or np.any(conductance):
                 of.F[i], of.J[i] = run.forcing.modes_of(regime).along(network.mass, conductance)
     return found
+
+
+def shifting(model: Model, rig: Rig) -> Model | None:
+    """The model with a shift of the position, none so far; None where the rig has no nut that moves."""
+    moves = rig.screw is not None and rig.nut is not None and "position" in rig.inputs
+    return (model + Elsewhere).with_values({SHIFT: 0.0}) if moves and Elsewhere.name not in model.effects else None
 
 
 def stacked(columns: Sequence[Array], shape: tuple[int, ...]) -> Array:

@@ -14,7 +14,10 @@ from estimator.state.state import State
 from estimator.state.view import BedGrowth, Mounting
 from estimator.step import Mode, TableErrors, Track
 
-LENGTHS_LIE = 0.25  # of how far they lead the estimate from what thermometers alone say: what that is in doubt by
+LENGTHS_LIE = (
+    0.3  # of how far they lead the estimate from what thermometers alone say: what that is in doubt by; and of
+)
+# how much better they make it known
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class Estimates:
     grown_um   (K,)   growth of the span since the start by the model alone
     fault, since_s  (K, m) of the channels, a Fault each and since when;   jump (K, m) of their zeros
     may_drift_K     (K, m) by how much those that are fused may have drifted, 0: not suspected
-    off_share  (K,) by which share of their values the model's parameters must be off
+    off_share  (K,) by which share of their values the model's parameters must be off;   shift_mm (K,) the position
     input_fault     (K, p) of the inputs
     doubt      (K, size, q) what the states are off by, and doubt_um (K, q) the elongation, per standard normal error of
                the model's parameters
@@ -46,6 +49,7 @@ class Estimates:
     since_s: Array
     may_drift_K: Array
     off_share: Array
+    shift_mm: Array
     jump: Array
     input_fault: Array
     doubt: Array
@@ -56,15 +60,18 @@ class Estimates:
         """One tick, its fields without the leading axis, as the online filter has it."""
         return cls(**{name: np.asarray(value)[None] for name, value in tick.items()})
 
-    def suspecting(self, state: State, unled: Array) -> Estimates:
+    def suspecting(self, state: State, unled: Array, unled_var: Array) -> Estimates:
         """The same, in doubt also by what it would be off by if what may drift did, and if lengths lied.
 
-        unled  (K, size) the estimates by thermometers alone
+        unled  (K, size) the estimates by thermometers alone;   unled_var (K,) um^2, of their elongation
         """
+        var = state.led(self.grown_um, self.x, (self.x, self.P))[1] + (self.doubt_um**2).sum(axis=1)
+        better_um = np.sqrt(np.maximum(unled_var - var, 0.0))
         lies = LENGTHS_LIE * (self.x - unled)[:, :, None]
         astray = np.concatenate([state.astray(self.P, self.may_drift_K), lies], axis=2)
         astray_um = np.einsum("ks,ksq->kq", state.elongation(self.grown_um), astray)
-        doubt, doubt_um = np.concatenate([self.doubt, astray], axis=2), np.hstack([self.doubt_um, astray_um])
+        doubt = np.concatenate([self.doubt, astray], axis=2)
+        doubt_um = np.hstack([self.doubt_um, astray_um, LENGTHS_LIE * better_um[:, None]])
         return replace(self, doubt=doubt, doubt_um=doubt_um)
 
 
@@ -95,6 +102,7 @@ class Reporter:
             since_s=judged,
             may_drift_K=np.zeros(len(judged)),
             off_share=0.0,
+            shift_mm=0.0,
             jump=np.zeros(len(judged)),
             input_fault=run.forcing.input_fault,
             doubt=np.zeros((len(run.x), 0)),
@@ -139,6 +147,7 @@ class Reporter:
             since_s=estimates.since_s,
             may_drift_K=estimates.may_drift_K,
             off_share=estimates.off_share,
+            shift_mm=estimates.shift_mm,
             jump=estimates.jump,
             input_fault=estimates.input_fault,
             begins=np.zeros(len(rows), dtype=bool),

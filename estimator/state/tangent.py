@@ -71,6 +71,14 @@ class Moved:
     def __init__(self, forcing: Forcing, model: Model, path: str) -> None:
         self._forcing, self._model, self.path = forcing, model.with_values({path: model[path] + 1j * STEP}), path
         self._effects = model.moved_by(path.partition(".")[0])
+        if path.partition(".")[0] in model.correcting:
+            self._effects = [name for name in self._effects if name in model.use or self._hears(name)]
+
+    def _hears(self, name: str) -> bool:
+        """Whether an effect says anything else where the inputs are set right."""
+        rig, model = self._forcing.rig, self._model
+        terms = model.terms_of(name, model.inputs(self._forcing.nothing, rig), rig)
+        return any(assemble.is_complex(value) for term in terms for value in assemble.values(term))
 
     def network(self, which: Sequence[int] | None = None) -> Network:
         """Derivatives of the network of some regimes met so far, or of all."""
@@ -127,7 +135,7 @@ class Moved:
     def by_rows(self) -> bool:
         """Whether columns of values can be asked of its effects: a user's own need not work on them."""
         effect, _, key = self.path.partition(".")
-        chooses = self._model.effects[effect].params[key].over == "channel"
+        chooses = self._model.effects[effect].params[key].over == "channel" or effect in self._model.correcting
         return self.in_ticks and not chooses and Shift not in self._kinds and not self._is_own
 
     @property

@@ -148,7 +148,7 @@ def test_lengths_are_apart_by_how_well_thermometers_know_and_fit():
 
     def apart(um, worse, share=0.0, known=known):
         led = Led(np.array([um]), np.array([0.4**2]), ways, np.ones(1), np.array([worse]))
-        return known.apart(led, share)[0]
+        return known.apart(led, share, 0.0)[0]
 
     limit = machine.LED_SDS * 0.5  # 0.4 and 0.3 um
     assert [apart(share * limit, 1.0) for share in (-1.01, 0.99, 1.01)] == [True, False, True]

@@ -9,7 +9,7 @@ from estimator.faults.standstill import Standstill
 
 
 def repeats_of(readings: np.ndarray, portion: int) -> np.ndarray:
-    standstill, found = Standstill(readings.shape[1]), []
+    standstill, found = Standstill(np.ones(readings.shape[1], dtype=bool)), []
     for k in range(0, len(readings), portion):
         repeats = standstill.compare(readings[k : k + portion])
         standstill.learn(repeats, len(repeats.count))
@@ -34,3 +34,15 @@ def test_a_fine_sensor_counts_its_repeats_over_a_gap(portion):
     found = repeats_of(values, portion)
     assert found[300:, 0].tolist() == [*range(10), 9, *range(10, 99)]
     assert found[:, 1].max() < 5
+
+
+@pytest.mark.parametrize("each", [1, 3])
+def test_a_length_counts_by_how_unlikely_its_repeats_are_beside_those_of_its_logger(each):
+    """Readings that scatter by 0.2 um are told in 0.001 um, each so many times; then one of them lasts."""
+    readings = np.repeat(np.round(np.random.default_rng(5).normal(0.0, 0.2, 60), 3), each)
+    readings = np.append(readings, np.full(40, readings[-1]))[:, None]
+    standstill = Standstill(np.zeros(1, dtype=bool))
+    count = standstill.compare(readings).count[:, 0]
+    assert count[: 60 * each].max() == 0.0
+    (first, *_) = np.flatnonzero(count >= 20.0)
+    assert 3 <= first - (60 * each - 1) <= 12 * each

@@ -9,7 +9,7 @@ import pytest
 
 from drivers.decode.condense import Condenser, Readings
 from drivers.frames import Tally
-from estimator.faults.travel import Travel, disagreements, too_slow
+from estimator.faults.travel import FELT_S, Travel, disagreements, too_slow
 from estimator.record import Sample
 
 
@@ -35,8 +35,22 @@ def drive(rig):
 def test_strokes_and_gaps_are_right(rig, drive):
     position, omega = drive
     assert set(told(rig, position, omega)) == {""}
-    position[50:60], omega[80:90] = np.nan, np.nan
+    position[50:52], position[10:20], omega[80:90] = np.nan, np.nan, np.nan
     assert set(told(rig, position, omega)) == {""}
+
+
+def test_a_position_that_is_not_told_while_the_screw_turns_is_said_as_long_and_felt_for_minutes(rig, drive):
+    position, omega = drive
+    position[50:60] = np.nan
+    whys = told(rig, position, omega)
+    assert [k for k, why in enumerate(whys) if why] == [*range(52, 60)]
+    assert whys[52] == "the position is not told though the screw turns"
+    travel, lately = Travel(rig), []
+    for k in range(300):
+        inputs = {"position": np.nan if k < 5 else 0.0, "speed": 100.0 if k < 5 else 0.0}
+        travel.step(Sample(float(k), np.empty(0), np.empty(0), inputs, 10.0 * (k < 5), np.empty(0)))
+        lately.append(travel.lately)
+    assert [k for k, why in enumerate(lately) if why] == [*range(2, 4 + int(FELT_S))]
 
 
 @pytest.mark.parametrize("share", [0.5, 2.0])
@@ -215,3 +229,55 @@ def test_a_drive_that_sends_seldom_at_rest_is_checked_there(rig):
         read = {name: Readings(row, row, now, value[sent]) for name, value in (("position", place), ("speed", rpm))}
         run = Condenser(rig, Tally()).rows(read, np.arange(row[-1] + 1.0))
         assert [why for _, why in disagreements(run, rig)] == said
+
+
+def framed(rig, change, every=1):
+    """What is said at each tick of a drive of 330 mm/s that sends each 10 ms, of a position that `change` has made
+    another one, read with every so many of the speeds."""
+    position, speed = strokes(330.0, 0.01, 3)
+    now, rpm = 0.01 * np.arange(len(position)), speed / rig.the_screw().lead_mm * 60.0
+    frame, row, some = np.arange(len(now)), (now + 0.005).astype(int), slice(None, None, every)
+    read = {
+        "position": Readings(frame, row, now, change(position, now)).where(some),
+        "speed": Readings(frame, row, now, rpm),
+    }
+    return list(disagreements(Condenser(rig, Tally()).rows(read, np.arange(row[-1] + 1.0)), rig))
+
+
+@pytest.mark.parametrize("every", [1, 5])
+def test_a_position_that_is_told_more_seldom_than_the_speed_does_not_jump(every, rig):
+    assert framed(rig, lambda position, _: position, every) == []
+
+
+@pytest.mark.parametrize("at_s", [200.0, 200.31, 203.0, 207.77])
+def test_a_shift_shorter_than_the_way_of_a_tick_is_said_within_a_second(at_s, rig):
+    ((said_s, why),) = framed(rig, lambda position, now: position + np.where(now >= at_s, 40.0, 0.0))
+    assert 0.0 <= said_s - int(at_s) <= 1.0
+    assert why.startswith(("the position jumped by +39", "the position jumped by +40"))
+
+
+def test_a_shift_between_two_frames_that_is_back_is_over(rig):
+    travel, whys = Travel(rig), []
+    for slip_mm in (0.0, 40.0, 0.0, -39.6, 0.0):
+        inputs = {"position": 0.0, "speed": 0.0}
+        travel.step(Sample(0.0, np.empty(0), np.empty(0), inputs, 0.0, np.empty(0), slip_mm=slip_mm))
+        whys.append(travel.why)
+    assert whys == ["", *["the position jumped by +40.0 mm"] * 2, "", ""]
+
+
+def test_a_position_that_runs_the_other_way_from_its_own_place_on_is_said(rig):
+    def turned(position, now):
+        return np.where(now < 200.0, position, 2.0 * position[20000] - position)
+
+    said_s, why = framed(rig, turned)[0]
+    assert why == "the position moves the other way than before"
+    assert said_s < 215.0
+
+
+def test_heat_is_astray_while_nothing_is_heard_of_the_drive_and_as_long_again(rig):
+    travel, astray = Travel(rig), []
+    for k in range(100):
+        inputs = dict.fromkeys(("position", "speed"), np.nan if 20 <= k < 50 else 0.0)
+        travel.step(Sample(float(k), np.empty(0), np.empty(0), inputs, inputs["speed"], np.empty(0)))
+        astray.append(travel.astray)
+    assert [k for k, so in enumerate(astray) if so] == [*range(20, 79)]

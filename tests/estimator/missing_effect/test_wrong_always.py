@@ -12,11 +12,12 @@ from ballscrew.search import Verdict
 from estimator.batch.trials import unjudged
 from estimator.effects import CATALOGUE
 from estimator.hypotheses.candidates import at_null
+from estimator.inputs.moved import moved
 from estimator.inputs.start import SENSOR_K
 from estimator.missing_effect import improve as improving
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.wrong_always import WRONG_INPUTS
-from estimator.missing_effect.wrong_input import ALL, ZERO, corrected, moved
+from estimator.missing_effect.wrong_input import ALL, ZERO, corrected
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.sensitivity.sensitivity import nominal_columns

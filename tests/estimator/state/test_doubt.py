@@ -15,7 +15,7 @@ from estimator.state.doubt import root
 from estimator.terms import Lag
 from tests.conftest import stepped
 
-pytestmark = pytest.mark.usefixtures("no_other_machine")
+pytestmark = pytest.mark.usefixtures("no_other_machine", "no_lies")
 DOUBTFUL = {  # a step that is small enough to be linear, and one of each kind
     "still_air.h": 0.01, "nut_friction.power": 0.05, "nut_friction.power_nut": 0.05, "nut_friction.n": 1e-3,
     "nut_body.capacity": 1.0, "nut_body.g": 0.002, "conduction.scale": 1e-3, "thermometers.tau": 0.01,
