@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from benchmarks.handed_over import record
+from benchmarks.handed_over import Lie, record
 from benchmarks.hidden.cases import ODD, Case
 from benchmarks.hidden.drawn_reading import drawn_reading, misread
 from benchmarks.injected import failing
@@ -40,7 +40,7 @@ def recorded(case: Case, rig: Rig) -> Recorded:
     if hidden.event:
         return _eventful(case, rig)
     runs = [simulate(name, machine=case.machine, seed=case.seed, plant=hidden.plant) for name in (*used, *apart)]
-    all_ = [record(run, rig, shift_mm=hidden.shift_mm) for run in runs]
+    all_ = [record(run, rig, _lies(shift_mm=hidden.shift_mm)) for run in runs]
     if hidden.reading:
         all_ = misread(all_, drawn_reading(case.seed, rig), rig)
         return Recorded(all_[: len(used)], all_[len(used) :], runs[0].places)
@@ -49,10 +49,15 @@ def recorded(case: Case, rig: Rig) -> Recorded:
     return Recorded(seen, all_[len(used) :], runs[0].places, wrong.name, channel=channel)
 
 
+def _lies(speed: float = 1.0, position: float = 1.0, shift_mm: float = 0.0) -> dict[str, Lie]:
+    """Signals of the drive by factors of what they are, and shifted."""
+    return {"speed": lambda rpm: speed * rpm, "position": lambda mm: position * mm + shift_mm}
+
+
 def _wrong(case: Case, rig: Rig, run: Run) -> tuple[Recording, str]:
     """The odd run as it is handed over, and the thermometer that fails in it."""
     hidden = case.hidden
-    made = record(run, rig, hidden.speed, hidden.position, hidden.shift_mm)
+    made = record(run, rig, _lies(hidden.speed, hidden.position, hidden.shift_mm))
     made = replace(made, inputs={**made.inputs, "ambient": made.inputs["ambient"] + hidden.ambient_K})
     if not hidden.fault:
         return made, ""

@@ -35,7 +35,7 @@ SPOILT = {  # factor, on what, and a figure of two channels that shows it
     "process noise 10 times larger": (
         10.0, lambda path: path.endswith(".noise"), {"all": "blind_nis", "T12": "whiteness"},
     ),
-    "half of the thermometers' noise": (0.5, lambda path: path == "thermometers.sd", {"all": "nis", "T12": "in_2sd"}),
+    "half of the thermometers' noise": (0.5, lambda path: path == "thermometers.sd", {"all": "in_2sd", "T08": "nis"}),
     "nut friction 20 % off": (
         0.8, lambda path: path == "nut_friction.power", {"thermometers": "open_loop_K", "displacement": "ahead_um"},
     ),

