@@ -36,11 +36,12 @@ def main(names: list[str]) -> None:
 
 
 def _keep(name: str, text: str) -> None:
-    """Put a study's text in its place in the results."""
+    """Put a study's text in its place in the results, or at their end; all else stays, a part of a study under a name of
+    its own too."""
     old = RESULTS.read_text() if RESULTS.exists() else ""
     parts = re.split(r"<!-- (\w+) -->\n", old)
     kept = dict(zip(parts[1::2], parts[2::2])) | {name: text}
-    texts = [f"<!-- {each} -->\n\n{kept[each].strip()}\n" for each in STUDIES + LONG if each in kept]
+    texts = [f"<!-- {each} -->\n\n{kept[each].strip()}\n" for each in kept]
     RESULTS.write_text("\n".join(["# Measured\n", *texts]))
 
 

@@ -1,0 +1,17 @@
+"""What studies measured is kept side by side."""
+
+from __future__ import annotations
+
+from benchmarks import __main__ as studies
+
+
+def test_a_study_s_text_takes_its_place_and_all_else_stays(tmp_path, monkeypatch):
+    results = tmp_path / "RESULTS.md"
+    monkeypatch.setattr(studies, "RESULTS", results)
+    for name, text in (("mesh", "old"), ("machines_first", "a part"), ("live", "told"), ("mesh", "new")):
+        studies._keep(name, text)
+    kept = [
+        f"<!-- {name} -->\n\n{text}\n"
+        for name, text in (("mesh", "new"), ("machines_first", "a part"), ("live", "told"))
+    ]
+    assert results.read_text() == "\n".join(["# Measured\n", *kept])
