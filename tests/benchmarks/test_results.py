@@ -10,8 +10,6 @@ def test_a_study_s_text_takes_its_place_and_all_else_stays(tmp_path, monkeypatch
     monkeypatch.setattr(studies, "RESULTS", results)
     for name, text in (("mesh", "old"), ("machines_first", "a part"), ("live", "told"), ("mesh", "new")):
         studies._keep(name, text)
-    kept = [
-        f"<!-- {name} -->\n\n{text}\n"
-        for name, text in (("mesh", "new"), ("machines_first", "a part"), ("live", "told"))
-    ]
-    assert results.read_text() == "\n".join(["# Measured\n", *kept])
+    kept = {"mesh": "new", "machines_first": "a part", "live": "told"}
+    texts = [f"<!-- {name} -->\n\n{text}\n" for name, text in kept.items()]
+    assert results.read_text() == "\n".join(["# Measured\n", *texts])
