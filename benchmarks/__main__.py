@@ -36,8 +36,8 @@ def main(names: list[str]) -> None:
 
 
 def _keep(name: str, text: str) -> None:
-    """Put a study's text in its place in the results, or at their end; all else stays, a part of a study under a name of
-    its own too."""
+    """Put a study's text in its place in the results, or at their end; all else stays, a part of a study under its own
+    name too."""
     old = RESULTS.read_text() if RESULTS.exists() else ""
     parts = re.split(r"<!-- (\w+) -->\n", old)
     kept = dict(zip(parts[1::2], parts[2::2])) | {name: text}
