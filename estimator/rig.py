@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from estimator.errors import SetupError, nearest
@@ -148,12 +147,6 @@ class Screw:
         weights = np.zeros(self.cells)
         weights[left : left + 2] = left + 1 - place, place - left
         return weights
-
-    def slopes(self, x_mm: Vector) -> Vector:
-        """Weights (len(x), cells) of the slope at x, 1/mm: linear between the cells' borders, 0 at the ends."""
-        slopes = np.diff(np.eye(self.cells), axis=0, prepend=0.0, append=0.0) / (self.length * 1e3)
-        slopes[[0, -1]] = 0.0
-        return np.asarray(scipy.interpolate.interp1d(self.edges_mm, slopes, axis=0)(x_mm))
 
     def growth(self, from_mm: float | Vector, to_mm: float | Vector) -> Vector:
         """Weights (..., cells) um/K: growth of [from, to] = expansion * integral of the temperature rise."""

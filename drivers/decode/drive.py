@@ -16,10 +16,7 @@ from estimator.rig import Rig, Screw
 
 AT_ONCE = 1024  # ticks, of which every sum over the cells takes 2 MB
 SOME, TOLD = 3, 0.7  # stretches of a tick that tell of a motion; of them those over which the position has moved
-SLIP_MM, SLIP = (
-    5.0,
-    0.1,
-)  # least jump between two frames, beside the longest way near it: it may have stopped for a moment
+SLIP_MM, SLIP = 5.0, 0.1  # least jump between two frames, beside the longest way near it, on which it may have stopped
 QUICK_S = 0.11  # from one frame to the next: in that no axis makes a stroke
 GOES_MM, HELD = 0.1, 0.1  # ways that count; share of them with no new position: it is told more seldom than the speed
 _STANDS = 1e-3  # cells: a shorter way is a stand

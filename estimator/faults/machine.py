@@ -110,10 +110,8 @@ class Machine:
         self._heat, self._tick_s, self._ticks = heat, tick_s, list[tuple[Array, ...]]()
         self._told, self._shift = known.whole.any(), known.shift
         places = 1 if known.shift is None else 2
-        self._shares, self._shifted = (
-            np.tile(SHARES, places),
-            np.repeat([False, True], len(SHARES))[: places * len(SHARES)],
-        )
+        self._shares = np.tile(SHARES, places)
+        self._shifted = np.arange(len(self._shares)) >= len(SHARES)
         self._prior = known.root @ known.root.T + self._shares[:, None, None] ** 2 * np.diag(known.whole**2)
         if known.shift is not None:
             self._prior[self._shifted, known.shift, known.shift] = PLACE_MM**2

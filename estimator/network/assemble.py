@@ -68,7 +68,9 @@ class Layout:
         ends = np.clip(at_mm + np.array([-reach, reach]), screw.from_mm, screw.to_mm)
         rows = np.zeros((3, self.size))
         if self.size == len(self.shapes):
-            rows[:] = np.vstack([screw.at(at_mm), screw.slopes(ends)]) @ self.rows(SCREW)
+            cell = screw.length * 1e3
+            slopes = [(screw.at(end + cell / 2) - screw.at(end - cell / 2)) / cell for end in ends]
+            rows[:] = np.vstack([screw.at(at_mm), *slopes]) @ self.rows(SCREW)
         else:
             rows[:, : len(knots)] = np.vstack([mesh.shapes(knots, np.array([at_mm])), mesh.slopes(knots, ends)])
         return np.array([rows[0], (rows[2] - rows[1]) / (2 * reach)])
