@@ -115,7 +115,7 @@ class Filter:
         fuse = compared.usable & ~muted & (fault == Fault.NONE)
         nis, gain = fusion.update(sample.channels - d, fuse, H, R)
         doubt = self._doubt.behind(moves, gain[None], judged.off_share)
-        fusion.P = run.state.judged(fusion.P, judged)
+        fusion.x, fusion.P = run.state.judged(fusion.x, fusion.P, judged)
         self._unled.update(sample.channels - d, fuse, H, R, moves, judged)
         if judged.apart:
             fusion.x, fusion.P = self._unled.fusion.x, self._unled.fusion.P
@@ -133,6 +133,8 @@ class Filter:
             fault=fault,
             since_s=judged.since_s[0],
             may_drift_K=judged.may_drift_K[0],
+            lacks_K=judged.lacks_K[0],
+            unsure_um=0.0,
             off_share=judged.off_share[0],
             shift_mm=judged.shift_mm[0],
             jump=np.zeros(len(fuse)) if judged.jump is None else judged.jump,
@@ -220,7 +222,7 @@ class Unled:
         growth = self.doubt.slopes(moves, gain[None])[1]
         ratio = np.array([nis / max(1, (fuse & self._heat).sum())])
         self.led = Led(self.led.um, self.led.var, growth, *self.led.worsened(ratio, self._tick_s))
-        self.fusion.P = self._state.judged(self.fusion.P, judged)
+        self.fusion.x, self.fusion.P = self._state.judged(self.fusion.x, self.fusion.P, judged)
 
     def compare(self, x: Array, grown_um: float) -> None:
         """With the estimate of the other one."""

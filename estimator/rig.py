@@ -102,6 +102,21 @@ class Screw:
         """Cross-section, m2."""
         return float(np.pi / 4 * (self.outer_mm**2 - self.bore_mm**2) * 1e-6)
 
+    def warmed(self, away_mm: Vector, seconds: float) -> Vector:
+        """By how much 1 W into one place warms the bar so far away after so long, K, before anything of it is lost.
+
+            T = sqrt(t / a) / (rho c A) ierfc(|x| / (2 sqrt(a t))),    ierfc(u) = exp(-u^2) / sqrt(pi) - u erfc(u)
+
+        a the diffusivity (Carslaw and Jaeger 1959, 2.9, half of it to either side).
+        """
+        from scipy.special import erfc  # imported late: few rigs are ever asked
+
+        stores = self.density * self.heat_capacity
+        diffusivity = self.conductivity / stores
+        u = np.abs(away_mm) * 1e-3 / (2.0 * np.sqrt(diffusivity * seconds))
+        integral = np.exp(-(u**2)) / np.sqrt(np.pi) - u * erfc(u)
+        return np.asarray(np.sqrt(seconds / diffusivity) / (stores * self.area) * integral)
+
     @cached_property
     def bore_mm2(self) -> float:
         """How much more than the mean of its section the wall of the bore follows what is beside it: T + bore d2T/dx2.

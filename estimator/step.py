@@ -35,6 +35,8 @@ class Step:
     measured, predicted, innovation, innovation_sd, fused, why   (m,) for each channel
     fault, since_s    (m,) what is wrong with each channel, a Fault, and since when
     may_drift_K       (m,) by how much a thermometer that is fused may have drifted, since since_s; 0: not suspected
+    lacks_K           (m,) by how much heat that the model lacks sets a thermometer apart from the others; 0: none does
+    unsure_um         of sigma_um, what comes of channels that may drift, and of such heat
     off_share         by which share of their values the model's parameters must be off, 0: they are what a fit says
     shift_mm          by how much the nut's heat stands elsewhere than the position says, 0: it does not
     jump              (m,) by how much its zero has become another one with this tick; 0 where it has not
@@ -64,6 +66,8 @@ class Step:
     fault: Array
     since_s: Array
     may_drift_K: Array
+    lacks_K: Array
+    unsure_um: float
     off_share: float
     shift_mm: float
     jump: Array
@@ -106,6 +110,8 @@ class Track:
     fault: Array
     since_s: Array
     may_drift_K: Array
+    lacks_K: Array
+    unsure_um: Array
     off_share: Array
     shift_mm: Array
     jump: Array
@@ -125,10 +131,10 @@ class Track:
         said |= {name: np.empty((K, 0)) for name in ("profile_C", "profile_sd_K", "bodies_C")}
         said |= {"time_s": rows.time_s, "measured": rows.channels, "fused": np.zeros((K, m), dtype=bool)}
         said |= {"fault": np.zeros((K, m), dtype=np.int8), "begins": np.zeros(K, dtype=bool)}
-        said |= {name: np.zeros((K, m)) for name in ("jump", "may_drift_K")}
+        said |= {name: np.zeros((K, m)) for name in ("jump", "may_drift_K", "lacks_K")}
         said |= {"input_fault": np.zeros((K, len(rows.inputs)), dtype=np.int8)}
         said |= {"mode": np.full(K, Mode.INIT), "nis_channels": np.zeros(K, dtype=int)}
-        said |= {name: np.zeros(K) for name in ("off_share", "shift_mm")}
+        said |= {name: np.zeros(K) for name in ("unsure_um", "off_share", "shift_mm")}
         return cls(np.empty(0), (), names, **said)
 
     @classmethod

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from estimator.alarms.alarms import Alarm
 
-PARTED = ("bias", "nis", "machine")  # kinds of alarms that say so
+PARTED = ("bias", "nis", "machine", "heat")  # kinds of alarms that say so
 AGAIN_S, SOON_S = 3600.0, 600.0  # wall time from one question to the next; where the last was asked too early
 POLITE = ("nice", "-n", "10")  # the estimate comes first
 

@@ -17,14 +17,15 @@ from estimator.step import Step
 SILENT_TICKS = 10
 ANOTHER, STILL_ANOTHER = 0.15, 0.1  # share by which parameters are off on a machine that is not the model's
 ANOTHER_S = 60.0  # for so long
+LACKS_K, STILL_LACKS_K = 0.2, 0.1  # of heat that no effect stands for
 
 
 @dataclass(frozen=True)
 class Alarm:
     """What is wrong, with which channel ("": all of them), and since when, s since the first frame.
 
-    kind    "bias", "nis", "rejected", "silent", "may drift", "machine", "position", or the word of a channel's or an
-            input's Fault
+    kind    "bias", "nis", "rejected", "silent", "may drift", "heat", "machine", "position", or the word of a Fault of a
+            channel or an input
     over_s  of a test, how long the readings were looked at; 0: as they come
     """
 
@@ -65,7 +66,7 @@ class Alarms:
         """Take one tick; returns the alarms that begin with it, and those that end."""
         heat = self._heat & (np.array(step.why, dtype=object) != "muted")
         found, judged = [*self._silences(step, heat), *self._faults(step, heat), *self._inputs(step)], {0.0}
-        found += [*self._machine(step), *self._place(step)]
+        found += [*self._machine(step), *self._place(step), *self._lacking(step)]
         for test in self._tests:
             if test.add(step):
                 judged.add(test.over_s)
@@ -107,6 +108,14 @@ class Alarms:
         for i in np.flatnonzero(heat & (step.may_drift_K != 0) & (step.fault == Fault.NONE)):
             text = f"{place_of(self.rig, i)} {MAY_DRIFT} away from its neighbours; it is used"
             yield Alarm(MAY_DRIFT, self.rig.names[i], float(step.since_s[i]), text)
+
+    def _lacking(self, step: Step) -> Iterator[Alarm]:
+        """Heat that the model lacks, at thermometers that are right."""
+        for i in np.flatnonzero(step.lacks_K):
+            name = self.rig.names[i]
+            if abs(step.lacks_K[i]) > (STILL_LACKS_K if ("heat", name, 0.0) in self.active else LACKS_K):
+                by = f"{step.lacks_K[i]:+.1f} K beside its neighbours"
+                yield Alarm("heat", name, step.time_s, f"the model lacks heat at {place_of(self.rig, i)}: {by}")
 
     def _machine(self, step: Step) -> Iterator[Alarm]:
         """A machine that is not the model's."""

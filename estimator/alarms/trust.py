@@ -18,8 +18,10 @@ FEW_S = 5.0  # with too few thermometers
 DRIVE_S = (3.0, 1.5)  # without news of the drive, at rest and moving: it stops within a tick, then is heard each second
 DISPLACEMENT_S = 600.0
 SHARE = 0.25  # of the thermometers, that are too few
+UNSURE_UM = 0.5  # that the estimate may be off by for what may drift, or heat that the model lacks
 STEADY_S = 3.0  # without a reason to the contrary, until an estimate that was not to be relied on is so again
 NO_ESTIMATE = "no estimate yet"
+UNSURE = f"heat that the model lacks, or a drift, may matter by more than {UNSURE_UM:g} um"
 
 
 class Watch:
@@ -31,7 +33,7 @@ class Watch:
         self.needs_drive = "speed" in rig.inputs
         self._heat = rig.is_thermometer
         self._enough = self._displacement = self._drive = -np.inf
-        self._moving = self._started = self._diverged = self._elsewhere = False
+        self._moving = self._started = self._diverged = self._elsewhere = self._unsure = False
         self._why, self._doubted_s = tuple[str, ...](), -np.inf
         self._travel = Travel(rig)
 
@@ -43,6 +45,7 @@ class Watch:
         """A tick has closed."""
         self._started, self._diverged = step.mode != Mode.INIT, diverged
         self._moving, self._elsewhere = bool(turns(sample.omega)), step.shift_mm != 0.0
+        self._unsure = bool(step.unsure_um > UNSURE_UM)
         self._travel.step(sample)
         if step.fused[self._heat].sum() >= self.least:
             self._enough = step.time_s
@@ -63,6 +66,8 @@ class Watch:
             why.append(self._travel.lately)
         if self._elsewhere:
             why.append(ELSEWHERE)
+        if self._unsure:
+            why.append(UNSURE)
         if self._diverged:
             why.append("rig and model part")
         lasting = self._lasting(tuple(why), now_s)

@@ -103,7 +103,8 @@ class Unled:
         if not np.array_equal(self._found[0].fused, chunk.fused & self._heat):
             self.led(chunk, moves)
         own, self.doubt, led = self._found
-        self.last = own.x[-1], self._state.judged(own.P[-1], judgement)
+        self.last = self._state.judged(own.x[-1], own.P[-1], judgement)
+        own.x[-1] = self.last[0]
         at = slice(chunk.ticks.stop - 1, chunk.ticks.stop)
         x = self.last[0] if judgement.apart else after[0]
         um, var = self._state.led(self._system.grown[at], x[None], (own.x[-1:], self.last[1][None]))
@@ -121,7 +122,7 @@ def judged(system: System, readings: Readings, judge: Judge, state: State, unled
         judgement = judge.judge(readings.seen(system, chunk, moves, unled.led(chunk, moves)))
         K = len(judgement.fault)
         chunk, moves = _as_judged(system, chunk.rows(slice(0, K)), judgement, start), moves.rows(slice(0, K))
-        start = chunk.x[-1], state.judged(chunk.P[-1], judgement)
+        start = state.judged(chunk.x[-1], chunk.P[-1], judgement)
         x, led = unled.take(chunk, judgement, moves, start)
         start = unled.last if judgement.apart else start
         yield Judged(chunk, judgement, moves, start, x, led, unled.doubt)

@@ -148,6 +148,8 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
             fault=judgement.fault[some],
             since_s=judgement.since_s[some],
             may_drift_K=judgement.may_drift_K[some],
+            lacks_K=judgement.lacks_K[some],
+            unsure_um=np.zeros(at.stop - at.start),
             off_share=judgement.off_share[some],
             shift_mm=judgement.shift_mm[some],
             jump=jump[some],

@@ -15,8 +15,8 @@ from estimator.batch.kernels import carried, followed
 from estimator.batch.nominal import Nominal, nominal
 from estimator.batch.system import System
 from estimator.errors import InputError
+from estimator.faults.beside.neighbours import may_be_heat
 from estimator.faults.fault import Fault
-from estimator.faults.neighbours import may_be_heat
 from estimator.faults.use import Told, Use, use_of
 from estimator.model import Model
 from estimator.network.forcing import Forcing

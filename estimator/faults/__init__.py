@@ -1,5 +1,4 @@
 """Which channels are broken, by what they read against the model and each other.
 
-In the order to read them: fault, jumps, standstill, machine, outlier, neighbours, suspects, recovery, judge, travel,
-use, sentences.
+In the order to read them: fault, jumps, standstill, machine, beside, suspects, recovery, judge, travel, use, sentences.
 """

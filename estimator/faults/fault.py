@@ -141,10 +141,12 @@ class Judgement:
 
     fault    (K, m) a Fault each, since when (K, m) s
     may_drift_K  (K, m) by how much channels that are fused may have drifted, 0: not suspected; since when in since_s
+    lacks_K    (K, m) by how much channels depart from the others by heat that the model lacks, 0: they do not
     off_share  (K,) by which share of their values the model's parameters must be off, 0: as a fit has left them
     shift_mm   (K,) by how much the nut's heat stands elsewhere than the position says, 0: it does not
     jump     (m,) by how much channels jumped whose zero is now another one; None: none did
     drift    (m,) by how much channels had drifted that were fused up to now; None: none had
+    heated   (m,) bool, which of those only read heat that the model lacks: their zeros are what they were; None: none
     loose    (m,) by how much more channels may have drifted that go on being fused; None: none by more than was said
     apart    whether lengths are left out from now on, and all that they have said is forgotten
     anew     whether the run has to begin again with the last tick: what it began with were no temperatures
@@ -153,10 +155,12 @@ class Judgement:
     fault: Array
     since_s: Array
     may_drift_K: Array
+    lacks_K: Array
     off_share: Array
     shift_mm: Array
     jump: Array | None = None
     drift: Array | None = None
+    heated: Array | None = None
     loose: Array | None = None
     apart: bool = False
     anew: bool = False

@@ -14,10 +14,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from estimator.faults.beside.neighbours import Neighbours
 from estimator.faults.fault import Fault, Judgement, Seen, Tick
 from estimator.faults.jumps import Deviations, Jumps
 from estimator.faults.machine import SHARES, Known
-from estimator.faults.neighbours import Neighbours
 from estimator.faults.recovery import Progress, Recovery
 from estimator.faults.standstill import Standstill
 from estimator.faults.suspects import STILL, STUCK, Suspects
@@ -43,14 +43,14 @@ class Judge:
         known  how well the model's parameters are
         """
         m, self._heat, self._begun_s, self._begun_with = len(noise), rig.is_thermometer, begun_s, begun_with
-        places = [np.nan if channel.at_mm is None else channel.at_mm for channel in rig.channels.values()]
         self._modelled = np.isfinite(noise)
         self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s), Standstill(self._heat)
-        self._neighbours = Neighbours(np.array(places, dtype=float), noise, self._heat, rig.tick_s, known)
+        self._neighbours = Neighbours(rig, noise, known)
         self._suspects, self._recovery = Suspects(m, begun_with), Recovery(m)
         self.fault, self.since_s = np.zeros(m, dtype=np.int8), np.full(m, np.nan)
         self._silent_ticks = np.where(self._heat, SILENT_TICKS, max(SILENT_TICKS, SILENT_LENGTH_S / rig.tick_s))
         self._silent, self._beyond, self._held, self._loose_K, self._together = *np.zeros((4, m)), 0
+        self._rezeroed = np.zeros(m, dtype=bool)
 
     @property
     def well(self) -> Array:
@@ -74,8 +74,9 @@ class Judge:
         progress = self._recovery.compare(seen.time_s, jumps, repeats.count, self.fault)
         ticks = self._quiet(seen, jumps, repeats.count, progress)
         used = self.well & np.isfinite(seen.value) & ~jumps.beyond
-        before = self.fault.copy(), self._said_since_s, self._neighbours.may_drift_K.copy()
-        added = self._neighbours.add(seen.first(ticks), used)
+        neighbours = self._neighbours
+        before = self.fault.copy(), self._said_since_s, neighbours.may_drift_K.copy()
+        added = neighbours.add(seen.first(ticks), used)
         ticks, drifting = added.ticks, added.drifting
         fault, since_s, may_drift_K = (np.tile(each, (ticks, 1)) for each in before)
         last = ticks - 1
@@ -98,12 +99,13 @@ class Judge:
         self._forget(jump)
         if drift is not None or apart:
             self._jumps.forget(self._heat)  # the estimate goes back to where it would be without
-        fault[last], since_s[last], may_drift_K[last] = self.fault, self._said_since_s, self._neighbours.may_drift_K
+        fault[last], since_s[last], may_drift_K[last] = self.fault, self._said_since_s, neighbours.may_drift_K
         if jump is not None:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
+        heated = self._heated()
         return Judgement(
-            fault, since_s, may_drift_K, added.off_share, added.shift_mm, jump, drift,
-            self._loosen(added.off_share[-1]), apart, anew,
+            fault, since_s, may_drift_K, added.lacks_K, added.off_share, added.shift_mm, jump, drift,
+            heated, self._loosen(added.off_share[-1]), apart, anew,
         )  # fmt: skip
 
     def _leave_lengths(self, tick: Tick) -> bool:
@@ -126,6 +128,14 @@ class Judge:
             self._jumps.forget(more > 0.0)  # its zero takes over what it has been off by: no jump
             return more
         return None
+
+    def _heated(self) -> Array | None:
+        """Thermometers, (m,) bool, whose zeros were loosened and are what they were: they only read heat."""
+        heated = self._neighbours.heated & (self._loose_K > 0.0) & ~self._rezeroed
+        if not heated.any():
+            return None
+        self._jumps.forget(heated)
+        return heated
 
     def by_another_model(self, known: Known) -> None:
         """Go on with what another model says of the readings, of which other parameters are known."""
@@ -205,6 +215,7 @@ class Judge:
         self.fault[gone], self.since_s[gone] = Fault.NONE, np.nan
         if jump is not None:
             gone |= jump != 0.0
+            self._rezeroed |= jump != 0.0
             for i in np.flatnonzero(jump).tolist():
                 self._neighbours.forget(i)
         if gone.any():

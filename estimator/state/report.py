@@ -14,10 +14,8 @@ from estimator.state.state import State
 from estimator.state.view import BedGrowth, Mounting
 from estimator.step import Mode, TableErrors, Track
 
-LENGTHS_LIE = (
-    0.3  # of how far they lead the estimate from what thermometers alone say: what that is in doubt by; and of
-)
-# how much better they make it known
+LENGTHS_LIE = 0.3  # of how far they lead from what thermometers alone say, and of how much better they make it known
+HIDDEN = 0.3  # of heat at one thermometer that the next ones show too little of: they are 50 to 150 mm away
 
 
 @dataclass(frozen=True)
@@ -31,6 +29,8 @@ class Estimates:
     grown_um   (K,)   growth of the span since the start by the model alone
     fault, since_s  (K, m) of the channels, a Fault each and since when;   jump (K, m) of their zeros
     may_drift_K     (K, m) by how much those that are fused may have drifted, 0: not suspected
+    lacks_K         (K, m) by how much they depart from the others by heat that the model lacks, 0: they do not
+    unsure_um       (K,) what the elongation is off by if what may drift does, and by such heat
     off_share  (K,) by which share of their values the model's parameters must be off;   shift_mm (K,) the position
     input_fault     (K, p) of the inputs
     doubt      (K, size, q) what the states are off by, and doubt_um (K, q) the elongation, per standard normal error of
@@ -48,6 +48,8 @@ class Estimates:
     fault: Array
     since_s: Array
     may_drift_K: Array
+    lacks_K: Array
+    unsure_um: Array
     off_share: Array
     shift_mm: Array
     jump: Array
@@ -61,18 +63,21 @@ class Estimates:
         return cls(**{name: np.asarray(value)[None] for name, value in tick.items()})
 
     def suspecting(self, state: State, unled: Array, unled_var: Array) -> Estimates:
-        """The same, in doubt also by what it would be off by if what may drift did, and if lengths lied.
+        """The same, in doubt also by what it would be off by if what may drift did, or if it were heat; by other heat
+        that the model lacks, of which thermometers far apart show too little; and if lengths lied.
 
         unled  (K, size) the estimates by thermometers alone;   unled_var (K,) um^2, of their elongation
         """
         var = state.led(self.grown_um, self.x, (self.x, self.P))[1] + (self.doubt_um**2).sum(axis=1)
         better_um = np.sqrt(np.maximum(unled_var - var, 0.0))
         lies = LENGTHS_LIE * (self.x - unled)[:, :, None]
-        astray = np.concatenate([state.astray(self.P, self.may_drift_K), lies], axis=2)
+        unknown = [state.astray(self.P, K) for K in (self.may_drift_K, HIDDEN * self.lacks_K)]
+        astray = np.concatenate([*unknown, lies], axis=2)
         astray_um = np.einsum("ks,ksq->kq", state.elongation(self.grown_um), astray)
+        unsure_um = np.sqrt((astray_um[:, :-1] ** 2).sum(axis=1))
         doubt = np.concatenate([self.doubt, astray], axis=2)
         doubt_um = np.hstack([self.doubt_um, astray_um, LENGTHS_LIE * better_um[:, None]])
-        return replace(self, doubt=doubt, doubt_um=doubt_um)
+        return replace(self, doubt=doubt, doubt_um=doubt_um, unsure_um=unsure_um)
 
 
 class Reporter:
@@ -101,6 +106,8 @@ class Reporter:
             fault=run.fault,
             since_s=judged,
             may_drift_K=np.zeros(len(judged)),
+            lacks_K=np.zeros(len(judged)),
+            unsure_um=0.0,
             off_share=0.0,
             shift_mm=0.0,
             jump=np.zeros(len(judged)),
@@ -146,6 +153,8 @@ class Reporter:
             fault=estimates.fault,
             since_s=estimates.since_s,
             may_drift_K=estimates.may_drift_K,
+            lacks_K=estimates.lacks_K,
+            unsure_um=um * estimates.unsure_um,
             off_share=estimates.off_share,
             shift_mm=estimates.shift_mm,
             jump=estimates.jump,

@@ -103,20 +103,28 @@ class State:
         return loose
 
     def astray(self, P: Array, drift: Array) -> Array:
-        """How far channels that have drifted by so much, (K, m), lead estimates astray, P (K, size, size).
+        """How far estimates are astray, P (K, size, size), if what channels have drifted by, (K, m), is heat.
 
-        P h / (h P h') drift, the change of the estimate by which the channel would read that much more: a column for
-        each that has drifted at any tick, (K, size, q)
+        P h / (h P h') drift, h without its zero: a column for each that has drifted at any tick, (K, size, q). Where
+        the zero is known, that is as well how far the channel has led them astray if it is none.
         """
         which = np.flatnonzero(drift.any(axis=0))
-        h = self._rows[which].T
-        Ph = P @ h
-        return np.asarray(Ph * (drift[:, which] / (h * Ph).sum(axis=1))[:, None])
+        h = self._rows[which].T.copy()
+        h[self.zeros] = 0.0
+        return _led_by(P, h, drift[:, which])
 
     def misled(self, P: Array, drift: Array) -> Array:
         """P when channels that were fused turn out to have drifted by so much, (m,): P + v v', v how they led it."""
-        v = self.astray(P[None], drift[None])[0]
+        which = np.flatnonzero(drift)
+        v = _led_by(P[None], self._rows[which].T, drift[None, which])[0]
         return np.asarray(P + v @ v.T)
+
+    def heated(self, x: Array, P: Array, which: Array) -> tuple[Array, Array]:
+        """An estimate x, P when the zeros of some channels, (m,) bool, turn out to be what a run begins with."""
+        places = [place for i, place in self.zero_of.items() if which[i]]
+        known = np.diag(self._variance[[place - self.n for place in places]])
+        K = np.linalg.solve(P[np.ix_(places, places)] + known, P[places]).T
+        return x - K @ x[places], P - K @ P[places]
 
     def led(self, grown_um: Array, x: Array, unled: tuple[Array, Array]) -> tuple[Array, Array]:
         """How far lengths have led estimates x (K, size) from those without, x and P (K, size, size), um, and the
@@ -126,11 +134,12 @@ class State:
         um = (weights * (x - unled[0])).sum(axis=1)
         return um, np.einsum("ks,kst,kt->k", weights, unled[1], weights)
 
-    def judged(self, P: Array, judgement: Judgement) -> Array:
-        """P after what a tick's judgement says of readings that were fused before, or will be."""
+    def judged(self, x: Array, P: Array, judgement: Judgement) -> tuple[Array, Array]:
+        """x and P after what a tick's judgement says of readings that were fused before, or will be."""
         P = P if judgement.jump is None else self.jumped(P, judgement.jump)
         P = P if judgement.loose is None else self.jumped(P, judgement.loose)
-        return P if judgement.drift is None else self.misled(P, judgement.drift)
+        P = P if judgement.drift is None else self.misled(P, judgement.drift)
+        return (x, P) if judgement.heated is None else self.heated(x, P, judgement.heated)
 
     def transition(self, z: Transition, dt: float) -> Transition:
         """F (size, size), J (size, n), Q (size, size) of the full state."""
@@ -140,3 +149,9 @@ class State:
         F[at, at], Q[at, at], J[at] = z.F, z.Q, z.J
         Q[constants, constants] = np.diag(self._walk * dt)
         return Transition(F, J, Q)
+
+
+def _led_by(P: Array, h: Array, by: Array) -> Array:
+    """By how much estimates change, (K, size, q), if channels with rows h', h (size, q), read so much more, (K, q)."""
+    Ph = P @ h
+    return np.asarray(Ph * (by / (h * Ph).sum(axis=1))[:, None])

@@ -27,7 +27,8 @@ def step_of(rig: Rig, k: int, innovation: np.ndarray, nis: float, measured: np.n
         measured=innovation if measured is None else measured, predicted=np.zeros(m), innovation=innovation,
         innovation_sd=np.full(m, SD), fused=fused,
         fault=np.zeros(m, dtype=int), input_fault=np.zeros(len(rig.inputs), dtype=int),
-        since_s=np.full(m, np.nan), may_drift_K=np.zeros(m), off_share=0.0, shift_mm=0.0, jump=np.zeros(m),
+        since_s=np.full(m, np.nan), may_drift_K=np.zeros(m), lacks_K=np.zeros(m), unsure_um=0.0, off_share=0.0,
+        shift_mm=0.0, jump=np.zeros(m),
         begins=False, why=tuple("" if f else "not measured" for f in fused),
         open_loop=np.zeros(m), nis=nis, nis_channels=int(fused.sum()),
     )  # fmt: skip

@@ -1,122 +1,40 @@
-"""Which of several thermometers has changed as neither the model nor the others explain.
+"""Thermometers that leave the others, over windows of a minute to an hour.
 
-    c      ~ N(0, C),  C = s^2 (D D' + A) + B      change of reading less model alone, (n,) K
-    D      how c moves with what the model's parameters and the place of the nut's heat may be off by (state/doubt.py),
-           and must be (machine.py)
-    A      heat that no parameter stands for: alike along the screw, and a little of each one's own
-    B      what all have in common, and scatter
-    s      how many times worse the model is than it says, 1 .. 128: by the likelihood of the other thermometers
-    r      c less what the others say of it: inverse(C) c over the diagonal of inverse(C)
-
-(Rasmussen and Williams 2006, 5.4.2.) A model that is as good as it says leaves little room; one that is wrong as much
-as it is wrong elsewhere at the same time. The one that is off by most sd is tested, by those that are left without the
-next one: two that fail together do not hide each other.
-
-    limit  (7 + 4 ln s) sd + 0.4 s rough + 8 beside, beyond which it drifts; with 9 for 7 in windows of more than ten
-           minutes, in which more adds up that a model lacks; with 4 for 7, beyond which it may drift
+    limit  (7 + 4 ln s) sd + 0.4 s rough + 8 beside, beyond which it drifts if heat does not explain it; with 9 for 7 in
+           windows of more than ten minutes, in which more adds up that a model lacks; with 4 for 7, beyond which it may
     rough  how much the model alone has gone up and down in that time beside what its neighbours say of it: where that
            is rough, a model that is wrong is rough too
-    beside what the next thermometers leave unexplained beyond 2 sd, found without this one; forgotten within minutes,
-           like s: heat that the model lacks moves them too
+    beside what the next thermometers leave unexplained beyond 2 sd, found without the two that are tested; forgotten
+           within minutes, like s: heat that the model lacks moves them too
+
+sd and s are those of change.py.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
+from estimator.faults.beside.change import AS_IT_IS, SCALES, Change, Tested
+from estimator.faults.beside.local_heat import BEGINS, local_heats
 from estimator.faults.machine import Known
 from estimator.record import Array
+from estimator.rig import Screw
 
-WINDOWS = (6, 14, 32, 62, 182, 362)  # blocks of 10 s
+BLOCK_S = 10.0
+WINDOWS = (6, 14, 32, 62, 182, 362)  # blocks
 SURE = (7.0, 7.0, 7.0, 7.0, 9.0, 9.0)  # sd
 SUSPECT, WORSE, ROUGH, BESIDE, USUAL = 4.0, 4.0, 0.4, 8.0, 2.0
 ALIKE_MM, COMMON_K, SMOOTH_K, SINGLE_K = 250.0, 5.0, 0.01, 0.003  # of c along the screw; the last two in two minutes
 TWO_MINUTES = 12  # blocks
 KEPT, KEPT_SCALE = 0.9, 0.95  # of what the last block has shown
+STEADY = 0.4  # of a departure that is there half way through its time
+WARMED = 64  # times whose local heats are kept
 FEWEST = 5  # thermometers, of which one can be told from the others
 ROUGH_SINGLE_K = 0.05  # of what the model alone changes by, beside 1 K that is alike along the screw
-SCALES = np.geomspace(1.0, 128.0, 15)
-AS_IT_IS = np.ones(1)  # the scale of a model that is as good as it says
-
-
-@dataclass(frozen=True)
-class Unexplained:
-    """Of n thermometers: what the others do not explain, r (..., n) K, its sd, and the scale s that suits them."""
-
-    value: Array
-    sd: Array
-    scale: Array
-
-    @property
-    def furthest(self) -> int:
-        """The one that is off by most sd; if one is wrong, this is it."""
-        return int(np.argmax(np.abs(self.value) / self.sd))
-
-
-def unexplained(change: Array, model: Array, scatter: Array, scales: Array = SCALES) -> Unexplained:
-    """Of changes (..., n), model = D D' + A (..., n, n), scatter = B (n, n): each by the scale that suits the others
-    best."""
-    if len(scales) == 1:  # of most blocks nothing else is asked
-        inverse = np.linalg.inv(scales[0] ** 2 * model + scatter)
-        precision = np.diagonal(inverse, axis1=-2, axis2=-1)
-        value = (inverse @ change[..., None])[..., 0] / precision
-        return Unexplained(value, precision**-0.5, np.full_like(value, scales[0]))
-    white = np.linalg.inv(np.linalg.cholesky(scatter))
-    share, ways = np.linalg.eigh(white @ model @ white.T)
-    ways = white.T @ ways
-    weight = 1.0 / (1.0 + scales[:, None] ** 2 * share[..., None, :])  # C^-1 = ways diag(weight) ways' at each scale
-    along = change[..., None, :] @ ways
-    pull, precision = (weight * along) @ ways.mT, weight @ (ways**2).mT
-    square = weight @ along.mT**2 - pull**2 / precision  # of the others alone, as is the likelihood
-    likelihood = np.log(weight).sum(axis=-1)[..., None] - np.log(precision) - square
-    best = np.argmax(likelihood, axis=-2, keepdims=True)
-    pull, precision = (np.take_along_axis(each, best, axis=-2)[..., 0, :] for each in (pull, precision))
-    return Unexplained(pull / precision, precision**-0.5, scales[best[..., 0, :]])
-
-
-@dataclass(frozen=True)
-class Tested:
-    """Thermometer i by the others: what they do not explain, K, its sd, their scale; and what they leave themselves.
-
-    rest    (n - 1,) which they are;   others: what each leaves unexplained without i
-    """
-
-    value: float
-    sd: float
-    scale: float
-    rest: Array
-    others: Unexplained
-
-
-@dataclass(frozen=True)
-class Change:
-    """Of reading less model alone over a window, or some, (..., m) K, NaN: not known; what explains it (..., m, m), and
-    scatter (m, m); rough (..., m) K."""
-
-    value: Array
-    model: Array
-    scatter: Array
-    rough: Array
-
-    def of(self, some: Array, scales: Array) -> Unexplained:
-        """What some of them leave of each other unexplained."""
-        both = (..., some[:, None], some)
-        return unexplained(self.value[..., some], self.model[both], self.scatter[both], scales)
-
-    def over(self, which: int | Sequence[int]) -> Change:
-        """One window or some of several."""
-        return Change(self.value[which], self.model[which], self.scatter, self.rough[which])
-
-    def tested(self, i: int, at: Array, scales: Array) -> Tested:
-        """Thermometer i by the others of those `at`, but for the one of them that is furthest off."""
-        rest = at[at != i]
-        others = self.of(rest, scales)
-        last = self.of(np.append(np.delete(rest, others.furthest), i), scales)
-        return Tested(float(last.value[-1]), float(last.sd[-1]), float(last.scale[-1]), rest, others)
 
 
 @dataclass(frozen=True)
@@ -133,13 +51,14 @@ class Means:
 @dataclass(frozen=True)
 class Departure:
     """The thermometer that is off by most sd since some blocks: how far, K, as a share of the limit beyond which it
-    drifts, and of that beyond which it may."""
+    drifts, and of that beyond which it may; and of what heat explains."""
 
     before: Means
     channel: int
     off_K: float
     drifts: float
     may_drift: float
+    not_heat: float
 
 
 class Windows:
@@ -147,15 +66,19 @@ class Windows:
 
     known, share  how well its parameters are known, and by which share of their values they are off nevertheless
     place_mm      by how much the nut's heat may stand elsewhere than the position says
+    warm          (m,) bool, where there has been heat that the model lacks, which may go on, or have ended, as well
     """
 
-    def __init__(self, x_mm: Array, variance: Array, known: Known) -> None:
+    def __init__(self, x_mm: Array, variance: Array, known: Known, screw: Screw | None) -> None:
         """x_mm (m,) places along the screw, NaN: a channel without neighbours; variance (m,) of a mean, K^2."""
         self.known, self.share, self.place_mm = known, 0.0, 0.0
         self._x, self._scatter = x_mm, COMMON_K**2 + np.diag(2.0 * variance)
+        self._order = np.argsort(x_mm)
         self._alike = np.exp(-0.5 * ((x_mm[:, None] - x_mm) / ALIKE_MM) ** 2)
         self._unknown = SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(x_mm))  # in two minutes
+        self.warm = np.zeros(len(x_mm), dtype=bool)
         self._beside_neighbours = cache(self._neighbours_of)
+        self._heats = lru_cache(WARMED)(lambda blocks: local_heats(x_mm, screw, blocks * BLOCK_S))
         self._beside, self._scale = np.zeros((len(WINDOWS), len(x_mm))), np.ones(len(WINDOWS))
 
     def rough(self, change: Array) -> Array:
@@ -187,11 +110,13 @@ class Windows:
         if self.known.shift is not None:
             moved = np.concatenate([moved, self.place_mm * doubt[..., [self.known.shift]]], axis=-1)
         model = moved @ moved.mT + (blocks / TWO_MINUTES)[:, None, None] * self._unknown
-        return Change(difference, model, self._scatter, rough)
+        heat = np.array([self._heats(int(each)) for each in blocks])
+        heat[:, ~self.warm, BEGINS:] = 0.0
+        return Change(difference, model, self._scatter, rough, heat)
 
     def _at(self, change: Change) -> Array:
-        """The thermometers of which one change is known, if these are enough."""
-        at = np.flatnonzero(np.isfinite(change.value + self._x))
+        """The thermometers of which one change is known, in order of place, if these are enough."""
+        at = self._order[np.isfinite((change.value + self._x)[self._order])]
         return at if len(at) >= FEWEST else at[:0]
 
     def _off(self, changes: Change) -> Iterator[tuple[int, Change, Array]]:
@@ -213,13 +138,29 @@ class Windows:
         before = [past[-1 - blocks] for blocks in WINDOWS if len(past) > blocks]
         for w, change, at in self._off(self._changes(before, past[-1])) if before else ():
             scales = np.maximum(SCALES, self._scale[w])
-            i = int(at[change.of(at, scales).furthest])
-            tested = change.tested(i, at, scales)
-            self._scale[w] = tested.scale
-            self._beside[w, i] = max(self._beside[w, i], self._beyond_usual(i, tested))
-            allowed = WORSE * np.log(tested.scale) * tested.sd + ROUGH * tested.scale * change.rough[i]
-            limit = np.array([SURE[w], SUSPECT]) * tested.sd + allowed + BESIDE * self._beside[w, i]
-            yield Departure(before[w], i, abs(tested.value), *(abs(tested.value) / limit).tolist())
+            two = change.furthest(at, scales)
+            rest = self._rest(change, at[~np.isin(at, two)], scales)
+            alone = [change.tested(i, rest, scales) for i in two]
+            self._scale[w] = alone[0].scale
+            for i, j, tested, other in zip(two, two[::-1], alone, alone[::-1], strict=True):
+                if self.warm[j] or abs(other.value) <= SUSPECT * other.sd:  # it is well, and may tell of heat
+                    tested = change.tested(i, np.append(rest, j), scales)
+                steady = _steady(i, rest, [past[-1 - blocks].difference for blocks in (WINDOWS[w], WINDOWS[w] // 2, 0)])
+                yield self._departure(w, before[w], i, tested, change, steady)
+
+    def _rest(self, change: Change, rest: Array, scales: Array) -> Array:
+        """Of more than are needed all but the one that is furthest off, if that is not heat."""
+        last = change.of(rest, scales).furthest
+        return rest if len(rest) < FEWEST or self.warm[rest[last]] else np.delete(rest, last)
+
+    def _departure(self, w: int, before: Means, i: int, tested: Tested, change: Change, steady: bool) -> Departure:
+        """How far one has departed over window w; if not steadily, it may be heat that came late in it."""
+        self._beside[w, i] = max(self._beside[w, i], self._beyond_usual(i, tested))
+        allowed = WORSE * np.log(tested.scale) * tested.sd + ROUGH * tested.scale * change.rough[i]
+        limit = np.array([SURE[w], SUSPECT]) * tested.sd + allowed + BESIDE * self._beside[w, i]
+        drifts, may_drift = (abs(tested.value) / limit).tolist()
+        not_heat = tested.not_heat if steady else 0.0
+        return Departure(before, i, abs(tested.value), min(drifts, not_heat), may_drift, not_heat)
 
     def _beyond_usual(self, i: int, tested: Tested) -> float:
         """What the next thermometers to both sides leave unexplained beyond what is usual."""
@@ -227,3 +168,9 @@ class Windows:
         away = self._x[tested.rest] - self._x[i]
         sides = [np.where(side * away > 0, side * away, np.inf) for side in (-1, 1)]
         return max(float(beyond[np.argmin(side)]) for side in sides if np.isfinite(side).any())
+
+
+def _steady(i: int, rest: Array, differences: Sequence[Array]) -> bool:
+    """Whether thermometer i had departed from the others, of three times (m,), by STEADY of it by the second."""
+    before, half, whole = (difference[i] - difference[rest].mean() for difference in differences)
+    return bool((half - before) * np.sign(whole - before) >= STEADY * abs(whole - before))

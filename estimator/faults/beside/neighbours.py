@@ -1,7 +1,7 @@
 """Thermometers that leave model and neighbours slowly, while the filter follows them.
 
     c      by how much reading less model alone has changed within a minute to an hour, means over 30 s
-    r      what neither doubtful parameters nor the other thermometers explain of it, with its sd (outlier.py)
+    r      what neither doubtful parameters nor the other thermometers explain of it, with its sd (change.py)
 
 What may drift is believed all the same, and compared with what it read when the earliest of the windows began in which
 it was found, until a model that is as good as it says explains that again.
@@ -14,15 +14,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.faults.beside.change import AS_IT_IS, Change, Tested
+from estimator.faults.beside.windows import BLOCK_S, USUAL, WINDOWS, Departure, Means, Windows
 from estimator.faults.fault import Seen
 from estimator.faults.machine import Known, Machine
-from estimator.faults.outlier import AS_IT_IS, USUAL, WINDOWS, Departure, Means, Windows
 from estimator.record import Array
 from estimator.rig import Rig
 
-BLOCK_S = 10.0
 MEAN = 3  # blocks in a mean
 IN_A_ROW = 3  # blocks at whose end the same one has to fail
+ALIKE = 0.5  # of a departure: as far as that heat at its place does not warm the next ones
 AS_FAR = 0.3  # of the other: as far as that
 
 
@@ -41,6 +42,7 @@ class Added:
     """How many ticks were taken, which channel drifts with the last of them, and whether lengths are apart with it.
 
     off_share  (ticks,) by which share of their values the model's parameters are off
+    lacks_K    (ticks, m) by how much channels depart by heat that the model lacks
     shift_mm   (ticks,) by how much the nut's heat stands elsewhere than the position says
     """
 
@@ -48,6 +50,7 @@ class Added:
     drifting: int | None
     off_share: Array
     shift_mm: Array
+    lacks_K: Array
     apart: bool = False
 
 
@@ -55,19 +58,25 @@ class Neighbours:
     """What thermometers along the screw have read in the last hour, and which of them has been failing.
 
     departed_K  how far the one found last had departed from the others
+    heated      (m,) bool, those that have been suspected up to the last tick, and only read heat that the model lacks
+    lacks_K     (m,) by how much those depart that do, or have done, 0: the others
     may_drift_K, since_s  (m,) how far those have that are suspected, 0: the others, and since when, NaN
     """
 
-    def __init__(self, x_mm: Array, noise: Array, heat: Array, tick_s: float, known: Known) -> None:
-        """Of channels (m,): places along the screw, NaN: no neighbours; sd of a reading; which are thermometers."""
-        m, self._length = len(x_mm), max(1, round(BLOCK_S / tick_s))
-        self._windows = Windows(x_mm, noise**2 / (MEAN * self._length), known)
-        self._machine, self._heat, self._tick_s = Machine(known, heat, tick_s), heat, tick_s
+    def __init__(self, rig: Rig, noise: Array, known: Known) -> None:
+        """noise (m,): sd of a reading of each channel; known: how well the model's parameters are."""
+        self._heat, self._tick_s, m = rig.is_thermometer, rig.tick_s, len(noise)
+        self._length = max(1, round(BLOCK_S / rig.tick_s))
+        places = [np.nan if channel.at_mm is None else channel.at_mm for channel in rig.channels.values()]
+        x_mm = np.array(places, dtype=float)  # NaN: no neighbours
+        self._windows = Windows(x_mm, noise**2 / (MEAN * self._length), known, rig.screw)
+        self._machine = Machine(known, self._heat, rig.tick_s)
         self._last: deque[tuple[Array, Array]] = deque(maxlen=MEAN)
         self._past: deque[Means] = deque(maxlen=WINDOWS[-1] + 1)
         self._alone, self._rough_K = np.full(m, np.nan), np.zeros(m)  # of the last block; so far
         self._failed, self._times, self.departed_K = -1, 0, 0.0
         self.may_drift_K, self.since_s, self._blocks = np.zeros(m), np.full(m, np.nan), 0
+        self.heated, self.lacks_K, self._lacked = np.zeros(m, dtype=bool), np.zeros(m), dict[int, Means]()
         self._before: dict[int, Means] = {}  # those began to depart that are suspected
         self._block, self._astray = Block(), False
 
@@ -78,28 +87,32 @@ class Neighbours:
         used  (K, m) which readings are believed
         """
         k, K, block = 0, len(seen.time_s), self._block
-        asked, (share, shift_mm) = used & self._heat, np.empty((2, K))
+        asked, (share, shift_mm), lacks_K = used & self._heat, np.empty((2, K)), np.empty(used.shape)
+        self.heated[:] = False
         while k < K:
             some = slice(k, min(k + self._length - block.ticks, K))
             machine = self._machine
             gone = self._windows.known.apart(seen.led[some], machine.share, machine.place_mm) & ~seen.astray[some]
-            apart = bool(gone.any())
+            apart = bool(gone.any()) and not (
+                self.may_drift_K.any() or self._windows.warm.any()
+            )  # of heat lengths tell
             some = slice(k, k + int(np.argmax(gone)) + 1) if apart else some
             block.difference += np.where(asked[some], seen.reading[some] - seen.alone[some], np.nan).sum(axis=0)
             block.alone += seen.alone[some].sum(axis=0)
             block.doubt += seen.doubt[some].sum(axis=0)
-            self._machine.hear(seen, some, used[some])
+            self._machine.hear(seen, some, used[some] & (self.may_drift_K == 0.0))
             self._astray |= bool(seen.astray[some].any())
-            share[some], shift_mm[some] = self._machine.share, self._machine.shift_mm
+            share[some], shift_mm[some], lacks_K[some] = self._machine.share, self._machine.shift_mm, self.lacks_K
             block.ticks, k = block.ticks + some.stop - some.start, some.stop
             found, before = None, (self.elsewhere, *self.may_drift_K)
             if block.ticks == self._length:
                 found = self._close(block, float(seen.time_s[k - 1]))
                 share[k - 1], shift_mm[k - 1] = self._machine.share, self._machine.shift_mm
+                lacks_K[k - 1] = self.lacks_K
                 block = self._block
             if found is not None or apart or not np.array_equal(before, (self.elsewhere, *self.may_drift_K)):
-                return Added(k, found, share[:k], shift_mm[:k], apart)
-        return Added(K, None, share, shift_mm)
+                return Added(k, found, share[:k], shift_mm[:k], lacks_K[:k], apart)
+        return Added(K, None, share, shift_mm, lacks_K)
 
     @property
     def elsewhere(self) -> bool:
@@ -108,7 +121,7 @@ class Neighbours:
 
     def forget(self, i: int) -> None:
         """Channel i has another zero from now on."""
-        means = [*self._past, *self._before.values()]
+        means = [*self._past, *self._before.values(), *self._lacked.values()]
         for difference in [each.difference for each in means] + [block[0] for block in self._last]:
             difference[i] = np.nan
         self._block.difference = np.where(np.arange(len(self._alone)) == i, np.nan, self._block.difference)
@@ -143,28 +156,49 @@ class Neighbours:
         difference, doubt = (np.mean(each, axis=0) for each in zip(*self._last, strict=True))
         self._blocks += 1
         self._past.append(Means(self._blocks, difference, doubt, self._rough_K))
-        nobody = Departure(self._past[-1], -1, 0.0, 0.0, 0.0)
-        departed = [nobody, *self._windows.departures(self._past)]
-        self._suspect(max(departed, key=lambda one: one.may_drift), now_s)
+        found, warm = self._windows.departures(self._past), self._windows.warm
+        departed = [one for one in found if not warm[one.channel] or one.not_heat > 1.0]
+        departed += [Departure(self._past[-1], -1, 0.0, 0.0, 0.0, 0.0)]
+        most = max(departed, key=lambda one: one.may_drift)
+        self._suspect([one for one in departed if one.before is most.before and one.may_drift > 1.0], now_s)
+        self._compare_heat()
         worst = max(departed, key=lambda one: one.drifts)
         failed = worst.channel if worst.drifts > 1.0 else -1
         self._times = self._times + 1 if failed >= 0 and failed == self._failed else 1
         self._failed, self.departed_K = failed, max(worst.off_K, abs(self.may_drift_K[failed]))
         return failed if failed >= 0 and self._times >= IN_A_ROW else None
 
-    def _suspect(self, worst: Departure, now_s: float) -> None:
-        """One is suspected, anew or still; suspicions of what is explained again pass."""
-        if worst.may_drift > 1.0:
-            i = worst.channel
-            self._before[i] = min(self._before.get(i, worst.before), worst.before, key=lambda means: means.block)
+    def _suspect(self, departed: list[Departure], now_s: float) -> None:
+        """Some are suspected, anew or still; suspicions of what is explained again pass."""
+        self.heated[:] = False
+        for one in departed:
+            i = one.channel
+            self._before[i] = min(self._before.get(i, one.before), one.before, key=lambda means: means.block)
             self.since_s[i] = np.fmin(self.since_s[i], now_s)
         for i, before in list(self._before.items()):
             change, at = self._windows.change(before, self._past[-1])
             if i in at:
-                tested = change.tested(i, at, AS_IT_IS)
+                tested = self._tested(i, change, at)
                 self.may_drift_K[i] = tested.value
-                if abs(tested.value) <= USUAL * tested.sd:
+                self.heated[i] = tested.is_heat
+                if tested.is_heat:
+                    self._lacked[i], self._windows.warm[i] = before, True
+                if tested.is_heat or abs(tested.value) <= USUAL * tested.sd:
                     self._trust(i)
+
+    def _compare_heat(self) -> None:
+        """By how much thermometers depart by heat that the model lacks."""
+        for i, before in self._lacked.items():
+            change, at = self._windows.change(before, self._past[-1])
+            if i in at:
+                self.lacks_K[i] = self._tested(i, change, at).value
+
+    def _tested(self, i: int, change: Change, at: Array) -> Tested:
+        """Thermometer i by those that are not suspected, nor depart nearly as far: these may drift alike."""
+        rest = at[~np.isin(at, [i, *self._before])]
+        tested = change.tested(i, rest, AS_IT_IS)
+        alike = np.abs(tested.others.value) > ALIKE * abs(tested.value)
+        return change.tested(i, rest[~alike], AS_IT_IS) if alike.any() else tested
 
     def _trust(self, i: int) -> None:
         """Channel i is no longer suspected."""

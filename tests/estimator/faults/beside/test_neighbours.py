@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.faults.neighbours import may_be_heat
+from estimator.faults.beside.neighbours import may_be_heat
 
 
 @pytest.mark.parametrize(

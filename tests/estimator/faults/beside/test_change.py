@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.faults.outlier import AS_IT_IS, FEWEST, SCALES, unexplained
+from estimator.faults.beside.change import AS_IT_IS, SCALES, unexplained
+from estimator.faults.beside.windows import FEWEST
 
 X = np.arange(15) * 62.0
 ALIKE = np.exp(-0.5 * ((X[:, None] - X) / 250.0) ** 2)
