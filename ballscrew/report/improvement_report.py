@@ -14,7 +14,7 @@ from ballscrew.report.sections import Section, cells
 from ballscrew.report.use_report import recordings_json
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
-from ballscrew.workspace import Workspace
+from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.noise_floor import Error
 from estimator.missing_effect.improve import ImprovedModel, Improvement
 from estimator.model import Model
@@ -48,6 +48,11 @@ class Outcome:
     def models(self) -> list[Model]:
         """Before and after; one, where nothing made it better."""
         return before_and_after(self.improvement, self.after)
+
+    @property
+    def kept(self) -> list[Loaded]:
+        """The recordings used, but for those that were left out on the way."""
+        return [one for one in self.work.loaded if one.recording.name not in self.improvement.left_out]
 
     @property
     def said(self) -> str:

@@ -118,6 +118,9 @@ def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(sea
     assert "| churning.share | new | 0.4 | 0.25 | 1 |" in text
     assert "| + churning | 0.100 | 0.40 | radiation |" in text
     assert "| in the first ten minutes after a stop |" in text
+    fails = text.partition("## Where it fails\n")[2].partition("![")[0]
+    assert [line for line in fails.splitlines() if line.startswith("### ")] == ["### base.toml", "### b.toml"]
+    assert fails.count("- The model alone is ") == 2
     for what in ("steps", "residuals", "missing-heat"):
         assert f"](b-{what}.png)" in text
         assert (tmp_path / f"b-{what}.png").stat().st_size > 5000
