@@ -32,7 +32,11 @@ def clearly(before: Explanation, after: Explanation, tried: float) -> bool:
 
 def nats(a: Explanation, b: Explanation) -> float:
     """By how much the second is likelier, left-out recordings alone."""
-    return 0.5 * b.weight * float(np.log(max(a.misfit, 1e-12) / max(b.misfit, 1e-12)))
+    return _nats(b.weight, a.misfit, b.misfit)
+
+
+def _nats(weight: float, before: float, after: float) -> float:
+    return 0.5 * weight * float(np.log(max(before, 1e-12) / max(after, 1e-12)))
 
 
 def behind(a: Explanation, best: Explanation) -> float:
@@ -51,8 +55,18 @@ def alike(a: Explanation, best: Explanation, tried: int) -> bool:
 
 
 def material(h: Hypothesis, before: Explanation, tried: int) -> bool:
-    """Whether an effect is missing: it explains clearly more, and is worth having."""
-    return clearly(before, h.judged, tried) and worth(h, before)
+    """Whether an effect is missing: it is proven, and worth having."""
+    return proven(before, h.judged, tried) and worth(h, before)
+
+
+def proven(before: Explanation, after: Explanation, tried: float) -> bool:
+    """Whether the best of so many leaves clearly less of recordings left out, and of all that were fitted as well.
+
+    What does so only of those left out is of no sure size: it holds the model's own parameters, which a few recordings
+    tell badly, nearer to what suits the one that is missing.
+    """
+    fitted = _nats(after.weight, before.fitted, after.fitted)
+    return clearly(before, after, tried) and bool(fitted > np.log(tried / CHANCE))
 
 
 def worth(h: Hypothesis, before: Explanation) -> bool:

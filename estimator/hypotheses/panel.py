@@ -34,6 +34,7 @@ class Explanation:
     change      (k,) of each parameter, from all recordings
     covariance  (k, k) of it, from how independent the readings are taken to be
     misfit      mean square of what is left on recordings left out, 1: as good as a good model; and what the priors add
+    fitted      the same on the recordings that it was fitted to, all of them
     weight      independent readings in that mean
     error       open-loop error there;  read_um: likewise, of the displacement's readings themselves, their zero out
     runs        misfit of each recording
@@ -50,6 +51,7 @@ class Explanation:
     read_um: float
     runs: Array
     blocks: Array
+    fitted: float
 
     @property
     def sd(self) -> Array:
@@ -143,11 +145,12 @@ class Panel:
             rms([getattr(m, name) for m in self.found], [getattr(m, f"{name}_count") for m in self.found])
             for name in ("heat", "length", "grown")
         )
-        misfit = (runs.sum() + self._unlikely(chosen, change)) / self.weight
+        unlikely = self._unlikely(chosen, change)
+        misfit, fitted = ((rest + unlikely) / self.weight for rest in (runs.sum(), _rest(whole, chosen, change)))
         weights = np.array([m.weight for m in self.found])
         return Explanation(
             tuple(chosen), change, covariance, float(misfit), self.weight, Error(heat_K, grown_um), length_um,
-            runs / weights, self._blocks(chosen, left),
+            runs / weights, self._blocks(chosen, left), float(fitted),
         )  # fmt: skip
 
     def _blocks(self, chosen: Array, left: Sequence[Array]) -> Array:

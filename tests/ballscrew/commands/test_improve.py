@@ -54,7 +54,7 @@ def hypothesis(model: Model, names: tuple[str, ...] = (), heat_K: float = 0.5) -
     paths = tuple(next(p for p in model.free() if p.startswith(f"{name}.")) for name in names)
     judged = Explanation(
         (), np.zeros(0), 0.25**2 * np.eye(len(paths)), heat_K, 10.0, Error(heat_K, 4 * heat_K), 4 * heat_K, np.zeros(1),
-        np.zeros((2, 1, 1)),
+        np.zeros((2, 1, 1)), heat_K,
     )  # fmt: skip
     return Hypothesis(names, Ground(model, ()), model, paths, judged, told=0.0)
 
