@@ -213,14 +213,15 @@ class Search:
             dict.fromkeys(h.names[0] for h in found if h is found[0] or alike(h.judged, found[0].judged, side.tried))
         )
         changed, pair = "", side.pair
+        both = pair is not None and len({*pair.names} - {*named}) != 1  # or one of them is what is named
         if wrong is not None:
             verdict, found = "input_error", []
         elif unexplained is not None:
             verdict, found = "nothing_in_catalogue", []
+        elif pair and both:
+            verdict, found = "effects", [pair]
         elif found and all(name in self.model.effects for name in named):
             verdict, changed = "nothing_missing", found[0].freed
-        elif pair and not found:
-            verdict, found = "effects", [pair]
         elif found:
             verdict = "tie" if len(named) > 1 else "effect"
         else:

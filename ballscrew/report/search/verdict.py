@@ -57,9 +57,9 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
     best = suggestion.found[0]
     if suggestion.verdict == "effects":
         return f"{' and '.join(best.names)} are missing, neither alone: {_gain(suggestion.before, best)}."
+    more = f" A second one besides: {suggestion.second}." if suggestion.second else ""
     if suggestion.verdict == "tie":
-        return f"{' or '.join(suggestion.tie)}: these recordings cannot tell."
-    more = f" A second one besides: {_other(suggestion)}." if suggestion.pair else ""
+        return f"{' or '.join(suggestion.tie)}: these recordings cannot tell.{more}"
     return f"{best.names[0]} is missing: {_gain(suggestion.without(best), best)}.{more}"
 
 
@@ -163,11 +163,6 @@ def _left(suggestion: Suggestion) -> str:
     error = suggestion.before.judged.error
     um = f" and {error.elongation_um:.2f} um" if np.isfinite(error.elongation_um) else ""
     return f"{error.temperature_K:.3f} K{um}"
-
-
-def _other(suggestion: Suggestion) -> str:
-    rest = [name for name in suggestion.pair if name != suggestion.found[0].names[0]]
-    return rest[0] if rest else suggestion.pair[-1]
 
 
 def _gain(before: Hypothesis, after: Hypothesis) -> str:
