@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.hypotheses.panel import Explanation
@@ -60,13 +61,16 @@ def material(h: Hypothesis, before: Explanation, tried: int) -> bool:
 
 
 def proven(before: Explanation, after: Explanation, tried: float) -> bool:
-    """Whether the best of so many leaves clearly less of recordings left out, and of all that were fitted as well.
+    """Whether the best of so many leaves clearly less of recordings left out, and is itself seen in all of them.
 
-    What does so only of those left out is of no sure size: it holds the model's own parameters, which a few recordings
-    tell badly, nearer to what suits the one that is missing.
+        n ln(before / after) > chi2(k)      misfits of all recordings, which were fitted; k: parameters more
+
+    What is not is of no sure size: it only holds the model's own parameters, which a few recordings tell badly, nearer
+    to what suits the one left out. From how many it was chosen is asked of those left out.
     """
-    fitted = _nats(after.weight, before.fitted, after.fitted)
-    return clearly(before, after, tried) and bool(fitted > np.log(tried / CHANCE))
+    more = max(1, len(after.chosen) - len(before.chosen))
+    seen = 2.0 * _nats(after.weight, before.fitted, after.fitted) > scipy.special.chdtri(more, CHANCE)
+    return bool(seen) and clearly(before, after, tried)
 
 
 def worth(h: Hypothesis, before: Explanation) -> bool:
