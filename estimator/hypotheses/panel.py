@@ -92,9 +92,12 @@ class Panel:
         return Panel(self.columns, self.found, prior)
 
     def values(self, explained: Explanation, share: float = 1.0) -> dict[str, float]:
-        """The parameters after a change, or a share of it, by path."""
-        pairs = zip(explained.chosen, explained.change, strict=True)
-        return {self.columns[i].path: float(self.at[i] + share * change) for i, change in pairs}
+        """The parameters after a change, or a share of it, by path; one at its bound is there to the last digit."""
+        found = {}
+        for i, change in zip(explained.chosen, explained.change, strict=True):
+            path, param = self.columns[i].path, self.columns[i].model.param(self.columns[i].path)
+            found[path] = float(np.clip(self.at[i] + share * change, param.lo, param.hi))
+        return found
 
     @property
     def weight(self) -> float:
@@ -212,7 +215,9 @@ class Panel:
             change = scipy.optimize.lsq_linear(lower.T, half, (lo / scale, wide / scale), method="bvls").x * scale
         return np.asarray(change)
 
+    @np.errstate(over="ignore")
     def _covariance(self, sums: Array, chosen: Array) -> Array:
+        """Of what nothing tells of, and no table either, it is infinite."""
         if not len(chosen):
             return np.zeros((0, 0))
         lower, scale, _ = self._factor(sums, chosen)
