@@ -50,17 +50,17 @@ class Outcome:
         return before_and_after(self.improvement, self.after)
 
     @property
-    def kept(self) -> list[Loaded]:
-        """The recordings used, but for those that were left out on the way."""
-        return [one for one in self.work.loaded if one.recording.name not in self.improvement.left_out]
-
-    @property
     def said(self) -> str:
         """The last verdict in words."""
         last = self.improvement.steps[-1]
         apart = [f"{one.apart} is left out: {apart_sentence(one)}" for one in self.improvement.apart]
         words = " ".join([*apart, sentence(self.verdict, self.work.rig)])
         return f"Before all was fitted again: {words}" if len(self.improvement.steps) > 1 and not last.added else words
+
+
+def recordings_kept(improvement: Improvement, loaded: Sequence[Loaded]) -> list[Loaded]:
+    """Recordings but for those that were left out on the way."""
+    return [one for one in loaded if one.recording.name not in improvement.left_out]
 
 
 def before_and_after(improvement: Improvement, after: Model) -> list[Model]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from ballscrew.report import diagnosis_report
 from ballscrew.report.comparison_report import sections
 from ballscrew.report.felt_report import felt_section
-from ballscrew.report.improvement_report import Outcome, added, steps_section
+from ballscrew.report.improvement_report import Outcome, added, recordings_kept, steps_section
 from ballscrew.report.search.composed_words import composed_sentence
 from ballscrew.report.sections import Section, markdown
 from ballscrew.report.use_report import left_out
@@ -79,7 +79,7 @@ def _markdown(part: Part, level: int, pictures: Mapping[str, Path]) -> str:
 
 def _diagnosed(out: Outcome, workers: Workers) -> Iterator[tuple[int, Part]]:
     """What `diagnose` says of each model, by the recordings kept; the errors of all horizons stand further below."""
-    runs = runs_of(out.work.rig, out.kept, workers)
+    runs = runs_of(out.work.rig, recordings_kept(out.improvement, out.work.loaded), workers)
     for model in out.models:
         found = diagnose(model, runs)
         yield 3, Section(model.name, found.sentences)
