@@ -26,6 +26,7 @@ from ballscrew.report.improvement_report import (
     as_json,
     before_and_after,
     print_steps,
+    recordings_kept,
     steps_section,
     titles,
 )  # fmt: skip
@@ -97,7 +98,7 @@ def _kept(improvement: Improvement, effects: Sequence[Named], work: Workspace, n
         return best
     fitted = dict(best.about.get("fitted_on", {}))
     for r in work.recordings:
-        if r.fingerprint not in fitted.values():
+        if r.fingerprint not in fitted.values() and r.name not in improvement.left_out:
             fitted[r.name if r.name not in fitted else f"{r.name} ({r.fingerprint})"] = r.fingerprint
     return replace(best, about={**best.about, "rig": work.rig.fingerprint(), "fitted_on": fitted})
 
@@ -123,9 +124,8 @@ def _drawn(
 
     assert improvement.last is not None
     with work.terminal.progress("drawing before and after", None), working() as workers:
-        apart = {one.apart for one in improvement.apart}
-        kept = [one for one in work.loaded if one.recording.name not in apart]
-        verdict = verdict_of(improvement.last, runs_of(work.rig, kept, workers), runs_of(work.rig, []))
+        searched = runs_of(work.rig, recordings_kept(improvement, work.loaded), workers)
+        verdict = verdict_of(improvement.last, searched, runs_of(work.rig, []))
         out = Outcome(improvement, verdict, improvement.steps[0].model, after, table, work, own)
         runs = views.compared(work.rig, out.models, [*work.loaded, *work.held_out], workers)
         used = len(work.loaded)

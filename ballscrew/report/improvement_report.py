@@ -14,7 +14,7 @@ from ballscrew.report.sections import Section, cells
 from ballscrew.report.use_report import recordings_json
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal
-from ballscrew.workspace import Workspace
+from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.noise_floor import Error
 from estimator.missing_effect.improve import ImprovedModel, Improvement
 from estimator.model import Model
@@ -56,6 +56,11 @@ class Outcome:
         apart = [f"{one.apart} is left out: {apart_sentence(one)}" for one in self.improvement.apart]
         words = " ".join([*apart, sentence(self.verdict, self.work.rig)])
         return f"Before all was fitted again: {words}" if len(self.improvement.steps) > 1 and not last.added else words
+
+
+def recordings_kept(improvement: Improvement, loaded: Sequence[Loaded]) -> list[Loaded]:
+    """Recordings but for those that were left out on the way."""
+    return [one for one in loaded if one.recording.name not in improvement.left_out]
 
 
 def before_and_after(improvement: Improvement, after: Model) -> list[Model]:

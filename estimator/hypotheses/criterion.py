@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.hypotheses.panel import Explanation
@@ -32,7 +33,11 @@ def clearly(before: Explanation, after: Explanation, tried: float) -> bool:
 
 def nats(a: Explanation, b: Explanation) -> float:
     """By how much the second is likelier, left-out recordings alone."""
-    return 0.5 * b.weight * float(np.log(max(a.misfit, 1e-12) / max(b.misfit, 1e-12)))
+    return _nats(b.weight, a.misfit, b.misfit)
+
+
+def _nats(weight: float, before: float, after: float) -> float:
+    return 0.5 * weight * float(np.log(max(before, 1e-12) / max(after, 1e-12)))
 
 
 def behind(a: Explanation, best: Explanation) -> float:
@@ -51,8 +56,21 @@ def alike(a: Explanation, best: Explanation, tried: int) -> bool:
 
 
 def material(h: Hypothesis, before: Explanation, tried: int) -> bool:
-    """Whether an effect is missing: it explains clearly more, and is worth having."""
-    return clearly(before, h.judged, tried) and worth(h, before)
+    """Whether an effect is missing: it is proven, and worth having."""
+    return proven(before, h.judged, tried) and worth(h, before)
+
+
+def proven(before: Explanation, after: Explanation, tried: float) -> bool:
+    """Whether the best of so many leaves clearly less of recordings left out, and is itself seen in all of them.
+
+        n ln(before / after) > chi2(k)      misfits of all recordings, which were fitted; k: parameters more
+
+    What is not is of no sure size: it only holds the model's own parameters, which a few recordings tell badly, nearer
+    to what suits the one left out. From how many it was chosen is asked of those left out.
+    """
+    more = max(1, len(after.chosen) - len(before.chosen))
+    seen = 2.0 * _nats(after.weight, before.fitted, after.fitted) > scipy.special.chdtri(more, CHANCE)
+    return bool(seen) and clearly(before, after, tried)
 
 
 def worth(h: Hypothesis, before: Explanation) -> bool:

@@ -34,6 +34,7 @@ class Explanation:
     change      (k,) of each parameter, from all recordings
     covariance  (k, k) of it, from how independent the readings are taken to be
     misfit      mean square of what is left on recordings left out, 1: as good as a good model; and what the priors add
+    fitted      the same on the recordings that it was fitted to, all of them
     weight      independent readings in that mean
     error       open-loop error there;  read_um: likewise, of the displacement's readings themselves, their zero out
     runs        misfit of each recording
@@ -50,6 +51,7 @@ class Explanation:
     read_um: float
     runs: Array
     blocks: Array
+    fitted: float
 
     @property
     def sd(self) -> Array:
@@ -90,9 +92,12 @@ class Panel:
         return Panel(self.columns, self.found, prior)
 
     def values(self, explained: Explanation, share: float = 1.0) -> dict[str, float]:
-        """The parameters after a change, or a share of it, by path."""
-        pairs = zip(explained.chosen, explained.change, strict=True)
-        return {self.columns[i].path: float(self.at[i] + share * change) for i, change in pairs}
+        """The parameters after a change, or a share of it, by path; one at its bound is there to the last digit."""
+        found = {}
+        for i, change in zip(explained.chosen, explained.change, strict=True):
+            path, param = self.columns[i].path, self.columns[i].model.param(self.columns[i].path)
+            found[path] = float(np.clip(self.at[i] + share * change, param.lo, param.hi))
+        return found
 
     @property
     def weight(self) -> float:
@@ -143,11 +148,12 @@ class Panel:
             rms([getattr(m, name) for m in self.found], [getattr(m, f"{name}_count") for m in self.found])
             for name in ("heat", "length", "grown")
         )
-        misfit = (runs.sum() + self._unlikely(chosen, change)) / self.weight
+        unlikely = self._unlikely(chosen, change)
+        misfit, fitted = ((rest + unlikely) / self.weight for rest in (runs.sum(), _rest(whole, chosen, change)))
         weights = np.array([m.weight for m in self.found])
         return Explanation(
             tuple(chosen), change, covariance, float(misfit), self.weight, Error(heat_K, grown_um), length_um,
-            runs / weights, self._blocks(chosen, left),
+            runs / weights, self._blocks(chosen, left), float(fitted),
         )  # fmt: skip
 
     def _blocks(self, chosen: Array, left: Sequence[Array]) -> Array:
@@ -209,7 +215,9 @@ class Panel:
             change = scipy.optimize.lsq_linear(lower.T, half, (lo / scale, wide / scale), method="bvls").x * scale
         return np.asarray(change)
 
+    @np.errstate(over="ignore")
     def _covariance(self, sums: Array, chosen: Array) -> Array:
+        """Of what nothing tells of, and no table either, it is infinite."""
         if not len(chosen):
             return np.zeros((0, 0))
         lower, scale, _ = self._factor(sums, chosen)

@@ -67,6 +67,11 @@ class Improvement:
         """The best model."""
         return self.steps[-1].model
 
+    @property
+    def left_out(self) -> set[str]:
+        """Names of recordings that the best model was not fitted to."""
+        return {one.apart for one in self.apart}
+
 
 def improve(
     model: Model,

@@ -25,7 +25,7 @@ import numpy as np
 from estimator.accuracy.noise_floor import noise_floor
 from estimator.batch.trials import Trials, slow_trials_of
 from estimator.effect import Effect
-from estimator.hypotheses.criterion import GOOD, alike, clearly, nats
+from estimator.hypotheses.criterion import GOOD, alike, clearly, nats, proven
 from estimator.hypotheses.ground import as_given, of_tables, seen
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation
@@ -189,7 +189,7 @@ class Search:
             return None
         if side.pair and clearly(found.judged, side.pair.judged, side.tried):
             return None
-        return found if clearly(side.single, found.judged, self._chosen_from(found)) else None
+        return found if proven(side.single, found.judged, self._chosen_from(found)) else None
 
     def _chosen_from(self, found: Unexplained) -> int:
         """How many stand-ins it must stand out from; none where something must be missing."""
@@ -202,7 +202,7 @@ class Search:
         if made is None:
             return None
         left, side = made.hypothesis.judged, self.side
-        beyond_chance = clearly(side.plain.judged, left, found.tried)
+        beyond_chance = proven(side.plain.judged, left, found.tried)
         return made if beyond_chance and clearly(side.single, left, self._chosen_from(found)) else None
 
     def _verdict(self, unexplained: Unexplained | None) -> Suggestion:
@@ -213,14 +213,15 @@ class Search:
             dict.fromkeys(h.names[0] for h in found if h is found[0] or alike(h.judged, found[0].judged, side.tried))
         )
         changed, pair = "", side.pair
+        both = pair is not None and len({*pair.names} - {*named}) != 1  # or one of them is what is named
         if wrong is not None:
             verdict, found = "input_error", []
         elif unexplained is not None:
             verdict, found = "nothing_in_catalogue", []
+        elif pair and both:
+            verdict, found = "effects", [pair]
         elif found and all(name in self.model.effects for name in named):
             verdict, changed = "nothing_missing", found[0].freed
-        elif pair and not found:
-            verdict, found = "effects", [pair]
         elif found:
             verdict = "tie" if len(named) > 1 else "effect"
         else:

@@ -82,6 +82,12 @@ class Suggestion:
         return sorted((path for path in fixed if off[path] > 2.0), key=lambda path: -off[path])
 
     @property
+    def second(self) -> str:
+        """The effect that is missing besides the one that is named, or its rivals; "" where none is."""
+        named = self.tie or self.found[0].names if self.verdict in ("effect", "tie") else self.pair
+        return next((name for name in self.pair if name not in named), "")
+
+    @property
     def one_recording(self) -> bool:
         """Whether nothing could be left out: all errors are of what was fitted."""
         return len(self.as_given.judged.runs) == 1

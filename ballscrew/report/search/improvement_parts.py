@@ -6,14 +6,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ballscrew.report import diagnosis_report
 from ballscrew.report.comparison_report import sections
 from ballscrew.report.felt_report import felt_section
-from ballscrew.report.improvement_report import Outcome, added, steps_section
+from ballscrew.report.improvement_report import Outcome, added, recordings_kept, steps_section
 from ballscrew.report.search.composed_words import composed_sentence
 from ballscrew.report.sections import Section, markdown
 from ballscrew.report.use_report import left_out
 from ballscrew.workspace import Loaded, runs_of
 from estimator.accuracy.compare import compare
+from estimator.missing_heat.diagnose import diagnose
 from estimator.model import Model
 from estimator.work import Workers
 
@@ -52,6 +54,7 @@ def parts(out: Outcome, workers: Workers) -> Iterator[tuple[int, Part]]:
         yield 3, Program(f"{made.effect.name}, composed", composed_sentence(made), made.text)
     yield 2, _parameters(out.before, out.after)
     yield 2, Section("Where it fails")
+    yield from _diagnosed(out, workers)
     yield 2, Shown("residuals", "Measured minus the model alone")
     yield 2, Shown("missing-heat", "Heat that the model alone lacks")
     for what, some in (("used", out.work.loaded), ("held out", out.work.held_out)):
@@ -72,6 +75,16 @@ def _markdown(part: Part, level: int, pictures: Mapping[str, Path]) -> str:
     if isinstance(part, Program):
         return f"{'#' * level} {part.title}\n\n{part.said}\n\n```python\n{part.text}```\n"
     return f"![{part.title}]({pictures[part.what].name})\n" if part.what in pictures else ""
+
+
+def _diagnosed(out: Outcome, workers: Workers) -> Iterator[tuple[int, Part]]:
+    """What `diagnose` says of each model, by the recordings kept; the errors of all horizons stand further below."""
+    runs = runs_of(out.work.rig, recordings_kept(out.improvement, out.work.loaded), workers)
+    for model in out.models:
+        found = diagnose(model, runs)
+        yield 3, Section(model.name, found.sentences)
+        _, *tables = diagnosis_report.sections(found, ())
+        yield from ((4, table) for table in tables)
 
 
 def _given(out: Outcome) -> Section:

@@ -57,10 +57,18 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
     best = suggestion.found[0]
     if suggestion.verdict == "effects":
         return f"{' and '.join(best.names)} are missing, neither alone: {_gain(suggestion.before, best)}."
+    more = _besides(suggestion)
     if suggestion.verdict == "tie":
-        return f"{' or '.join(suggestion.tie)}: these recordings cannot tell."
-    more = f" A second one besides: {_other(suggestion)}." if suggestion.pair else ""
+        return f"{' or '.join(suggestion.tie)}: these recordings cannot tell.{more}"
     return f"{best.names[0]} is missing: {_gain(suggestion.without(best), best)}.{more}"
+
+
+def _besides(suggestion: Suggestion) -> str:
+    """What is missing beside the effect that is named, or its rivals; that something is, where a bad model is left."""
+    if suggestion.second:
+        return f" A second one besides: {suggestion.second}."
+    bad = suggestion.found[0].misfit > GOOD
+    return " With it the model is no good one yet: ballscrew improve adds it and looks for more." if bad else ""
 
 
 def _beside(suggestion: Suggestion) -> str:
@@ -163,11 +171,6 @@ def _left(suggestion: Suggestion) -> str:
     error = suggestion.before.judged.error
     um = f" and {error.elongation_um:.2f} um" if np.isfinite(error.elongation_um) else ""
     return f"{error.temperature_K:.3f} K{um}"
-
-
-def _other(suggestion: Suggestion) -> str:
-    rest = [name for name in suggestion.pair if name != suggestion.found[0].names[0]]
-    return rest[0] if rest else suggestion.pair[-1]
 
 
 def _gain(before: Hypothesis, after: Hypothesis) -> str:

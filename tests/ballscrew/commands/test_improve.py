@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from ballscrew.report.improvement_report import worse_held_out
+from ballscrew.commands.improve import _kept
+from ballscrew.report.improvement_report import recordings_kept, worse_held_out
 from ballscrew.search import effects_to_try
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import Workspace
@@ -54,7 +56,7 @@ def hypothesis(model: Model, names: tuple[str, ...] = (), heat_K: float = 0.5) -
     paths = tuple(next(p for p in model.free() if p.startswith(f"{name}.")) for name in names)
     judged = Explanation(
         (), np.zeros(0), 0.25**2 * np.eye(len(paths)), heat_K, 10.0, Error(heat_K, 4 * heat_K), 4 * heat_K, np.zeros(1),
-        np.zeros((2, 1, 1)),
+        np.zeros((2, 1, 1)), heat_K,
     )  # fmt: skip
     return Hypothesis(names, Ground(model, ()), model, paths, judged, told=0.0)
 
@@ -118,6 +120,9 @@ def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(sea
     assert "| churning.share | new | 0.4 | 0.25 | 1 |" in text
     assert "| + churning | 0.100 | 0.40 | radiation |" in text
     assert "| in the first ten minutes after a stop |" in text
+    fails = text.partition("## Where it fails\n")[2].partition("![")[0]
+    assert [line for line in fails.splitlines() if line.startswith("### ")] == ["### base.toml", "### b.toml"]
+    assert fails.count("- The model alone is ") == 2
     for what in ("steps", "residuals", "missing-heat"):
         assert f"](b-{what}.png)" in text
         assert (tmp_path / f"b-{what}.png").stat().st_size > 5000
@@ -207,6 +212,18 @@ def test_a_model_with_an_effect_of_ones_own_loads_again(searching, undrawn, unfe
     assert not list(tmp_path.glob("*.png"))
     assert (tmp_path / "v.rrd").is_file()
     assert "rub" in [one.effect.name for one in effects_to_try(Workspace(Terminal(), load_rig(PAPER), model), ())]
+
+
+def test_a_run_that_was_left_out_is_none_that_the_model_was_fitted_to():
+    model = load_model(PAPER / "base.toml")
+    steps = [ImprovedModel(name, (), model, Error(1.0, 1.0), None) for name in ("", "churning")]
+    done = search.Improvement((*steps,), None, (), (SimpleNamespace(apart="b"),))
+    runs = [SimpleNamespace(name=name, fingerprint=name * 3) for name in "ab"]
+    work = SimpleNamespace(recordings=runs, rig=SimpleNamespace(fingerprint=lambda: "r"))
+    fitted_on = _kept(done, [], work, "better.toml").about["fitted_on"]
+    assert fitted_on == {**model.about["fitted_on"], "a": "aaa"}
+    loaded = [SimpleNamespace(recording=run) for run in runs]
+    assert recordings_kept(done, loaded) == loaded[:1]
 
 
 def test_ctrl_c_leaves_the_best_so_far(searching, short_log, tmp_path) -> None:

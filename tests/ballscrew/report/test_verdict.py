@@ -5,7 +5,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from ballscrew.report.search.verdict import _beside
+from ballscrew.report.search.verdict import _beside, _sentence
+from estimator.missing_effect.suggestion import Suggestion
 
 N = "nut_friction.n"
 
@@ -17,3 +18,23 @@ def test_what_was_held_fixed_and_is_another_is_told_beside_an_effect(verdict, fu
     said = _beside(SimpleNamespace(verdict=verdict, found=[found], loosened=[N], as_given=given))
     told = "Held fixed in the model, but nut_friction.n is 1.103 +- 0.008 here, not 1."
     assert said == (told if verdict == "effect" else "")
+
+
+@pytest.mark.parametrize(
+    ("verdict", "tie", "pair", "misfit", "second", "said"),
+    [
+        ("effect", (), ("churning", "motor_heat"), 2.0, "motor_heat", "A second one besides: motor_heat."),
+        ("effect", (), (), 1.0, "", "on recordings left out."),
+        ("effect", (), (), 2.0, "", "adds it and looks for more."),
+        ("tie", ("churning", "radiation"), ("radiation", "motor_heat"), 1.0, "motor_heat", "besides: motor_heat."),
+        ("effects", (), ("churning", "motor_heat"), 2.0, "", "on recordings left out."),
+    ],
+)
+def test_a_second_effect_is_told_beside_the_one_that_is_named_or_its_rivals(verdict, tie, pair, misfit, second, said):
+    judged = SimpleNamespace(error=SimpleNamespace(temperature_K=0.1, elongation_um=0.5), runs=[0.0, 0.0])
+    h = SimpleNamespace(
+        names=pair if verdict == "effects" else ("churning",), judged=judged, refit=False, misfit=misfit
+    )
+    found = Suggestion(verdict, (h,), tie, h, h, h, (), pair=pair)
+    assert found.second == second
+    assert _sentence(SimpleNamespace(suggestion=found), None).endswith(said)

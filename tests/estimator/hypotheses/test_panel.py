@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,13 @@ from estimator.hypotheses.panel import Panel
 from estimator.hypotheses.slopes import Column
 from estimator.work import Runs
 from tests.estimator.conftest import with_effect
+
+
+class Explained(NamedTuple):
+    """As much of an explanation as values are made of."""
+
+    chosen: tuple[int, ...]
+    change: np.ndarray
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +76,17 @@ def test_gains_are_what_a_fit_takes_off(panel):
 def test_a_change_stays_inside_its_bounds(panel):
     judged = panel.judge([3])  # a lag cannot be negative
     assert panel.at[3] + judged.change[0] >= -1e-9
+
+
+def test_a_value_at_its_bound_is_there_to_the_last_digit(panel):
+    """0.1 + 0.2 - 0.3 is not 0: a conductance of -3e-17 W/K would be refused."""
+    down = Explained(chosen=(0,), change=np.array([0.0 - panel.at[0]]) * (1.0 + 1e-15))
+    assert panel.values(down) == {"still_air.h": 0.0}
+
+
+def test_what_nothing_tells_of_is_known_to_no_sd(plain, bar, lives):
+    """Where heat of no power sits."""
+    wide, _ = candidates(plain, bar, [CATALOGUE["local_heat"]])
+    columns = [Column(wide, "local_heat.at")]
+    trials = slow_trials_of(wide, Runs(bar, lives(plain)[:1]))
+    assert Panel(columns, moments(trials, wide, columns)).judge().sd == [np.inf]

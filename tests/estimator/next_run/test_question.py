@@ -31,7 +31,7 @@ def stub(plain):
         paths = tuple(next(p for p in model.free() if p.startswith(f"{name}.")) for name in names)
         judged = Explanation(
             (), np.zeros(0), sd**2 * np.eye(len(paths)), misfit, 10.0, Error(misfit, misfit), misfit,
-            np.full(2, misfit), misfit * BLOCKS,
+            np.full(2, misfit), misfit * BLOCKS, misfit,
         )  # fmt: skip
         return Hypothesis(names, Ground(plain, ()), model, paths, judged, told=0.0)
 

@@ -1,0 +1,31 @@
+"""When a hypothesis counts."""
+
+import numpy as np
+import pytest
+
+from estimator.accuracy.noise_floor import Error
+from estimator.hypotheses.criterion import clearly, proven
+from estimator.hypotheses.panel import Explanation
+
+
+def explanation(misfit: float, fitted: float, parameters: int = 0) -> Explanation:
+    """Of two recordings, a hundred independent readings."""
+    nothing = np.zeros(0)
+    return Explanation(
+        tuple(range(parameters)), nothing, np.zeros((0, 0)), misfit, 100.0, Error(misfit, misfit), misfit,
+        np.full(2, misfit), np.full((2, 2, 1), misfit / 8), fitted,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("parameters", "fitted", "is_proven"), [(1, 0.76, True), (1, 0.78, False), (3, 0.73, True), (3, 0.75, False)]
+)
+def test_what_only_foretells_runs_left_out_better_is_not_proven(parameters, fitted, is_proven):
+    """100 ln(0.8 / x) > 3.84 for one parameter more, 7.81 for three: x < 0.770, 0.740."""
+    before, after = explanation(1.3, 0.8), explanation(1.0, fitted, parameters)
+    assert clearly(before, after, 100)
+    assert proven(before, after, 100) == is_proven
+
+
+def test_what_foretells_runs_left_out_no_better_is_not_proven():
+    assert not proven(explanation(1.3, 0.8), explanation(1.2, 0.4, 1), 100)
