@@ -103,13 +103,10 @@ def overall(found: Sequence[ChannelQuality], name: str = "all") -> ChannelQualit
 def _scaled(trial: Trial, model: Model) -> Array:
     """Innovations over their sd, (T, m), and NaN as `Innovations` says."""
     system = trial.pose(model).system
-    chunks = list(batch.passes(system))
-    predicted, sd, fused = (
-        np.vstack([getattr(chunk, key) for chunk in chunks]) for key in ("predicted", "sd", "fused")
-    )
+    found, fused = batch.compared(system, system.data.use), system.data.use
     first = np.cumsum(fused, axis=0) == 1
     first[:, [i for i in range(fused.shape[1]) if i not in trial.unread_zeros]] = False
-    return np.where(fused & ~first, (system.y - predicted) / sd, np.nan)
+    return np.where(fused & ~first, (system.y - found.predicted) / found.sd, np.nan)
 
 
 def _square(z: Array) -> float:
