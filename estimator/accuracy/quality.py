@@ -67,10 +67,10 @@ def innovations(trial: Trial, model: Model) -> Innovations:
     return Innovations(trial.rest.time_s, scaled, lags * tick_s, _autocorrelation(scaled, len(lags)))
 
 
-def quality(trials: Sequence[Trial] | Trials, model: Model) -> tuple[ChannelQuality, ...]:
+def quality(trials: Trials, model: Model) -> tuple[ChannelQuality, ...]:
     """One model's filter on some recordings."""
-    near = [innovations(trial, model) for trial in trials]
-    ahead = [blind(trial, model) for trial in trials]
+    near = trials.each(lambda trial: innovations(trial, model))
+    ahead = trials.each(lambda trial: blind(trial, model))
     z_blind = np.concatenate([each.error / each.sd for each in ahead])
     channel = np.concatenate([each.channel for each in ahead])
     white = np.array([each.whiteness for each in near])
