@@ -34,7 +34,8 @@ class Layout:
     inputs: tuple[str, ...]  # measured inputs that links end at
     shifts: tuple[Shift, ...] = ()  # of them; inputs and shifts together are the boundaries
     _spots: dict[float, Array] = field(default_factory=dict)
-    _squares: dict[str, Array] = field(default_factory=dict)
+    _products: dict[str, Array] = field(default_factory=dict)
+    _sums: dict[str, Array] = field(default_factory=dict)
 
     @property
     def size(self) -> int:
@@ -57,13 +58,18 @@ class Layout:
 
     def squares(self, node: str, weights: Any, regimes: int) -> Array:
         """Sum over a node's cells k of weights[:, k] rows[k] rows[k]', (regimes, n, n)."""
-        rows = self.rows(node)
-        weights = np.broadcast_to(weights, (regimes, len(rows)))
-        if not np.all(weights == weights[:, :1]):
-            return _squares(rows, weights, regimes)
-        if node not in self._squares:
-            self._squares[node] = rows.T @ rows
-        return np.asarray(weights[:, :1, None] * self._squares[node])
+        if node not in self._products:
+            rows = self.rows(node)
+            self._products[node] = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
+            self._sums[node] = self._products[node].sum(axis=0)
+        products = self._products[node]
+        if np.shape(weights)[-1:] in ((), (1,)):
+            found = np.broadcast_to(weights, (regimes, 1)) * self._sums[node]
+        elif is_complex(weights := np.broadcast_to(weights, (regimes, len(products)))):
+            found = weights.real @ products + 1j * (weights.imag @ products)
+        else:
+            found = weights @ products
+        return np.asarray(found).reshape(regimes, self.size, self.size)
 
     def spot(self, spot: Spot, rig: Rig) -> Array:
         """What the states say of the screw's temperature at a spot, (n,)."""
