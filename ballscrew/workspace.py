@@ -71,9 +71,13 @@ class Workspace:
 
         `processes` share them; None: as many as serve recordings so long
         """
-        lengths_s = [float(one.time_s[-1] - one.time_s[0]) for one in self.recordings]
-        with self.terminal.progress(label, total) as update, working(processes or enough(lengths_s)) as workers:
+        with self.terminal.progress(label, total) as update, working(processes or self.processes) as workers:
             yield Runs(self.rig, self.recordings, workers, lambda stage, done: update(done, stage))
+
+    @property
+    def processes(self) -> int:
+        """How many serve recordings so long."""
+        return enough([float(one.time_s[-1] - one.time_s[0]) for one in self.recordings])
 
     @property
     def status(self) -> int:

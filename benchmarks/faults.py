@@ -15,7 +15,7 @@ import json
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
 
@@ -23,8 +23,9 @@ import numpy as np
 
 from benchmarks import drifts, handed_over, lies, paper_rig, sound
 from benchmarks.drifts import LOST_SD, LOST_UM, longest
+from benchmarks.failed import SEED, WHEN, Case, Outcome, by_kind, cells, named, share
 from benchmarks.injected import FAILURES, INPUT_FAILURES, NAMED, failing, failing_input, shifted
-from benchmarks.measure import Row, commit, say, section, table
+from benchmarks.measure import Row, commit, say, table
 from estimator.batch.replay import replay
 from estimator.faults.fault import Fault
 from estimator.inputs.gate import SLOW
@@ -34,12 +35,9 @@ from estimator.rig import Rig
 from estimator.step import Track
 
 LINES = Path(__file__).parent / "faults.jsonl"
-SEED = 311
 RUNS = ("FS-20", "FS-10", "FS-5", "FS-2.5", "CS-20", "CS-10", "CS-5", "CS-2.5", "ES-20", "ES-10", "ES-5", "ES-2.5")
-WHEN = {"at rest": ("FS-20", 1800.0), "driving": ("FS-5", 400.0)}
 SEVEN = "seven channels, "
 DRIFTS, LIES = "drifts", "lies"
-SOON_S = 60.0
 FROM_THE_START = ("0 degC", "85 degC")  # what else an input does from the start on is its zero
 LATE = (
     "A drift of 3 K/h is 0.05 K after 60 s: 5.6 sd of a slope fitted to readings that scatter by 0.02 K, "
@@ -50,49 +48,6 @@ LATE = (
     "Two that are equally warm when they are swapped read right until they part."
 )
 NOT_PHYSICAL = ("sd", "noise", "zero_sd", "zero_walk", "lag_noise")
-
-
-@dataclass(frozen=True)
-class Case:
-    """A failure of some channels at a time of a run; `row` is the row of the table, `seed` that of dice and rig."""
-
-    row: str
-    run: str
-    at_s: float
-    kind: str
-    channels: tuple[int, ...]
-    seed: int
-
-    @property
-    def key(self) -> str:
-        """What makes it this case in the file of lines."""
-        return json.dumps(asdict(self))
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a case.
-
-    um        most that the failure has added to the error of the elongation
-    in_2sd    share of ticks in which the truth is within 2 sd
-    named_s   when all of its channels had been named with a right word, or were said to drift perhaps, or most zeros to
-              be others, inf: never
-    accused   how many others were, the position among them;   suspected: how many were said to drift perhaps
-    suspected_share  of the hours of all others, those in which they were
-    lost_s    longest time that the estimate was off by more than 5 sd and 0.5 um
-    sd_um     of the estimate, mean over the ticks
-    band_um   how much wider the band of the error is than that of the healthy run
-    """
-
-    um: float
-    in_2sd: float
-    named_s: float
-    accused: int
-    lost_s: float
-    suspected: int
-    suspected_share: float
-    sd_um: float
-    band_um: float = 0.0
 
 
 def cases() -> Iterator[Case]:
@@ -249,63 +204,23 @@ def markdown(*names: str) -> str:
 
 def _all(found: dict[Case, Outcome]) -> str:
     """The tables of all cases."""
-    rows = [row for when in WHEN for row in _cells(found, when, (0.95, 0.1))]
-    rows += [row for when in WHEN for row in _cells(found, SEVEN + when, (0.95, 0.5))]
+    rows = [row for when in WHEN for row in cells(found, when, (0.95, 0.1))]
+    rows += [row for when in WHEN for row in cells(found, SEVEN + when, (0.95, 0.5))]
     for name in ("two at once", "all zeros", "inputs"):
         some = [outcome for case, outcome in found.items() if case.row == name]
-        rows.append(Row(f"{name}: share of cases with <= 0.5 um", *_share([o.um <= 0.5 for o in some]), 1.0, True))
+        rows.append(Row(f"{name}: share of cases with <= 0.5 um", *share([o.um <= 0.5 for o in some]), 1.0, True))
         rows.append(Row(f"{name}: largest, um", f"{max(o.um for o in some):.2f}"))
         rows.append(Row(f"{name}: channels or inputs accused that were well", str(sum(o.accused for o in some))))
         if name != "inputs":
-            rows.append(_named(name, some))
+            rows.append(named(name, some))
     says = [f"Runs of {', '.join(run for run, _ in WHEN.values())} with a failure at {SEED} and later seeds. {LATE}"]
     tables = [
         table("Thermometers that fail", rows, says),
         sound.tables({name: _row(found, name) for name in sound.ROWS}),
-        *_by_kind(found),
+        *by_kind(found),
     ]
     return "\n".join([*tables, drifts.table(WHEN, SEED), lies.table()])
 
 
 def _row(found: dict[Case, Outcome], row: str) -> list[Outcome]:
     return [outcome for case, outcome in found.items() if case.row == row]
-
-
-def _share(good: Sequence[bool]) -> tuple[str, float]:
-    return f"{sum(good)} of {len(good)}: {np.mean(good):.1%}", float(np.mean(good))
-
-
-def _cells(found: dict[Case, Outcome], name: str, must: tuple[float, float]) -> Iterator[Row]:
-    """The rows of one failing channel, for 15 or seven of them."""
-    some = {case: outcome for case, outcome in found.items() if case.row == name}
-    share, small = must
-    yield Row(
-        f"{name}: share of cells with <= {small:g} um", *_share([o.um <= small for o in some.values()]), share, True
-    )
-    worst = max(outcome.um for outcome in some.values())
-    yield Row(f"{name}: largest, um", f"{worst:.2f}", worst, 0.5)
-    inside = float(np.mean([outcome.in_2sd for outcome in some.values()]))
-    yield Row(f"{name}: truth in 2 sd, share of ticks", f"{inside:.1%}", inside, 0.93, True)
-    yield _named(name, list(some.values()))
-    healthy = len(some) * (len(paper_rig.rig().thermometers) - 1)
-    accused = sum(outcome.accused for outcome in some.values()) / healthy
-    yield Row(f"{name}: healthy channels accused", f"{accused:.1%}", accused, 0.01)
-    suspected = sum(outcome.suspected for outcome in some.values()) / healthy
-    yield Row(f"{name}: healthy channels said to drift perhaps for a time", f"{suspected:.1%}")
-    lost = max(outcome.lost_s for outcome in some.values())
-    yield Row(f"{name}: off by more than 5 sd and 0.5 um, longest, s", f"{lost:.0f}", lost, 2.0)
-
-
-def _named(name: str, some: Sequence[Outcome]) -> Row:
-    soon = [outcome.named_s <= SOON_S for outcome in some]
-    return Row(f"{name}: named with its kind within {SOON_S:.0f} s", *_share(soon), 0.98, True)
-
-
-def _by_kind(found: dict[Case, Outcome]) -> list[str]:
-    """Of each failure: error and time to its name, median and worst."""
-    rows = [["", "um, median", "worst", "named after s, median", "worst"]]
-    for kind in (*FAILURES, "swapped"):
-        some = [outcome for case, outcome in found.items() if case.row in WHEN and case.kind == kind]
-        um, s = [o.um for o in some], [o.named_s for o in some]
-        rows.append([kind, f"{np.median(um):.2f}", f"{max(um):.2f}", f"{np.median(s):.0f}", f"{max(s):.0f}"])
-    return [section("Failures one by one, fifteen channels", rows, level=3)]

@@ -11,7 +11,7 @@ from benchmarks import paper_rig
 from benchmarks.measure import Row, table
 
 if TYPE_CHECKING:
-    from benchmarks.faults import Outcome
+    from benchmarks.failed import Outcome
 
 ROWS = ("healthy", "wrong model", "another machine")
 WRONG = 0.2  # by which share every physical parameter is off

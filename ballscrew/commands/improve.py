@@ -76,7 +76,7 @@ def command(
     if compose is not None and not improvement.composed:
         work.terminal.say(f"{compose}: nothing was composed, nothing is written")
     work.terminal.say(f"model: {out}")
-    table = _felt(work, improvement, after)
+    table = _felt(work, improvement, after, workers)
     work.terminal.json({**as_json(improvement, compose), "felt": felt_json(table), "model": str(out)})
     if improvement.last is None:
         work.terminal.say("stopped by Ctrl-C: the best so far was kept; no report")
@@ -103,11 +103,12 @@ def _kept(improvement: Improvement, effects: Sequence[Named], work: Workspace, n
     return replace(best, about={**best.about, "rig": work.rig.fingerprint(), "fitted_on": fitted})
 
 
-def _felt(work: Workspace, improvement: Improvement, after: Model) -> list[AtTheTable]:
+def _felt(work: Workspace, improvement: Improvement, after: Model, processes: int | None) -> list[AtTheTable]:
     """What the filter leaves at the table before and after; nothing after Ctrl-C."""
     if improvement.last is None:
         return []
-    with work.terminal.progress("asking what the axis feels", None), working() as workers:
+    several = processes or work.processes
+    with work.terminal.progress("asking what the axis feels", None), working(several) as workers:
         runs = {
             name: runs_of(work.rig, some, workers)
             for name, some in (("used", work.loaded), ("held out", work.held_out))

@@ -9,10 +9,9 @@ from __future__ import annotations
 import os
 import signal
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from itertools import cycle
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from threading import Lock
@@ -50,10 +49,28 @@ class Keepers:
         return self._threads(job, items)
 
     def kept(self, job: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
-        """What a job makes of each item, the n-th always by the same process."""
-        text = dumps(job)
-        asked = [home.ask(text, item) for home, item in zip(cycle(self._homes), items, strict=False)]
+        """What a job makes of each item, each always by the same process."""
+        text, packed = dumps(job), {n: dumps(item) for n, item in enumerate(items) if self._home_of(item) is None}
+        homes = self._shared(items, packed)
+        asked = [home.ask(text, item, packed.get(n)) for n, (home, item) in enumerate(zip(homes, items, strict=True))]
         return [answer.result() for answer in asked]
+
+    def _home_of(self, item: Any) -> Home | None:
+        return next((home for home in self._homes if home.size(item)), None)
+
+    def _shared(self, items: Sequence[Any], packed: Mapping[int, bytes]) -> list[Home]:
+        """A home for each item: where it is, or else, the largest first, where there is least to do.
+
+        Bytes stand for work: a recording that is twice as long as the others takes as long as two of them.
+        """
+        at, load = [self._home_of(item) for item in items], dict.fromkeys(self._homes, 0)
+        for home, item in zip(at, items, strict=True):
+            if home is not None:
+                load[home] += home.size(item)
+        for n in sorted(packed, key=lambda n: -len(packed[n])):
+            at[n] = least = min(load, key=lambda home: load[home])
+            load[least] += len(packed[n])
+        return [home for home in at if home is not None]
 
 
 class Home:
@@ -62,7 +79,7 @@ class Home:
     def __init__(self) -> None:
         self._over, self._starting = False, Lock()
         self._line = ThreadPoolExecutor(1)
-        self._kept: OrderedDict[int, Any] = OrderedDict()
+        self._kept: OrderedDict[int, tuple[Any, int]] = OrderedDict()
         self._process: Any = None
         self._pipe: Connection | None = None
 
@@ -77,14 +94,18 @@ class Home:
         self._line.shutdown(cancel_futures=True)
         self._end()
 
-    def ask(self, job: bytes, item: Any) -> Any:
-        """The future of what a job makes of an item; an error there is raised here."""
-        return self._line.submit(self._asked, job, item)
+    def size(self, item: Any) -> int:
+        """In bytes, of an item that the process keeps; 0: it does not."""
+        return self._kept.get(id(item), (item, 0))[1]
 
-    def _asked(self, job: bytes, item: Any) -> Any:
+    def ask(self, job: bytes, item: Any, packed: bytes | None = None) -> Any:
+        """The future of what a job makes of an item, which may be at hand in bytes; an error there is raised here."""
+        return self._line.submit(self._asked, job, item, packed)
+
+    def _asked(self, job: bytes, item: Any, packed: bytes | None) -> Any:
         for _ in range(MOST_LOST):
             try:
-                done, error = self._answer(job, item)
+                done, error = self._answer(job, item, packed)
             except (EOFError, ConnectionError):
                 self._end()
                 continue
@@ -93,13 +114,15 @@ class Home:
             return done
         raise InputError(f"a process was lost {MOST_LOST} times at one job: out of memory? Go on with --workers 1")
 
-    def _answer(self, job: bytes, item: Any) -> Any:
+    def _answer(self, job: bytes, item: Any, packed: bytes | None) -> Any:
         if self._pipe is None:
             self._begin()
         assert self._pipe is not None
         gone = [] if id(item) in self._kept or len(self._kept) < KEPT else [self._kept.popitem(last=False)[0]]
-        self._pipe.send((job, id(item), None if id(item) in self._kept else dumps(item), gone))
-        self._kept[id(item)] = item  # as long as it lives no other has its id
+        size = self.size(item)
+        packed = None if size else packed or dumps(item)
+        self._pipe.send((job, id(item), packed, gone))
+        self._kept[id(item)] = item, size or len(packed or b"")  # as long as it lives no other has its id
         self._kept.move_to_end(id(item))
         return loads(self._pipe.recv_bytes())
 

@@ -50,12 +50,11 @@ def blind(trial: Trial, model: Model) -> Scored:
         seen = ~trial.muted & np.isfinite(system.y)
         told = np.cumsum(seen & ~hidden, axis=0) > 0
         told[:, [i for i in range(seen.shape[1]) if i not in trial.unread_zeros]] = True
-        chunks = list(batch.passes(replace(system, muted=trial.muted | hidden)))
-        predicted, sd = (np.vstack([getattr(chunk, key) for chunk in chunks]) for key in ("predicted", "sd"))
         ends = (phase >= 2 * stretch - look)[:, None] & seen & told
         at = _last_of_each(ends, phase)
-        errors.append((system.y - predicted)[at])
-        sds.append(sd[at])
+        found = batch.compared(replace(system, muted=trial.muted | hidden), at)
+        errors.append((system.y - found.predicted)[at])
+        sds.append(found.sd[at])
         channels.append(np.nonzero(at)[1])
     channel = np.concatenate(channels)
     heat = trial.rig.is_thermometer

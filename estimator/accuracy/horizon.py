@@ -71,15 +71,15 @@ def horizons(trial: Trial, model: Model, truth: Array | None = None) -> Horizons
     y = np.where(trial.muted, np.nan, system.y)
     told = np.cumsum(np.isfinite(y), axis=0)
     told[:, [i for i in range(y.shape[1]) if i not in trial.unread_zeros]] += 1
-    foretold = np.vstack([chunk.predicted for chunk in batch.passes(long)])
-    one_step = y - foretold[:, :-1]
+    filtered = batch.compared(long, spread=False)
+    one_step = y - filtered.predicted[:, :-1]
     one_step[told <= 1] = np.nan
-    elongation = {"one_step": foretold[:, -1], "ahead": np.full(len(y), np.nan), "open_loop": posed.run.grown}
+    elongation = {"one_step": filtered.predicted[:, -1], "ahead": np.full(len(y), np.nan), "open_loop": posed.run.grown}
     tick_s = trial.rig.tick_s
     steps, every = round(AHEAD_S / tick_s), max(1, round(EVERY_S / tick_s))
     ahead = np.full_like(y, np.nan)
     if len(y) > steps:
-        starts, predicted = batch.ahead(long, steps, every)
+        starts, predicted = batch.ahead(long, filtered.x, steps, every)
         ahead[starts + steps] = np.where(told[starts] > 0, y[starts + steps] - predicted[:, :-1], np.nan)
         elongation["ahead"][starts + steps] = predicted[:, -1]
     thermometers = trial.rig.is_thermometer

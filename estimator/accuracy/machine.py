@@ -72,7 +72,7 @@ def off_sd(model: Model, trial: Trial, use: Use) -> float:
 def _variance(trial: Trial, posed: Posed) -> Array:
     """Of each reading around the model alone, (T, m)."""
     blind = replace(posed.system, muted=np.ones_like(trial.muted))
-    sd = np.vstack([chunk.sd for chunk in batch.passes(blind)])
+    sd = batch.compared(blind).sd
     doubt, T = trial.doubt(posed), len(sd)
     ahead = trial.ahead(posed, doubt)
     parts = (ahead.rows(slice(k, min(k + TICKS, T))).readings @ doubt.known.root for k in range(0, T, TICKS))

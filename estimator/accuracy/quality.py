@@ -67,10 +67,10 @@ def innovations(trial: Trial, model: Model) -> Innovations:
     return Innovations(trial.rest.time_s, scaled, lags * tick_s, _autocorrelation(scaled, len(lags)))
 
 
-def quality(trials: Sequence[Trial] | Trials, model: Model) -> tuple[ChannelQuality, ...]:
+def quality(trials: Trials, model: Model) -> tuple[ChannelQuality, ...]:
     """One model's filter on some recordings."""
-    near = [innovations(trial, model) for trial in trials]
-    ahead = [blind(trial, model) for trial in trials]
+    near = trials.each(lambda trial: innovations(trial, model))
+    ahead = trials.each(lambda trial: blind(trial, model))
     z_blind = np.concatenate([each.error / each.sd for each in ahead])
     channel = np.concatenate([each.channel for each in ahead])
     white = np.array([each.whiteness for each in near])
@@ -103,13 +103,10 @@ def overall(found: Sequence[ChannelQuality], name: str = "all") -> ChannelQualit
 def _scaled(trial: Trial, model: Model) -> Array:
     """Innovations over their sd, (T, m), and NaN as `Innovations` says."""
     system = trial.pose(model).system
-    chunks = list(batch.passes(system))
-    predicted, sd, fused = (
-        np.vstack([getattr(chunk, key) for chunk in chunks]) for key in ("predicted", "sd", "fused")
-    )
+    found, fused = batch.compared(system, system.data.use), system.data.use
     first = np.cumsum(fused, axis=0) == 1
     first[:, [i for i in range(fused.shape[1]) if i not in trial.unread_zeros]] = False
-    return np.where(fused & ~first, (system.y - predicted) / sd, np.nan)
+    return np.where(fused & ~first, (system.y - found.predicted) / found.sd, np.nan)
 
 
 def _square(z: Array) -> float:

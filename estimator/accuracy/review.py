@@ -161,18 +161,23 @@ def _reference_name(rig: Rig, truth_um: Array | None) -> str:
 def _judge_by_readings(errors: dict[str, Array], sigma: dict[str, Array], track: Track, rig: Rig, read: Joined) -> None:
     """Let no estimate be judged by a reading that it is made of. Changes errors and sigma.
 
+    The smoother has no error at a fused reading. All sds are those of estimate and reference together.
+    """
+    fused = track.fused[:, rig.index("displacement")]
+    errors |= {"filter": filter_error(track, rig, read), "smoothed": np.where(fused, np.nan, errors["smoothed"])}
+    sigma |= {name: np.hypot(own, read.sd) for name, own in sigma.items()}
+
+
+def filter_error(track: Track, rig: Rig, read: Joined) -> Array:
+    """Reading minus the filter's estimate, (K,) um.
+
     Where a reading was fused, the filter is compared before it was: its estimate of the tick before, grown by what the
-    model grows in the tick. The first reading only tells the unknown zero: it has no error. The smoother has none at a
-    fused reading. All sds are those of estimate and reference together.
+    model grows in the tick. The first reading only tells the unknown zero: it has no error.
     """
     fused = track.fused[:, rig.index("displacement")]
     before = track.open_loop_um + np.append(np.nan, (track.elongation_um - track.open_loop_um)[:-1])
     error = np.where(np.cumsum(fused) > 1, read.level - before, np.nan)
-    errors |= {
-        "filter": np.where(fused, error, errors["filter"]),
-        "smoothed": np.where(fused, np.nan, errors["smoothed"]),
-    }
-    sigma |= {name: np.hypot(own, read.sd) for name, own in sigma.items()}
+    return np.where(fused, error, read.level - track.elongation_um)
 
 
 def overall(reviews: Sequence[Review], name: str) -> Accuracy:

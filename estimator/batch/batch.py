@@ -33,18 +33,29 @@ def is_cold(*functions: Callable[..., Any]) -> bool:
         passes: (kernels.compare,),
         smoothed: (forward, kernels.smooth),
         score: (forward, kernels.score),
-        ahead: (kernels.compare, kernels._coast),
+        compared: (kernels.compare,),
+        ahead: (kernels._coast,),
     }
     return not all(_is_compiled(kernel) for function in functions or needs for kernel in needs[function])
 
 
-def passes(system: System) -> Iterator[Chunk]:
-    """Filter, chunk by chunk. Every reading is compared, also those that are not to be fused."""
+def passes(system: System, spread: bool = True) -> Iterator[Chunk]:
+    """Filter, chunk by chunk. Every reading is compared, also those that are not to be fused; `spread`: with its sd."""
     start = system.x0, system.P0
     for ticks in chunks_of(system):
-        chunk = filtered(system, ticks, system.data.use[ticks], start)
+        chunk = filtered(system, ticks, system.data.use[ticks], start, spread)
         start = chunk.last if len(chunk.x) else start
         yield chunk
+
+
+def compared(system: System, spread: Array | bool = True) -> Chunk:
+    """All ticks, filtered, without their P but the last: to keep these takes longer than to find them.
+
+    spread  (T, m), or one for all: where an sd is wanted
+    """
+    states = States(np.empty((len(system.y) + 1, len(system.x0))), system.start.P)
+    states.x[0] = system.x0
+    return _compared(system, slice(0, len(system.y)), system.data.use, states, spread)
 
 
 def chunks_of(system: System) -> list[slice]:
@@ -52,13 +63,18 @@ def chunks_of(system: System) -> list[slice]:
     return _chunks(system, len(system.x0) ** 2, NEAR)
 
 
-def filtered(system: System, ticks: slice, use: Array, start: tuple[Array, Array]) -> Chunk:
-    """Filter some ticks from x (n,), P (n, n) on, fusing the readings to `use` (K, m)."""
+def filtered(system: System, ticks: slice, use: Array, start: tuple[Array, Array], spread: bool = True) -> Chunk:
+    """Filter some ticks from x (n,), P (n, n) on, fusing the readings to `use` (K, m); `spread` as in `passes`."""
+    return _compared(system, ticks, use, _states(len(use), *start), spread)
+
+
+def _compared(system: System, ticks: slice, use: Array, states: States, spread: Array | bool) -> Chunk:
     K, m = use.shape
-    states = _states(K, *start)
-    out = Compared(np.empty((K, m)), np.empty((K, m)), np.empty(K), np.empty(K))
-    kernels.compare(system.model, _part(system.data, ticks)._replace(use=use), states, out)
-    return Chunk(ticks, states.x[1:], states.P[1:], out.predicted, out.sd, use, out.nis, out.loglike)
+    out = Compared(np.empty((K, m)), np.full((K, m), np.nan), np.empty(K), np.empty(K))
+    wanted = np.require(np.broadcast_to(spread, use.shape), bool, ["C", "W"])
+    kernels.compare(system.model, _part(system.data, ticks)._replace(use=use), states, wanted, out)
+    P = states.P[1:] if len(states.P) > 1 else states.P
+    return Chunk(ticks, states.x[1:], P, out.predicted, out.sd, use, out.nis, out.loglike)
 
 
 def loglike(system: System) -> float:
@@ -96,10 +112,13 @@ def score(system: System, rows: Array | None = None) -> Score:
     return Score(total, F, 0.5 * Q, b, y, R, H, grown, r, 0.5 * (np.outer(r, r) - N))
 
 
-def ahead(system: System, steps: int, every: int) -> tuple[Array, Array]:
-    """Starts 0, every, 2 every ... (S,) and what each channel reads `steps` later without a reading since, (S, m)."""
+def ahead(system: System, x: Array, steps: int, every: int) -> tuple[Array, Array]:
+    """Starts 0, every, 2 every ... (S,) and what each channel reads `steps` later without a reading since, (S, m).
+
+    x  (T, n) filtered
+    """
     starts = np.arange(0, max(len(system.y) - steps, 0), every)
-    x = np.vstack([chunk.x for chunk in passes(system)])[starts]
+    x = x[starts]
     for i, start in enumerate(starts):
         x[i] = _run(system, slice(start + 1, start + steps + 1), x[i])[-1]
     readings = x @ system.H.T

@@ -88,7 +88,7 @@ class Unled:
         if not self._any:
             return Led.nowhere(len(chunk.x), self._led.doubt.shape[1])
         system, doubt = self._system, self.doubt.beside()
-        own = batch.filtered(system, chunk.ticks, chunk.fused & self._heat, self.last)
+        own = batch.filtered(system, chunk.ticks, chunk.fused & self._heat, self.last, spread=False)
         growth = doubt.slopes(moves, gains(system, own))[1]
         um, var = self._state.led(system.grown[chunk.ticks], chunk.x, (own.x, own.P))
         led = Led(um, var, growth, *self._led.worsened(own.nis / own.fused.sum(axis=1).clip(1), self._tick_s))

@@ -67,7 +67,8 @@ class Data(NamedTuple):
 
 
 class States(NamedTuple):
-    """Filtered x (K + 1, n) and P (K + 1, n, n), [0] before the first tick; or just one, overwritten tick by tick."""
+    """Filtered x (K + 1, n) and P (K + 1, n, n), [0] before the first tick; or just one of x, P or both, overwritten
+    tick by tick."""
 
     x: Array
     P: Array
@@ -219,15 +220,15 @@ def _begin(model: Model, states: States) -> Now:
 
 @part
 def _keep(now: Now, states: States, k: int, ticks: int) -> None:
-    """Keep the state after k of the ticks where there is room for all of them; else after the last alone."""
-    if len(states.x) == 1:
-        if k < ticks:
-            return
-        k = 0
-    for i in range(len(now.P)):
-        states.x[k, i] = now.x[i]
-        for j in range(len(now.P)):
-            states.P[k, i, j] = now.P[i, j]
+    """Keep x and P after k of the ticks where there is room for all of them; else after the last alone."""
+    n, at_x, at_P = len(now.P), k if len(states.x) > 1 else 0, k if len(states.P) > 1 else 0
+    if at_x == k or k == ticks:
+        for i in range(n):
+            states.x[at_x, i] = now.x[i]
+    if at_P == k or k == ticks:
+        for i in range(n):
+            for j in range(n):
+                states.P[at_P, i, j] = now.P[i, j]
 
 
 @part
@@ -285,17 +286,18 @@ def forward(model: Model, data: Data, states: States) -> float:
 
 
 @kernel
-def compare(model: Model, data: Data, states: States, out: Compared) -> None:
-    """Filter with every reading, used or not, compared first."""
+def compare(model: Model, data: Data, states: States, spread: Array, out: Compared) -> None:
+    """Filter with every reading, used or not, compared first; sds, which cost as much again, where `spread` (K, m)."""
     H, now, ticks = model.H.copy(), _begin(model, states), len(data.y)
     for t in range(ticks):
         _vary(model, H, data.grown[t])
         _predict(model, data, t, now)
         for o in range(len(H)):
-            predicted = _row_dot(model, H, o, now.x)
+            out.predicted[t, o] = _row_dot(model, H, o, now.x)
+            if not spread[t, o]:
+                continue
             _row_times(model, H, o, now.P, now.w)
-            sd = np.sqrt(max(_row_dot(model, H, o, now.w), 0.0) + data.R[t, o])
-            out.predicted[t, o], out.sd[t, o] = predicted, sd
+            out.sd[t, o] = np.sqrt(max(_row_dot(model, H, o, now.w), 0.0) + data.R[t, o])
         count, squares, logarithm = _fuse(model, H, data, t, now)
         _keep(now, states, t + 1, ticks)
         out.nis[t] = squares if count else np.nan

@@ -83,9 +83,9 @@ def _numbers(a: Array) -> Array:
 class Chunk:
     """K ticks, filtered.
 
-    x, P       (K, n), (K, n, n) after the tick
+    x, P       (K, n), (K, n, n) after the tick; or (1, n, n) after the last alone
     predicted  (K, m)  H x before any channel of the tick is used
-    sd         (K, m)  of a reading around it, inf: no model
+    sd         (K, m)  of a reading around it, inf: no model, NaN: not asked for
     fused      (K, m)
     nis        (K,)    e' S^-1 e of the channels fused, NaN: none
     loglike    (K,)    what the tick adds to the log-likelihood

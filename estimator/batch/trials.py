@@ -39,20 +39,22 @@ class Trials:
 
 def trials_of(model: Model, runs: Runs) -> Trials:
     """Recordings made ready for the filter, tick by tick."""
-    rig = runs.rig
-    trials = runs.each(lambda recording: Trial(model, rig, recording))
-    return Trials(trials, runs.workers, tuple(trial.use for trial in trials))
+    return _ready(model, runs, lambda trial: trial)
 
 
 def slow_trials_of(model: Model, runs: Runs) -> Trials:
     """Recordings made ready for open-loop runs."""
+    return _ready(model, runs, lambda trial: slowed(trial, model))
+
+
+def _ready(model: Model, runs: Runs, made_of: Callable[[Trial], Trial]) -> Trials:
     rig = runs.rig
 
-    def made_ready(recording: Recording) -> tuple[Trial, Use]:
+    def ready(recording: Recording) -> tuple[Trial, Use]:
         trial = Trial(model, rig, recording)
-        return slowed(trial, model), trial.use
+        return made_of(trial), trial.use
 
-    found = runs.each(made_ready)
+    found = runs.each(ready)
     return Trials([trial for trial, _ in found], runs.workers, tuple(use for _, use in found))
 
 

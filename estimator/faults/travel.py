@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from statistics import median
 
 import numpy as np
 
@@ -158,7 +159,7 @@ class Travel:
             self._paces.clear()  # which way the table went is told from here on
         self._paces.append(sample.pace)
         known = len(self._paces) == PACED
-        side, pace = np.sign(np.median(self._paces)), float(np.median(np.abs(self._paces))) if known else 1.0
+        side, pace = np.sign(median(self._paces)), median(map(abs, self._paces)) if known else 1.0
         self._side = self._side or side * (known and self._signed)
         self._against = known and self._side * side < 0
         wrong = not (PACE if self._signed else UNSIGNED) < pace < 1.0 / PACE

@@ -1,2 +1,2 @@
-"""Parameters and noise levels from recordings: fit, tune, open_loop_fit, misfits, bodies, untold, calibration,
-likelihood, noise, unseen."""
+"""Parameters and noise levels from recordings: fit, tune, open_loop_fit, curvature, misfits, bodies, untold,
+calibration, likelihood, noise, unseen."""

@@ -27,7 +27,7 @@ def measured_bodies(posed: Posed) -> dict[int, str]:
 
 def body_misfit(trial: Trial, posed: Posed) -> Array:
     """Thermometer of each measured body minus the body by the model alone, (T, bodies) K; NaN where it says nothing."""
-    return shown(trial, posed) - _less_zero(posed.run.z[1:, list(measured_bodies(posed))], trial, posed)
+    return shown(trial, posed) - body_slope(posed.run.z[1:], trial, posed)
 
 
 def shown(trial: Trial, posed: Posed) -> Array:
@@ -37,15 +37,15 @@ def shown(trial: Trial, posed: Posed) -> Array:
 
 
 def body_slope(z: Array, trial: Trial, posed: Posed) -> Array:
-    """How the bodies of `body_misfit` move with a parameter by which the states move so, z (T, n)."""
-    return _less_zero(z[:, list(measured_bodies(posed))], trial, posed)
+    """How the bodies of `body_misfit` move with parameters by which the states move so, z (..., T, n)."""
+    return _less_zero(z[..., list(measured_bodies(posed))], trial, posed)
 
 
 def _less_zero(values: Array, trial: Trial, posed: Posed) -> Array:
-    """Values (T, bodies) where the thermometer was read and is well, less their mean; none where it never moves."""
+    """Values (..., T, bodies) where the thermometer was read and is well, less their mean; none where it is stuck."""
     names = list(measured_bodies(posed).values())
-    known = np.reshape([_well(trial, name) for name in names], (len(names), len(values))).T
-    mean = np.where(known, values, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+    known = np.reshape([_well(trial, name) for name in names], (len(names), len(trial.rest))).T
+    mean = np.where(known, values, 0.0).sum(axis=-2, keepdims=True) / np.maximum(known.sum(axis=0), 1)
     return np.where(known, values - mean, np.nan)
 
 
@@ -57,23 +57,23 @@ def _well(trial: Trial, name: str) -> Array:
 
 
 class Lumps:
-    """Weighs misfits of bodies that have shown r (K, bodies), NaN: nothing, as least squares take them.
+    """Weighs misfits v of bodies that have shown r, as least squares take them.
 
-    Errors of a body have the covariance C = s^2 I + share^2 r r'; C^-1/2 takes off all but a part of what is along r.
+    Errors of a body have the covariance C = s^2 I + share^2 r r', of which
 
-    off    (K, bodies) what a model at hand leaves: s is its rms, and at least LUMP_K
-    steps  of K that say the same
+        u' C^-1 v = (u'v - k (r'u) (r'v)) / s^2        k = share^2 / (s^2 + share^2 r'r)
+
+    count, off, shown  (bodies,) how often each was read, what a model at hand leaves, squared: s is its rms, and at
+                       least LUMP_K, and r'r
+    steps              of them that say the same
     """
 
-    def __init__(self, shown: Array, off: Array, steps: float) -> None:
-        count = np.maximum(np.isfinite(off).sum(axis=0), 1)
-        self.sd_K = np.maximum(np.sqrt(np.nan_to_num(off**2).sum(axis=0) / count), LUMP_K)
-        self._weight = 1.0 / (self.sd_K * np.sqrt(steps))
-        self._along = np.nan_to_num(shown) * self._weight
-        square = (self._along**2).sum(axis=0)
-        self._part = (1.0 - 1.0 / np.sqrt(1.0 + LUMP_SHARE**2 * square)) / np.maximum(square, 1e-300)
+    def __init__(self, count: Array, off: Array, shown: Array, steps: float) -> None:
+        self.sd_K = np.maximum(np.sqrt(off / np.maximum(count, 1)), LUMP_K)
+        variance = self.sd_K**2 * steps
+        self._weight, self._part = 1.0 / variance, LUMP_SHARE**2 / (variance + LUMP_SHARE**2 * shown)
 
-    def white(self, values: Array) -> Array:
-        """C^-1/2 v of each body's v, (K, bodies); NaN counts nothing."""
-        white = np.nan_to_num(values) * self._weight
-        return np.asarray(white - self._along * (self._part * (self._along * white).sum(axis=0)))
+    def products(self, products: Array, along: Array) -> Array:
+        """v' C^-1 v of all bodies, (c, c), from v'v (bodies, c, c) and r'v (bodies, c) of c columns v."""
+        taken = (self._part[:, None] * along)[:, :, None] * along[:, None, :]
+        return np.asarray((self._weight[:, None, None] * (products - taken)).sum(axis=0))

@@ -121,7 +121,7 @@ def _without(posed: Posed, at: int) -> Posed:
 def _followed(trial: Trial, posed: Posed, doubt: Doubt, at: int) -> tuple[Array, Array, Array]:
     """Elongation (T,) um, how a reading of it moves with doubts (T, p), and which no thermometer shows (q,)."""
     ahead, q, um, g, shown = trial.ahead(posed, doubt), len(doubt.paths), [], [], np.zeros(len(doubt.paths), dtype=bool)
-    for chunk in batch.passes(posed.system):
+    for chunk in batch.passes(posed.system, spread=False):
         moves = ahead.rows(chunk.ticks)
         grows = doubt.slopes(moves, gains(posed.system, chunk))[1]
         grows[:, :q] += moves.readings[:, at, :q] - moves.elongation

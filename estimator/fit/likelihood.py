@@ -9,10 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from estimator.batch.trials import Trials
 from estimator.effect import Param
+from estimator.fit.curvature import Curvature
+from estimator.fit.noise import channels_of
 from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.objective import prior_roots
@@ -21,6 +22,8 @@ from estimator.work import Progress, silent
 
 ENOUGH = 0.001  # gain in log-likelihood below which a step was the last
 LOG_STEP = 0.02
+STEPS = 100
+LEAST = 0.02  # of a scatter's square, to which one step at most leads
 FLAT = 1e-6  # curvature of a direction of which readings say nothing
 FLOOR = 1e-6  # of the largest level: the smallest that has a logarithm
 
@@ -48,6 +51,14 @@ class Likelihood:
         """The model with these levels."""
         return self._model.with_values(dict(zip(self._paths, np.exp(c).tolist(), strict=True)))
 
+    @property
+    def readings(self) -> Array:
+        """How many readings each level is the scatter of, (p,)."""
+        use = [trial.pose(self._model).system.data.use for trial in self._trials]
+        first = self._trials[0]
+        of = [[first.rig.index(name) for name in channels_of(path, self._model, first)] for path in self._paths]
+        return np.array([sum(float(each[:, some].sum()) for each in use) for some in of])
+
     def slope(self, c: Array) -> tuple[float, Array]:
         """Log-likelihood, and its derivative with respect to c, (p,)."""
         model, level, paths = self.at(c), np.exp(c), self._paths
@@ -70,27 +81,38 @@ class Likelihood:
 
 def likely(model: Model, trials: Trials, paths: Sequence[str], stage: str, progress: Progress = silent) -> Likely:
     """The levels at `paths` made most likely; every other parameter stays. Each evaluation is told under `stage`."""
-    target = Likelihood(model, trials, paths)
-    best, highest, count = target.start, -np.inf, 0
+    target, count = Likelihood(model, trials, paths), 0
+    best, highest, slope = target.start, -np.inf, np.zeros(len(paths))
 
-    def unlikely(c: Array) -> tuple[float, Array]:
-        nonlocal best, highest, count
-        value, slope = target.slope(c)
-        count += 1
+    def told(c: Array) -> Array:
+        nonlocal best, highest, slope, count
+        count, (value, there) = count + 1, target.slope(c)
         if value > highest:
-            best, highest = c.copy(), value
+            best, highest, slope = c, value, there
         progress(f"{stage}, run {count}: log-likelihood {value:.1f}", count)
-        return -value, -slope
+        return there
 
     try:
-        first = abs(target.slope(target.start)[0])
-        found = scipy.optimize.minimize(
-            unlikely, target.start, jac=True, method="L-BFGS-B", bounds=target.bounds,
-            options={"ftol": ENOUGH / max(first, 1.0)},
-        )  # fmt: skip
+        first, curvature = np.diag(_first_curvature(told(best), target.readings)), Curvature(len(paths))
+        for _ in range(STEPS):
+            step, gain = curvature.step(-slope, first, target.bounds.T - best)
+            if 0.5 * gain < ENOUGH:
+                return Likely(target.at(best))
+            before = slope
+            curvature.learn(step, -before, first, -told(best + step))
     except KeyboardInterrupt:
         return Likely(target.at(best), converged=False, stopped=True)
-    return Likely(target.at(best), converged=found.success)
+    return Likely(target.at(best), converged=False)
+
+
+def _first_curvature(slope: Array, readings: Array) -> Array:
+    """Of a log-likelihood by logarithms of levels, (p,), that leads at once to what N readings scatter by.
+
+    -N c - S exp(-2 c) / 2 with S the sum of their squares is highest log(1 + slope / N) / 2 further on.
+    """
+    share = np.divide(slope, readings, out=np.zeros_like(slope), where=readings > 0)
+    further = 0.5 * np.log(np.maximum(1.0 + share, LEAST))
+    return np.divide(slope, further, out=np.maximum(np.abs(slope), FLAT), where=further != 0.0)
 
 
 def _floor(param: Param) -> float:

@@ -1,4 +1,4 @@
-"""Open-loop misfits of some recordings, all in a row as least squares take them.
+"""Open-loop misfits of some recordings, as least squares take them.
 
     lasting   (y - y_open_loop) / s sqrt(w / N)
     quick     q(y - y_open_loop) / s_q sqrt(w / N_q)         q(v) = v - mean of v, older ones less by exp(-age / 2 min)
@@ -8,17 +8,22 @@ What a misfit weighs is told in `sensitivity.objective`: N is the steps of a blo
 long; a lag, or how far heat has come a minute after it began, would be known no better than these. What a running mean
 of two minutes leaves is mostly the scatter of the sensors, and after the two minutes, N_q steps, it is another: s_q is
 what a model at hand leaves of it.
+
+Least squares need products of misfits and of how they move, and no misfit by itself: these are what a recording is
+asked for.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
 from estimator.batch.kernels import remember
 from estimator.batch.open_loop import measured, open_loop_misfit, where_measured
-from estimator.batch.trial import Posed, Trial
+from estimator.batch.trial import Trial
 from estimator.batch.trials import slow_trials_of
 from estimator.fit.bodies import Lumps, body_misfit, body_slope, shown
 from estimator.model import Model
@@ -30,7 +35,31 @@ from estimator.work import Runs
 
 MEMORY_S = 120.0
 
-Part = tuple[Array, Array, Array]  # lasting and quick, (T, m), and bodies, (T, bodies), of a recording; NaN: none
+
+@dataclass(frozen=True)
+class Products:
+    """v'v of c columns v: misfits, and what a step of each parameter takes off them; sums over ticks.
+
+    lasting, quick  (m, c, c), not weighed;   bodies (bodies, c, c);   along (bodies, c) r'v, r what a body has shown
+    """
+
+    lasting: Array
+    quick: Array
+    bodies: Array
+    along: Array
+
+    def __add__(self, other: Products) -> Products:
+        lasting, quick = self.lasting + other.lasting, self.quick + other.quick
+        return Products(lasting, quick, self.bodies + other.bodies, self.along + other.along)
+
+
+@dataclass(frozen=True)
+class Heard:
+    """How many readings there are of each channel (m,) and body (bodies,), and r'r of what bodies have shown."""
+
+    channels: Array
+    bodies: Array
+    shown: Array
 
 
 class Misfits:
@@ -39,77 +68,79 @@ class Misfits:
     def __init__(self, model: Model, runs: Runs) -> None:
         self.trials = slow_trials_of(model, runs)
         tick_s, weight = self.trials[0].rig.tick_s, weights(self.trials[0].rig)
-        self._lasting = np.sqrt(weight) / good(runs.rig)
-        self._quick = np.sqrt(weight * BLOCK_S / max(MEMORY_S, tick_s))  # no reading counts more than one
-        self._steps = BLOCK_S / tick_s
-        self._weight = sum(float((weight * measured(trial)).sum()) for trial in self.trials)
-        self._shown = np.vstack(self.trials.each(lambda trial: shown(trial, trial.pose(model))))
-        self._scatter, self._lumps = np.ones(len(weight)), Lumps(self._shown, np.zeros_like(self._shown), self._steps)
-        self.weigh(model)
+        self._lasting = weight / good(runs.rig) ** 2
+        self._quick = weight * BLOCK_S / max(MEMORY_S, tick_s)  # no reading counts more than one
+        self._steps, heard = BLOCK_S / tick_s, self.trials.each(lambda trial: _heard(trial, model))
+        self._heard = Heard(*(sum(getattr(each, key) for each in heard) for key in vars(heard[0])))
+        self._weight, self._scatter = float(weight @ self._heard.channels), np.ones(len(weight))
+        self._lumps = Lumps(self._heard.bodies, 0.0 * self._heard.bodies, self._heard.shown, self._steps)
+        self.weigh(self.at(model))
 
-    def weigh(self, model: Model) -> float:
-        """Set s_q of thermometers, and of each other channel, and s of each body to what this model leaves.
+    def weigh(self, found: Products) -> float:
+        """Set s_q of thermometers, and of each other channel, and s of each body to what a model has left.
 
         Returns the largest share by which one of them has changed.
         """
-        _, each_quick, bodies = zip(*self._parts(model), strict=True)
-        quick, heat = np.vstack(each_quick), self.trials[0].rig.is_thermometer
-        before = np.append(self._scatter, self._lumps.sd_K)
-        self._scatter = np.array([_rms(quick[:, heat if alike else i]) for i, alike in enumerate(heat)])
-        self._lumps = Lumps(self._shown, np.vstack(bodies), self._steps)
+        heat, heard, quick = self.trials[0].rig.is_thermometer, self._heard, found.quick[:, 0, 0]
+        before, alike = np.append(self._scatter, self._lumps.sd_K), [np.flatnonzero(heat)] * int(heat.any())
+        self._scatter = np.ones(len(heat))
+        for some in (*alike, *np.flatnonzero(~heat)[:, None]):
+            self._scatter[some] = _rms(quick[some].sum(), heard.channels[some].sum())
+        self._lumps = Lumps(heard.bodies, found.bodies[:, 0, 0], heard.shown, self._steps)
         return float(np.max(np.abs(np.append(self._scatter, self._lumps.sd_K) / before - 1.0)))
 
-    def of(self, model: Model) -> tuple[Array, Array]:
-        """The lasting misfits of all recordings in a row, and all others."""
-        return self._rows(self._parts(model))
+    def at(self, model: Model, paths: Sequence[str] = ()) -> Products:
+        """Those of v = (f, J): misfits f of all recordings, and J (misfits, p), how they move with parameters."""
+        return reduce(Products.__add__, self.trials.each(lambda trial: _products(trial, model, paths)))
 
-    def slopes(self, model: Model, paths: Sequence[str]) -> tuple[Array, Array]:
-        """How these move with each parameter, (misfits, p) each."""
-        of_trials = self.trials.each(lambda trial: _slopes(trial, trial.pose(model), model, paths))
-        lasting, others = zip(*(self._rows(parts) for parts in zip(*of_trials, strict=True)), strict=True)
-        return np.array(lasting).T, np.array(others).T
+    def weighed(self, found: Products) -> tuple[Array, Array]:
+        """v'v, (1 + p, 1 + p), of the lasting misfits, and of all others."""
+        others = _weighed(found.quick, self._quick / self._scatter**2)
+        return _weighed(found.lasting, self._lasting), others + self._lumps.products(found.bodies, found.along)
 
     def mean_square(self, lasting: Array) -> float:
         """Of lasting misfits, over what a good model leaves."""
-        return float(lasting @ lasting / self._weight)
-
-    def _parts(self, model: Model) -> list[Part]:
-        return self.trials.each(lambda trial: _misfits(trial, trial.pose(model)))
-
-    def _rows(self, parts: Sequence[Part]) -> tuple[Array, Array]:
-        lasting, quick, bodies = map(np.vstack, zip(*parts, strict=True))
-        others = np.append(_known(quick * (self._quick / self._scatter)), self._lumps.white(bodies))
-        return _known(lasting * self._lasting), others
+        return float(lasting[0, 0] / self._weight)
 
 
-def _misfits(trial: Trial, posed: Posed) -> Part:
+def _heard(trial: Trial, model: Model) -> Heard:
+    """What there is to compare in a recording."""
+    of_bodies = shown(trial, trial.pose(model))
+    squares = np.nansum(of_bodies**2, axis=0)
+    return Heard(measured(trial).sum(axis=0), np.isfinite(of_bodies).sum(axis=0), squares)
+
+
+def _products(trial: Trial, model: Model, paths: Sequence[str]) -> Products:
     """Those of a recording."""
-    lasting = open_loop_misfit(trial, posed)
-    return lasting, _quick(lasting, trial), body_misfit(trial, posed)
+    posed = trial.pose(model)
+    moved = list(nominal_columns(posed, (tangent(trial, posed, model, path) for path in paths)))
+    lasting, bodies = open_loop_misfit(trial, posed)[None], body_misfit(trial, posed)[None]
+    if moved:
+        lasting = np.concatenate([lasting, -where_measured(np.array([column.reading for column in moved]), trial)])
+        bodies = np.concatenate([bodies, -body_slope(np.array([column.z for column in moved]), trial, posed)])
+    along = np.einsum("ctb,tb->bc", np.nan_to_num(bodies), np.nan_to_num(shown(trial, posed)))
+    return Products(_by_itself(lasting), _by_itself(_quick(lasting, trial)), _by_itself(bodies), along)
 
 
-def _slopes(trial: Trial, posed: Posed, model: Model, paths: Sequence[str]) -> list[Part]:
-    """What a step of each parameter takes off the misfits of a recording."""
-    found = []
-    for column in nominal_columns(posed, (tangent(trial, posed, model, path) for path in paths)):
-        lasting = -where_measured(column.reading, trial)
-        found.append((lasting, _quick(lasting, trial), -body_slope(column.z, trial, posed)))
-    return found
+def _by_itself(columns: Array) -> Array:
+    """v'v of columns (c, T, k), NaN: nothing, of each k: (k, c, c)."""
+    each = np.ascontiguousarray(np.nan_to_num(columns).transpose(2, 0, 1))
+    return np.asarray(each @ each.mT)
+
+
+def _weighed(products: Array, weight: Array) -> Array:
+    return np.asarray((products * weight[:, None, None]).sum(axis=0))
 
 
 def _quick(values: Array, trial: Trial) -> Array:
-    """What a running mean leaves of each column's finite values: every row before weighs less; 0 before the first."""
-    known, keep = np.isfinite(values), np.exp(-trial.rig.tick_s / MEMORY_S)
-    still, keep = np.zeros(values.shape[1]), np.full(values.shape[1], keep)
-    total, count = (remember(keep, each, still) for each in (np.nan_to_num(values), known.astype(float)))
+    """What a running mean leaves of columns (c, T, m), all finite at the same ticks: every one before weighs less; 0
+    before the first."""
+    known, keep = np.isfinite(values[0]), np.exp(-trial.rig.tick_s / MEMORY_S)
+    still, keep = np.zeros_like(values[:, 0]), np.full(values.shape[2], keep)
+    total, count = remember(keep, np.nan_to_num(values), still), remember(keep, known.astype(float), still[0])
     return np.asarray(values - total / np.where(count > 0.0, count, 1.0))
 
 
-def _known(values: Array) -> Array:
-    return np.asarray(values[np.isfinite(values)])
-
-
-def _rms(values: Array) -> float:
+def _rms(square: float, count: float) -> float:
     """Of what is known; 1 where nothing is, or nothing is left."""
-    known = _known(values)
-    return (float(np.sqrt((known**2).mean())) if len(known) else 0.0) or 1.0
+    return float(np.sqrt(square / max(count, 1))) or 1.0

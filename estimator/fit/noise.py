@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
 
 import numpy as np
 
 from estimator.accuracy.quality import ChannelQuality
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.model import Model
 from estimator.sensitivity.tangent import tangent
 
@@ -15,30 +17,43 @@ COLOURED = 0.15  # an autocorrelation beyond that of chance from which on innova
 CHANCE = 2.0  # times 1 / sqrt(readings): about the largest of many autocorrelations of white innovations
 
 
-def levels_in(paths: Iterable[str], model: Model, trials: Iterable[Trial]) -> tuple[str, ...]:
+@dataclass(frozen=True)
+class Touch:
+    """What a parameter moves on some recordings: what is predicted, anything not known, and of that these two."""
+
+    mean: bool
+    noise: bool
+    process: bool
+    scatter: bool
+
+
+def levels_in(paths: Sequence[str], model: Model, trials: Trials) -> tuple[str, ...]:
     """Those of some parameters that move what is not known, and nothing of what is predicted."""
-    posed = [(trial, trial.pose(model)) for trial in trials]
-
-    def is_level(path: str) -> bool:
-        moved = [tangent(trial, at, model, path) for trial, at in posed]
-        return any(each.moves_noise for each in moved) and not any(each.moves_mean for each in moved)
-
-    return tuple(filter(is_level, paths))
+    return tuple(path for path, of in _touched(paths, model, trials).items() if of.noise and not of.mean)
 
 
-def noise_levels(model: Model, trials: Iterable[Trial]) -> dict[str, list[str]]:
+def noise_levels(model: Model, trials: Trials) -> dict[str, list[str]]:
     """Paths of the parameters that set a noise and nothing else: of measurement, and of the process."""
-    posed = [trial.pose(model) for trial in trials]
-    kinds: dict[str, list[str]] = {"measurement": [], "process": []}
-    for path in model.values:
-        moved = [tangent(trial, each, model, path) for trial, each in zip(trials, posed, strict=True)]
-        if any(each.moves_mean for each in moved) or not model[path] > 0:
-            continue
-        if any(np.any(each.network.noise) for each in moved):
-            kinds["process"].append(path)
-        elif any(each.readings is not None and np.any(each.readings.variance) for each in moved):
-            kinds["measurement"].append(path)
-    return kinds
+    levels = [path for path in model.values if model[path] > 0]
+    touched = {path: of for path, of in _touched(levels, model, trials).items() if not of.mean}
+    return {
+        "measurement": [path for path, of in touched.items() if of.scatter and not of.process],
+        "process": [path for path, of in touched.items() if of.process],
+    }
+
+
+def _touched(paths: Sequence[str], model: Model, trials: Trials) -> dict[str, Touch]:
+    of_trials = trials.each(lambda trial: _touched_in(trial, paths, model))
+    return {path: Touch(*map(any, zip(*map(astuple, of), strict=True))) for path, *of in zip(paths, *of_trials)}
+
+
+def _touched_in(trial: Trial, paths: Sequence[str], model: Model) -> list[Touch]:
+    posed, found = trial.pose(model), []
+    for path in paths:
+        moved = tangent(trial, posed, model, path)
+        scatters = moved.readings is not None and bool(np.any(moved.readings.variance))
+        found.append(Touch(moved.moves_mean, moved.moves_noise, bool(np.any(moved.network.noise)), scatters))
+    return found
 
 
 def of_places(paths: Sequence[str], model: Model, trial: Trial) -> list[str]:
@@ -56,5 +71,6 @@ def coloured(channels: Sequence[ChannelQuality]) -> bool:
 def channels_of(path: str, model: Model, trial: Trial) -> list[str]:
     """The channels whose scatter a parameter sets."""
     moved = tangent(trial, trial.pose(model), model, path).readings
-    assert moved is not None
+    if moved is None:
+        return []
     return [name for name, slope in zip(trial.rig.names, moved.variance, strict=True) if slope != 0]

@@ -36,9 +36,8 @@ def unseen(trial: Trial, model: Model) -> Scored:
         hidden = places[first::EVERY]
         muted = trial.muted.copy()
         muted[:, hidden] = True
-        chunks = list(batch.passes(replace(posed.system, muted=muted)))
-        off = posed.system.y - np.vstack([chunk.predicted for chunk in chunks])
-        sd = np.hypot(np.vstack([chunk.sd for chunk in chunks]), _own_gain(posed))
+        told = batch.compared(replace(posed.system, muted=muted), muted & ~trial.muted)
+        off, sd = posed.system.y - told.predicted, np.hypot(told.sd, _own_gain(posed))
         for channel in hidden:
             read = np.flatnonzero(np.isfinite(off[:, channel]) & ~trial.muted[:, channel])[every - 1 :: every]
             scored = off[read, channel], sd[read, channel], np.full(len(read), channel)

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.accuracy.accuracy import Accuracy, accuracy
-from estimator.accuracy.review import review
-from estimator.inputs.phase import COOLDOWN_S, stops
+from estimator.accuracy.reference import readings
+from estimator.accuracy.review import filter_error
+from estimator.batch.replay import replay
+from estimator.inputs.phase import COOLDOWN_S, cooling, stops
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -49,8 +51,8 @@ def _errors(model: Model, rig: Rig, recording: Recording) -> tuple[Array, Array]
 
 
 def _cooling(model: Model, rig: Rig, recording: Recording, mute: Mute | None) -> Array:
-    found = review(recording, rig, model, mute=mute)
-    return np.where(found.cooling, found.errors["filter"], np.nan)
+    track = replay(model, rig, recording, mute)
+    return np.where(cooling(recording), filter_error(track, rig, readings(recording, rig, model, track)), np.nan)
 
 
 def _silent(recording: Recording, rig: Rig) -> Mute:

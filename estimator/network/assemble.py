@@ -34,6 +34,8 @@ class Layout:
     inputs: tuple[str, ...]  # measured inputs that links end at
     shifts: tuple[Shift, ...] = ()  # of them; inputs and shifts together are the boundaries
     _spots: dict[float, Array] = field(default_factory=dict)
+    _products: dict[str, Array] = field(default_factory=dict)
+    _sums: dict[str, Array] = field(default_factory=dict)
 
     @property
     def size(self) -> int:
@@ -53,6 +55,21 @@ class Layout:
     def rows(self, node: str) -> Array:
         """What the states say of a node's cells, (cells, n), or of a body, (1, n)."""
         return self.shapes[self.nodes[node]]
+
+    def squares(self, node: str, weights: Any, regimes: int) -> Array:
+        """Sum over a node's cells k of weights[:, k] rows[k] rows[k]', (regimes, n, n)."""
+        if node not in self._products:
+            rows = self.rows(node)
+            self._products[node] = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
+            self._sums[node] = self._products[node].sum(axis=0)
+        products = self._products[node]
+        if np.shape(weights)[-1:] in ((), (1,)):
+            found = np.broadcast_to(weights, (regimes, 1)) * self._sums[node]
+        elif is_complex(weights := np.broadcast_to(weights, (regimes, len(products)))):
+            found = weights.real @ products + 1j * (weights.imag @ products)
+        else:
+            found = weights @ products
+        return np.asarray(found).reshape(regimes, self.size, self.size)
 
     def spot(self, spot: Spot, rig: Rig) -> Array:
         """What the states say of the screw's temperature at a spot, (n,)."""
@@ -152,9 +169,8 @@ def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
     mass, conductance, inflow, noise = network.mass, network.conductance, network.inflow, network.noise
     for term in terms:
         if isinstance(term, Store):
-            rows = place.rows(term.node)
-            mass += _squares(rows, term.capacity, 1)[0]
-            noise += _squares(rows, np.asarray(term.noise) ** 2, regimes)
+            mass += place.squares(term.node, term.capacity, 1)[0]
+            noise += place.squares(term.node, np.asarray(term.noise) ** 2, regimes)
         elif isinstance(term, Chain):
             rows = place.rows(term.node)
             conductance += _squares(rows[:-1] - rows[1:], term.g, regimes)
@@ -198,7 +214,7 @@ def _link(conductance: Array, inflow: Array, place: Layout, term: Link) -> None:
         conductance += _squares(rows - place.rows(b), term.g * term.over, regimes)
     else:
         g = np.broadcast_to(term.g * term.over, (regimes, len(rows)))
-        conductance += _squares(rows, g, regimes)
+        conductance += place.squares(a, g, regimes)
         inflow[:, :, place.inputs.index(b)] += g @ rows
         for k, shift in enumerate(place.shifts, start=len(place.inputs)):
             if shift.input == b and np.size(shift.over) in (1, len(rows)):

@@ -109,7 +109,8 @@ class Forcing:
             self.terms = self._sound.terms(self.nothing, forced=False)
         else:
             self.terms = checked_terms(model, self.nothing, rig, self._sound)
-        self.place = assemble.layout(self.terms, rig, reduced)
+        same = checked and like is not None and not like.place.shifts
+        self.place: assemble.Layout = like.place if like and same else assemble.layout(self.terms, rig, reduced)
         self.readings = assemble.readings(self.terms, rig, self.place)
 
     def with_model(self, model: Model) -> Forcing:

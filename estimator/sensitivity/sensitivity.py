@@ -59,17 +59,25 @@ def _side_by_side(posed: Posed, moved: Sequence[Tangent]) -> Iterator[NominalCol
 def pushed(posed: Posed, moved: Sequence[Tangent]) -> Array:
     """What each tick adds to how the states move, K, beside what is carried over from the tick before: (k, T, n)."""
     regime, forcing, before = posed.system.regime, posed.forcing, posed.run.z[:-1]
-    out = np.empty((len(moved), *posed.heat.shape))
-    conducts = [np.any(each.network.mass) or np.any(each.network.conductance) for each in moved]
-    shifts = [np.any(each.network.inflow) or np.any(each.outside) for each in moved]
+    conducts = [bool(np.any(each.network.mass) or np.any(each.network.conductance)) for each in moved]
+    shifts = [bool(np.any(each.network.inflow) or np.any(each.outside)) for each in moved]
+    out = np.zeros((len(moved), *posed.heat.shape))
     for r in np.unique(regime):
-        at = np.flatnonzero(regime == r)
-        heat = np.array([each.heat[at] for each in moved])
-        for k in np.flatnonzero(shifts).tolist():
-            heat[k] += posed.outside[at] @ moved[k].network.inflow[r].T + moved[k].outside[at] @ forcing.inflow(r).T
-        b = heat @ forcing.transition(r).J.T
-        for k in np.flatnonzero(conducts).tolist():
-            F, J = forcing.modes_of(r).along(moved[k].network.mass, moved[k].network.conductance[r])
-            b[k] += posed.heat[at] @ J.T + before[at] @ F.T
-        out[:, at] = b
+        at = _rows_of(regime, r)
+        heat, J, given = posed.heat[at], forcing.transition(r).J, (posed.outside[at], before[at])
+        for b, each, conducted, shifted in zip(out, moved, conducts, shifts, strict=True):
+            put = each.heat[at]
+            if shifted:
+                put = put + given[0] @ each.network.inflow[r].T + each.outside[at] @ forcing.inflow(r).T
+            if shifted or put.any():
+                b[at] = put @ J.T
+            if conducted:
+                of_F, of_J = forcing.modes_of(r).along(each.network.mass, each.network.conductance[r])
+                b[at] += heat @ of_J.T + given[1] @ of_F.T
     return out
+
+
+def _rows_of(regime: Array, r: int) -> Array | slice:
+    """Where a regime holds, as a slice if that is one stretch: no copy then."""
+    at = np.flatnonzero(regime == r)
+    return slice(int(at[0]), int(at[-1]) + 1) if at[-1] - at[0] == len(at) - 1 else at

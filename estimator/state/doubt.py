@@ -50,6 +50,7 @@ class Doubt:
         self._moved = [Moved(run.forcing, run.forcing.model, path) for path in doubts.paths]
         shifted = shifting(run.forcing.model, run.forcing.rig)
         self._moved += [Moved(run.forcing, shifted, SHIFT)] if shifted else []
+        self._in_regimes = [i for i, moved in enumerate(self._moved) if moved.in_regimes]
         self._in_ticks = [i for i, moved in enumerate(self._moved) if moved.in_ticks]
         self._by_rows = [i for i in self._in_ticks if self._moved[i].by_rows]
         self._apart = MovedApart(run.forcing, [self._moved[i] for i in self._by_rows])
@@ -90,7 +91,7 @@ class Doubt:
             *self._transitions(ticks.regime), B, own, pushed, offset + self._zeros, course.late_share, *lags,
             np.ascontiguousarray(rows), self._Z, self._spot, self._lagged,
         )  # fmt: skip
-        growth = np.einsum("n,knp->kp", self._run.state.growth, Z - self._Z0)
+        growth = self._run.state.growth @ (Z - self._Z0)
         growth += (course.z[1:] - self._start) @ self._growth
         self._Z, D = Z[-1].copy(), np.concatenate([D, self._own.moved(course)], axis=2)
         return Moves(ticks.regime, course.grown_um, Z, D, growth)
@@ -106,10 +107,10 @@ class Doubt:
     def slopes(self, moves: Moves, gain: Array) -> tuple[Array, Array]:
         """The same by each parameter: of states (K, size, p), of the elongation (K, p)."""
         state, grown, q = self._run.state, moves.grown_um, len(self._moved)
-        H = np.array([state.rows(float(um)) for um in grown])
+        H = state.rows(grown)
         S = self._followed(*self._transitions(moves.regime), H, gain, moves.readings, self._S)
         self._S = S[-1].copy()
-        growth = np.einsum("ks,ksp->kp", state.elongation(grown), S)
+        growth = (state.elongation(grown)[:, None] @ S)[:, 0]
         growth[:, :q] += moves.elongation
         S[:, state.temperatures, :q] += moves.states
         return S, growth
@@ -143,14 +144,17 @@ class Doubt:
 
     def _pushes(self, drive: Drive, ticks: Ticks, course: Course) -> tuple[Array, Array, Array, Array]:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
-        K, q, forcing = len(ticks.regime), len(self._moved), self._run.forcing
-        B, (heat, outside, offset) = np.zeros((K, self._run.state.n, q)), self._own_pushes(drive, ticks)
+        forcing, (heat, outside, offset) = self._run.forcing, self._own_pushes(drive, ticks)
+        states, ends = np.empty_like(heat), np.flatnonzero(outside.any(axis=(1, 2)))
         for r, of in self._regime_slopes(sorted(set(ticks.regime.tolist()))):
-            at = ticks.regime == r
-            put = heat[:, at] + ticks.outside[at] @ of.inflow.mT + outside[:, at] @ forcing.inflow(r).T
-            states = put @ forcing.transition(r).J.T + course.z[:-1][at] @ of.F.mT + ticks.heat[at] @ of.J.mT
-            B[at] = states.transpose(1, 2, 0)
-        own_spot = np.einsum("kn,mnp->kmp", course.z[1:], self._rows)
+            at, some = ticks.regime == r, self._in_regimes
+            put = heat[:, at]
+            put[some] += ticks.outside[at] @ of.inflow.mT
+            put[ends] += outside[ends][:, at] @ forcing.inflow(r).T
+            put = put @ forcing.transition(r).J.T
+            put[some] += course.z[:-1][at] @ of.F.mT + ticks.heat[at] @ of.J.mT
+            states[:, at] = put
+        B, own_spot = states.transpose(1, 2, 0), np.tensordot(course.z[1:], self._rows, axes=(1, 1))
         pushed = (course.lagged - course.spot)[:-1, :, None] * self._keep
         pushed += np.diff(course.spot, axis=0)[:, :, None] * self._ramp
         return B, offset, own_spot, pushed
@@ -177,13 +181,14 @@ class Doubt:
             if len(self._slopes) + len(new) > REMEMBERED:
                 self._slopes.clear()
                 new = [*some]
-            self._slopes |= zip(new, regime_slopes(self._moved, self._run, new), strict=True)
+            moved = [self._moved[i] for i in self._in_regimes]
+            self._slopes |= zip(new, regime_slopes(moved, self._run, new), strict=True)
             yield from ((regime, self._slopes[regime]) for regime in some)
 
 
 @dataclass(frozen=True)
 class RegimeSlopes:
-    """Derivatives of one regime by q parameters: F and J (q, n, n), inflow (q, n, boundaries)."""
+    """Derivatives of one regime by q parameters that may move it: F and J (q, n, n), inflow (q, n, boundaries)."""
 
     F: Array
     J: Array
@@ -191,13 +196,11 @@ class RegimeSlopes:
 
 
 def regime_slopes(moved: Sequence[Moved], run: Run, regimes: Sequence[int]) -> list[RegimeSlopes]:
-    """How a tick of each of some regimes moves with each parameter."""
+    """How a tick of each of some regimes moves with each of these parameters."""
     q, n, boundaries = len(moved), run.state.n, run.forcing.place.boundaries
     shapes = (q, n, n), (q, n, n), (q, n, boundaries)
     found = [RegimeSlopes(*map(np.zeros, shapes)) for _ in regimes]
     for i, each in enumerate(moved) if regimes else ():
-        if not each.in_regimes:
-            continue
         network = each.network(regimes)
         for of, regime, inflow, conductance in zip(found, regimes, network.inflow, network.conductance, strict=True):
             of.inflow[i] = inflow

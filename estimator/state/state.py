@@ -50,10 +50,10 @@ class State:
         zeros[list(self.zero_of)] = x[self.zeros]
         return zeros
 
-    def rows(self, grown_um: float) -> Array:
-        """H (m, size) when the model alone has grown by `grown_um` since the start."""
-        rows = self._rows.copy()
-        rows[:, self.expansion] = self.spans * grown_um
+    def rows(self, grown_um: Array | float) -> Array:
+        """H (..., m, size) when the model alone has grown by `grown_um` since the start."""
+        rows = np.tile(self._rows, (*np.shape(grown_um), 1, 1))
+        rows[..., self.expansion] = self.spans * np.asarray(grown_um)[..., None]
         return rows
 
     def elongation(self, grown_um: Array | float) -> Array:

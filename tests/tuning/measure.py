@@ -96,7 +96,7 @@ class Folder:
 
 
 def _channels(trial: Trial, model: Model) -> Iterator[tuple[str, str, float]]:
-    found = quality([trial], model)
+    found = quality(Trials([trial]), model)
     for each in (overall(found), *found):
         for figure in CHANNEL:
             if (each.channel, figure) != ("all", "whiteness"):  # it would be that of one channel

@@ -78,6 +78,13 @@ def test_a_recording_stays_with_its_process_and_a_job_alone_travels(keepers):
     assert os.getpid() not in {pid for pid, _ in homes[0]}
 
 
+def test_the_longest_is_by_itself_where_the_others_are_as_long_together(keepers):
+    items = [np.full(n, 1.0) for n in (500, 3000, 700, 900)]
+    first, longest, *others = keepers.kept(lambda item: os.getpid(), items)
+    assert others == [first, first]
+    assert longest != first
+
+
 def test_no_more_is_kept_than_there_is_room_for():
     with Home() as home:
         items = [[n] for n in range(KEPT + 6)]

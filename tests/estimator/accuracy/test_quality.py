@@ -10,6 +10,7 @@ import pytest
 from estimator.accuracy.quality import ChannelQuality, quality
 from estimator.batch.coarse import coarse
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.effect import Effect, Param
 from estimator.model import Model, model_of
 from estimator.record import Array, Recording
@@ -54,7 +55,7 @@ def judged(*scatter: Array, model: Model = MODEL) -> tuple[ChannelQuality, ...]:
         none = np.zeros((K, 2))
         run = Recording("blocks", np.arange(K) + 1.0, channels, none, {}, np.zeros(K), np.zeros((K, 0)))
         trials.append(Trial(model, RIG, run))
-    return quality(trials, model)
+    return quality(Trials(trials), model)
 
 
 def white(seed: int = 0, ticks: int = TICKS) -> Array:
@@ -130,7 +131,7 @@ def test_the_first_reading_of_a_channel_that_tells_its_own_zero_is_left_out():
     K = TICKS + 1
     channels = 22 + np.vstack([[0.0, np.nan], noise])
     run = Recording("b", np.arange(K) + 1.0, channels, np.zeros((K, 2)), {}, np.zeros(K), np.zeros((K, 0)))
-    known, told = quality([Trial(model, RIG, run)], model)
+    known, told = quality(Trials([Trial(model, RIG, run)]), model)
     assert known.readings == TICKS
     assert told.readings == TICKS - 100 - 1
     assert told.nis == pytest.approx(1.0, abs=0.08)
@@ -151,7 +152,8 @@ def test_a_filter_is_honest_of_what_its_own_model_lived(small, small_model, driv
     exact = replace(small, screw=replace(small.screw, expansion_tolerance=0.0))
     model = small_model.with_values({"thermometers.tau": 0.0, "displacement.zero_sd": 100.0})
     drive, rig = coarse(driven(exact, 7200, (100, 5000), stroke=(0.0, 100.0)), exact, 5)
-    trials = [Trial(model, rig, live(model, rig, drive, seed, process=True).recording) for seed in (1, 2)]
+    runs = [live(model, rig, drive, seed, process=True).recording for seed in (1, 2)]
+    trials = Trials([Trial(model, rig, run) for run in runs])
     for found in quality(trials, model):
         assert found.nis == pytest.approx(1.0, abs=0.1), found.channel
         assert found.in_2sd == pytest.approx(0.954, abs=0.02), found.channel

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from estimator.batch import batch
-from estimator.batch.batch import ahead, loglike, passes, score, smoothed
+from estimator.batch.batch import ahead, compared, loglike, passes, score, smoothed
 from estimator.batch.system import System
 
 T, N, MOVING, CHANNELS, REGIMES = 30, 11, 6, 6, 2
@@ -141,6 +141,16 @@ def test_filtered_is_the_joint_gaussian_given_the_past(system):
         assert found["P"][t] == pytest.approx(P[t, :, t], abs=1e-9)
 
 
+def test_all_at_once_is_the_same_with_the_last_covariance_and_the_sds_asked_for(system):
+    found, asked = collected(system), np.random.default_rng(3).random(system.y.shape) < 0.5
+    at_once = compared(system, asked)
+    for name in ("x", "predicted", "nis", "loglike"):
+        np.testing.assert_array_equal(getattr(at_once, name), found[name])
+    np.testing.assert_array_equal(at_once.P, found["P"][-1:])
+    np.testing.assert_array_equal(at_once.sd, np.where(asked, found["sd"], np.nan))
+    assert all(np.isnan(chunk.sd).all() for chunk in passes(system, spread=False))
+
+
 @pytest.mark.usefixtures("chunked")
 def test_predictions_compare_every_channel_whether_used_or_not(system):
     found, (_, before, _) = collected(system), plain(system)
@@ -226,14 +236,14 @@ def test_without_a_varying_column_grown_is_nothing(system):
 
 def test_ahead(system):
     _, _, after = plain(system)
-    starts, readings = ahead(system, steps=4, every=3)
+    starts, readings = ahead(system, compared(system).x, steps=4, every=3)
     assert starts.tolist() == list(range(0, T - 4, 3))
     for start, found in zip(starts, readings):
         x = after[start][0]
         for t in range(start + 1, start + 5):
             x = full(system.F[system.regime[t]]) @ x + system.b[t]
         assert found == pytest.approx(rows(system, start + 4) @ x, abs=1e-11)
-    assert len(ahead(system, steps=T, every=1)[0]) == 0
+    assert len(ahead(system, compared(system).x, steps=T, every=1)[0]) == 0
 
 
 def test_no_ticks_at_all(system):
@@ -243,7 +253,7 @@ def test_no_ticks_at_all(system):
     assert not score(empty).P0.any()
     assert smoothed(empty, covariances=True).cov.shape == (0, N, N)
     assert [len(chunk.x) for chunk in passes(empty)] == [0]
-    assert len(ahead(empty, 3, 3)[0]) == 0
+    assert len(ahead(empty, compared(empty).x, 3, 3)[0]) == 0
 
 
 def test_many_channels_and_entries_of_a_size_that_would_overflow():
@@ -265,7 +275,7 @@ def test_what_it_is_given_is_not_changed_and_may_be_read_only(system):
         if isinstance(value, np.ndarray):
             value.flags.writeable = False
     assert loglike(frozen) == expected
-    score(frozen), smoothed(frozen), list(passes(frozen)), ahead(frozen, 3, 3)
+    score(frozen), smoothed(frozen), list(passes(frozen)), ahead(frozen, compared(frozen).x, 3, 3)
     for name, value in before.items():
         np.testing.assert_array_equal(value, getattr(frozen, name))
 

@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 from estimator.batch import batch
-from estimator.batch.batch import ahead, loglike, passes, score, smoothed
+from estimator.batch.batch import ahead, compared, loglike, passes, score, smoothed
 from tests.estimator.batch.test_batch import random_system
 from tests.processes import ended
 
@@ -46,7 +46,8 @@ def test_what_numba_keeps_counts_and_not_the_dates_of_files(tmp_path):
 
 def test_compiled_once_and_known_to_be():
     system = random_system()
-    loglike(system), score(system), smoothed(system), list(passes(system)), ahead(system, 3, 3)
+    x = compared(system, system.data.use).x
+    loglike(system), score(system), smoothed(system), list(passes(system)), ahead(system, x, 3, 3)
     assert not batch.is_cold()
     assert not batch.is_cold(passes, smoothed)
     used = batch.kernels

@@ -71,17 +71,18 @@ def test_bodies_without_a_thermometer_are_not_heard(rig, full, told):
     assert body_misfit(trial, posed).shape == (len(trial.rest), len(measured_bodies(posed)))
 
 
-def test_misfits_are_white_where_a_lump_shows_some_share_of_its_rise():
+def test_misfits_weigh_by_their_covariance_where_a_lump_shows_some_share_of_its_rise():
     """By the covariance written out."""
     draw = np.random.default_rng(2)
     shown, off, steps = 4.0 * draw.standard_normal((40, 2)), 0.3 * draw.standard_normal((40, 2)), 12.0
     shown[5, 0] = off[5, 0] = np.nan
-    lumps = Lumps(shown, off, steps)
-    assert lumps.sd_K == pytest.approx(np.sqrt(np.nanmean(off**2, axis=0)))
-    assert Lumps(shown, 0.1 * off, steps).sd_K == pytest.approx(LUMP_K)
-    white = lumps.white(off)
+    known = np.isfinite(off)
+    count, squares, rises = known.sum(axis=0), np.nansum(off**2, axis=0), np.nansum(shown**2, axis=0)
+    lumps = Lumps(count, squares, rises, steps)
+    assert lumps.sd_K == pytest.approx(np.sqrt(squares / count))
+    assert Lumps(count, 0.01 * squares, rises, steps).sd_K == pytest.approx(LUMP_K)
+    products = lumps.products(np.diag(squares)[:, :, None] * np.eye(2), np.diag(np.nansum(shown * off, axis=0)))
     for i in range(2):
-        known = np.isfinite(off[:, i])
-        r, v = shown[known, i], off[known, i]
+        r, v = shown[known[:, i], i], off[known[:, i], i]
         C = lumps.sd_K[i] ** 2 * steps * np.eye(len(r)) + LUMP_SHARE**2 * np.outer(r, r)
-        assert white[:, i] @ white[:, i] == pytest.approx(v @ np.linalg.solve(C, v))
+        assert products[i, i] == pytest.approx(v @ np.linalg.solve(C, v))

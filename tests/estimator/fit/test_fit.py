@@ -7,7 +7,6 @@ from unittest import mock
 
 import numpy as np
 import pytest
-from scipy.optimize import OptimizeResult, least_squares
 
 from ballscrew.report.fit_report import worse
 from estimator.accuracy.horizon import errors
@@ -117,13 +116,12 @@ def test_the_fitted_model_knows_how_well_it_is_known(found, rig, lived, full):
     assert list(doubts.paths) == paths
     np.testing.assert_allclose(np.sqrt(np.diag(doubts.covariance)), [f.sd for f in found.parameters])
     misfits, more = Misfits(found.model, Runs(rig, [lived])), 0.0
-    rest = misfits.of(found.model)
+    best = misfits.weighed(misfits.at(found.model, paths))
     for way in np.linalg.cholesky(doubts.covariance).T:
-        there = {p: found.model[p] + d for p, d in zip(paths, way, strict=True)}
-        for now, best in zip(misfits.of(found.model.with_values(there)), rest, strict=True):
-            more += now @ now - best @ best
-    lasting, others = (rows.T @ rows for rows in misfits.slopes(found.model, paths))
-    few = max(misfits.mean_square(rest[0]), LEAST)
+        there = found.model.with_values({p: found.model[p] + d for p, d in zip(paths, way, strict=True)})
+        more += sum(misfits.weighed(misfits.at(there)))[0, 0] - sum(best)[0, 0]
+    lasting, others = (products[1:, 1:] for products in best)
+    few = max(misfits.mean_square(best[0]), LEAST)
     assert more == pytest.approx(np.trace(np.linalg.solve(lasting + others, few * lasting + others)), rel=0.15)
 
 
@@ -143,10 +141,9 @@ def test_a_prior_pulls_as_much_as_the_data_leave_open(rise, rig, full, driven, l
     recording = live(full.with_values({path: 0.9}), rig, warm, seed=2).recording
     found = follow(full, Runs(rig, [recording]), [path]).model
     misfits = Misfits(found, Runs(rig, [recording]))
-    true = np.concatenate(misfits.of(full.with_values({path: 0.9})))
-    slope = np.concatenate(misfits.slopes(found, [path]))[:, 0]
-    data, prior = slope @ slope, 1 / 0.15**2
-    said = 0.9 - slope @ true / data
+    products = sum(misfits.weighed(misfits.at(full.with_values({path: 0.9}), [path])))
+    data, prior = products[1, 1], 1 / 0.15**2
+    said = 0.9 - products[0, 1] / data
     assert found[path] == pytest.approx(
         (data * said + prior * 0.3) / (data + prior), abs=0.004
     )  # weights are ten % near
@@ -164,16 +161,15 @@ def test_each_evaluation_is_told(rig, full, lived):
 def test_a_search_goes_on_where_it_is_lower_beside_its_end(rig, full, lived):
     """A search that ends at once leads nowhere; one that looks around finds the way."""
     free, runs = ("nut_friction.power", "anchor_friction.power"), Runs(rig, [lived])
-    real, ends = least_squares, []
+    real, ends = Search._descended, []
 
-    def short(*args, **options):
-        ends.append(real(*args, **options | ({"max_nfev": 1} if not ends else {})))
-        return OptimizeResult(ends[-1], status=1)
+    def short(search, enough):
+        ends.append(search.best)
+        return len(ends) < 3 or real(search, enough)
 
-    settled = mock.patch.object(Search, "_settled", return_value=True)
-    with mock.patch("scipy.optimize.least_squares", short), settled:
+    with mock.patch.object(Search, "_descended", short), mock.patch.object(Search, "_settled", return_value=True):
         found = follow(only(full, *free), runs, free)
-    assert len(ends) == 2
+    assert len(ends) == 3
     assert found.converged
     assert [found.model[path] for path in free] == pytest.approx([TRUE[path] for path in free], rel=0.02)
 

@@ -126,10 +126,10 @@ def test_ctrl_c_leaves_the_best_so_far(model, trials):
 
 
 def test_levels_are_what_moves_no_prediction(small, model, trials, driven, live):
-    levels = levels_in(model.values, model, trials)
+    levels = levels_in([*model.values], model, trials)
     assert {path.partition(".")[2] for path in levels} == {"sd", "noise", "zero_sd", "zero_walk", "lag_noise"}
     still = live(model, small, driven(small, 60, (10, 10), stroke=(0.0, 100.0))).recording
-    assert not levels_in(["nut_friction.power"], model, [Trial(model, small, still), trials[0]])
+    assert not levels_in(["nut_friction.power"], model, Trials([Trial(model, small, still), trials[0]]))
 
 
 def test_a_zero_that_is_known_may_be_free(small, model, trials):

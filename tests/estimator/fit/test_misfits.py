@@ -26,11 +26,17 @@ def misfits(rig, full, lived):
 
 
 def test_slopes_are_those_of_the_misfits(misfits, full):
-    for path in (TAU, POWER, "displacement.probe", "nut_body.g"):
-        step = 1e-4 * abs(full[path])
-        there, back = (misfits.of(full.with_values({path: full[path] + d})) for d in (step, -step))
-        for far, near, slope in zip(there, back, misfits.slopes(full, [path]), strict=True):
-            np.testing.assert_allclose(slope[:, 0], (far - near) / (2 * step), rtol=1e-4, atol=1e-6)
+    """Half the slope of f'f is f'J, and of a sum of squares of nearly linear misfits half the curvature J'J."""
+    paths = (TAU, POWER, "displacement.probe", "nut_body.g")
+    here = misfits.weighed(misfits.at(full, paths))
+    for k, path in enumerate(paths, start=1):
+        step = 1e-3 * abs(full[path])
+        there, back = (misfits.weighed(misfits.at(full.with_values({path: full[path] + d}))) for d in (step, -step))
+        for far, near, products in zip(there, back, here, strict=True):
+            of_square = (far[0, 0] - near[0, 0]) / (2 * step)
+            assert of_square == pytest.approx(2 * products[0, k], rel=1e-3, abs=1e-3 * np.sqrt(products[k, k]))
+            curvature = (far[0, 0] - 2 * products[0, 0] + near[0, 0]) / step**2
+            assert curvature == pytest.approx(2 * products[k, k], rel=0.05, abs=1e-6), path
 
 
 def test_what_is_quick_is_what_a_mean_of_older_misfits_leaves(misfits, full):
@@ -38,7 +44,7 @@ def test_what_is_quick_is_what_a_mean_of_older_misfits_leaves(misfits, full):
     trial = misfits.trials[0]
     off, tick_s = open_loop_misfit(trial, trial.pose(full)), trial.rig.tick_s
     off[10:30, 3] = np.nan
-    values, left = off[:, 3], _quick(off, trial)[:, 3]
+    values, left = off[:, 3], _quick(off[None], trial)[0, :, 3]
     for k in (0, 5, 40, len(values) - 1):
         known = [i for i in range(k + 1) if np.isfinite(values[i])]
         weight = np.exp(-(k - np.array(known)) * tick_s / MEMORY_S)
@@ -48,14 +54,12 @@ def test_what_is_quick_is_what_a_mean_of_older_misfits_leaves(misfits, full):
 
 def test_quick_misfits_are_weighed_by_their_scatter(rig, full, lived, misfits):
     """All thermometers together count as one reading in two minutes; so does the displacement, where it was read."""
-    lasting, others = misfits.of(full)
-    quick = others[: len(lasting)]
+    found, (_, others) = misfits.at(full), misfits.weighed(misfits.at(full))
     tick_s, heat = misfits.trials[0].rig.tick_s, misfits.trials[0].rig.is_thermometer
-    rows = [np.nonzero(np.isfinite(open_loop_misfit(t, t.pose(full))))[1] for t in misfits.trials]
-    of_heat = heat[np.concatenate(rows)]
-    for some, channels in ((of_heat, heat.sum()), (~of_heat, 1)):
-        assert (quick[some] ** 2).sum() == pytest.approx(some.sum() / channels * tick_s / MEMORY_S)
-    assert misfits.weigh(full) == pytest.approx(0.0, abs=1e-12)
+    count = sum(np.isfinite(open_loop_misfit(t, t.pose(full))).sum(axis=0) for t in misfits.trials)
+    quick = others[0, 0] - misfits._lumps.products(found.bodies, found.along)[0, 0]
+    assert quick == pytest.approx((count[heat].mean() + count[~heat].sum()) * tick_s / MEMORY_S)
+    assert misfits.weigh(found) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_lag_is_known_from_how_a_drive_begins_though_the_power_is_another(rig, full, lived):
@@ -63,5 +67,6 @@ def test_a_lag_is_known_from_how_a_drive_begins_though_the_power_is_another(rig,
     runs, off = Runs(rig, [lived]), full.with_values({POWER: 1.03 * full[POWER]})
     found = follow(off, runs, [TAU])
     assert found.model[TAU] == pytest.approx(6.5, abs=0.5)
-    lasting, others = (rows[:, 0] @ rows[:, 0] for rows in Misfits(found.model, runs).slopes(found.model, [TAU]))
-    assert others > 5.0 * lasting
+    misfits = Misfits(found.model, runs)
+    lasting, others = misfits.weighed(misfits.at(found.model, [TAU]))
+    assert others[1, 1] > 5.0 * lasting[1, 1]

@@ -190,7 +190,7 @@ def test_missing_is_three_times_the_floor():
 
 def test_what_stands_for_constant_errors_of_sensors_is_no_noise_level(rig, full, driven, live):
     trial = Trial(full, rig, live(full, rig, driven(rig, 60, (10, 50)), seed=1).recording)
-    assert noise_levels(full, [trial]) == {
+    assert noise_levels(full, Trials([trial])) == {
         "measurement": ["thermometers.sd", "displacement.sd"],
         "process": [path for path in full.values if path.endswith(".noise")],
     }
