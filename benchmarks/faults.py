@@ -7,6 +7,7 @@ rigs of seeds 101 to 103 and machines 1 to 8; none of those judges here.
 python -m benchmarks faults [ROW ...]    some of the rows without a failure only, printed and not kept
 python -m benchmarks faults drifts       slow drifts one by one, likewise
 python -m benchmarks faults lies         a displacement, a position or a speed that lies
+python -m benchmarks faults alike        heat that the model lacks, and two neighbours that drift alike
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import drifts, handed_over, lies, paper_rig, sound
+from benchmarks import alike, drifts, handed_over, lies, paper_rig, sound
 from benchmarks.drifts import LOST_SD, LOST_UM, longest
 from benchmarks.failed import SEED, WHEN, Case, Outcome, by_kind, cells, named, share
 from benchmarks.injected import FAILURES, INPUT_FAILURES, NAMED, failing, failing_input, shifted
@@ -37,7 +38,11 @@ from estimator.step import Track
 LINES = Path(__file__).parent / "faults.jsonl"
 RUNS = ("FS-20", "FS-10", "FS-5", "FS-2.5", "CS-20", "CS-10", "CS-5", "CS-2.5", "ES-20", "ES-10", "ES-5", "ES-2.5")
 SEVEN = "seven channels, "
-DRIFTS, LIES = "drifts", "lies"
+ASIDE = {  # tables of their own
+    "drifts": lambda: drifts.table(WHEN, SEED),
+    "lies": lies.table,
+    "alike": lambda: alike.table(WHEN, SEED),
+}
 FROM_THE_START = ("0 degC", "85 degC")  # what else an input does from the start on is its zero
 LATE = (
     "A drift of 3 K/h is 0.05 K after 60 s: 5.6 sd of a slope fitted to readings that scatter by 0.02 K, "
@@ -192,12 +197,10 @@ def measured(some: Sequence[Case]) -> dict[Case, Outcome]:
 
 def markdown(*names: str) -> str:
     """Run all cases, or some rows of those without a failure, or slow drifts; the table."""
-    if names == (DRIFTS,):
-        return drifts.table(WHEN, SEED)
-    if names == (LIES,):
-        return lies.table()
+    if len(names) == 1 and names[0] in ASIDE:
+        return ASIDE[names[0]]()
     if unknown := set(names) - set(sound.ROWS):
-        raise SystemExit(f"faults: what is {', '.join(unknown)}? Rows are {', '.join((*sound.ROWS, DRIFTS, LIES))}")
+        raise SystemExit(f"faults: what is {', '.join(unknown)}? Rows are {', '.join((*sound.ROWS, *ASIDE))}")
     found = measured([case for case in cases() if not names or case.row in names])
     return sound.tables({name: _row(found, name) for name in sound.ROWS}) if names else _all(found)
 
@@ -219,7 +222,7 @@ def _all(found: dict[Case, Outcome]) -> str:
         sound.tables({name: _row(found, name) for name in sound.ROWS}),
         *by_kind(found),
     ]
-    return "\n".join([*tables, drifts.table(WHEN, SEED), lies.table()])
+    return "\n".join([*tables, *(aside() for aside in ASIDE.values())])
 
 
 def _row(found: dict[Case, Outcome], row: str) -> list[Outcome]:

@@ -84,7 +84,7 @@ def _lying(run: Run, good: Recording, kind: str, at_s: float, rig: Rig) -> Recor
     return replace(good, channels=readings)
 
 
-def _valid(recording: Recording, track: Track, rig: Rig) -> Array:
+def valid(recording: Recording, track: Track, rig: Rig) -> Array:
     """At which ticks live sends the estimate as valid, (K,) bool."""
     tests, watch, valid = Alarms(rig), Watch(rig), np.zeros(len(recording), dtype=bool)
     for k, sample in enumerate(recording):
@@ -104,16 +104,16 @@ def found(run: str, at_s: float, machine: int, kind: str) -> Found:
     recording = _lying(simulated, good, kind, at_s, rig)
     track = replay(paper_rig.model(), rig, recording)
     now = (track.time_s >= at_s) & np.isfinite(track.elongation_um)
-    error, valid = abs(true_um - track.elongation_um), _valid(recording, track, rig) & now
-    lost = valid & (error > np.maximum(LOST_SD * track.sigma_um, LOST_UM))
+    error, sent = abs(true_um - track.elongation_um), valid(recording, track, rig) & now
+    lost = sent & (error > np.maximum(LOST_SD * track.sigma_um, LOST_UM))
     broken, own = (track.fault > Fault.JUDGED) & now[:, None], np.zeros(len(rig.names), dtype=bool)
     own[rig.index("displacement")] = kind in LENGTHS
     left_out_s, said_s = track.time_s[broken[:, own].any(axis=1)], [s for s, _ in disagreements(recording, rig)]
     said_s += track.time_s[np.flatnonzero(track.shift_mm)].tolist()
     told_s = left_out_s if kind in LENGTHS else said_s
     named_s = min((float(s) - at_s for s in told_s if s >= at_s), default=np.inf)
-    most, sent = (float(np.max(error[some], initial=0.0)) for some in (now, valid))
-    return Found(most, sent, longest(lost) * rig.tick_s, named_s, int(broken[:, ~own].any(axis=0).sum()))
+    most, trusted = (float(np.max(error[some], initial=0.0)) for some in (now, sent))
+    return Found(most, trusted, longest(lost) * rig.tick_s, named_s, int(broken[:, ~own].any(axis=0).sum()))
 
 
 def table() -> str:

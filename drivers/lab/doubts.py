@@ -10,6 +10,7 @@ import numpy as np
 from drivers.decode.condense import Readings
 from drivers.frames import Array, Tally
 from estimator.errors import InputError
+from estimator.faults.fault import POWER_ON_C
 from estimator.rig import Rig
 
 _KELVIN = (220.0, 480.0)  # what a machine has in K
@@ -60,7 +61,8 @@ def _perhaps(low: float, high: float) -> str:
 def hot(rig: Rig, read: Mapping[str, Readings], tally: Tally) -> None:
     """A note where all thermometers begin as hot as in degF, and the air too, or all alike: what is hot is not even."""
     signals = {**rig.channels, **rig.inputs}
-    first = {name: one.value[0] for name, one in read.items() if signals[name].unit == "degC" and len(one.value)}
+    known = {name: one.value[~np.isin(one.value, POWER_ON_C)] for name, one in read.items()}
+    first = {name: value[0] for name, value in known.items() if signals[name].unit == "degC" and len(value)}
     on_it = [value for name, value in first.items() if name in rig.thermometers]
     what, hot = (
         ("temperatures", [*first.values()]) if min(first.values(), default=0.0) > _HOT_C else ("thermometers", on_it)

@@ -110,7 +110,8 @@ class Replay:
         if self._posed is not None and self.trial is not None:
             T = len(self._posed.system.y)
             parted = (self.track.fault[-T:] == Fault.APART).any(axis=0)  # nobody knows since when
-            heard = self.track.fused[-T:] & (self.track.may_drift_K[-T:] == 0) & ~parted
+            drifted = np.maximum.accumulate(self.track.fault[-T:] == Fault.DRIFTING)  # and its zero may be any since
+            heard = self.track.fused[-T:] & (self.track.may_drift_K[-T:] == 0) & ~drifted & ~parted
             system = replace(self._posed.system, y=self._posed.system.y - self.trial.jumped, muted=~heard)
             elongation = len(system.H)  # the channel that is never read
             found = batch.smoothed(replace(self._posed, system=system).with_elongation(), channels=[elongation])

@@ -51,6 +51,12 @@ def test_temperatures_in_another_unit_are_said(tmp_path: Path, rig: Rig) -> None
     assert said == f"no thermometer was ever read: A is '{rows()[0][1]} ohm' in line 2, no number"
 
 
+def test_values_after_power_on_are_in_no_other_unit(tmp_path, rig):
+    wide = replace(rig, channels={name: replace(channel, hi=200.0) for name, channel in rig.channels.items()})
+    cells = [[r[0], "85.00", "85.00", r[3], "85.00"] if n < 2 else r for n, r in enumerate(rows())]
+    assert not any("degF" in note for note in read_recording(write(tmp_path / "a.csv", cells), wide).notes)
+
+
 def test_a_column_of_another_unit_that_rig_toml_calls_the_times_counts_seconds(tmp_path, rig):
     rig = replace(rig, log=replace(rig.log, time_column="Weg [mm]"))
     record = read_recording(write(tmp_path / "a.csv", rows(), ["Weg [mm]", *NAMES[1:]]), rig)

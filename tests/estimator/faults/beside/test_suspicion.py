@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 from functools import cache
 
@@ -134,6 +135,17 @@ def test_after_the_fact_what_may_drift_is_not_heard(found, usual):
     assert smoothed.sigma_um[-1] == pytest.approx(replayed.track.sigma_um[-1], rel=0.02)
     after = suspected(replayed.track)[0] + 1
     assert (abs(smoothed.elongation_um - usual.elongation_um)[after:] < 0.1).all()
+
+
+def test_after_the_fact_what_has_drifted_is_not_heard_again(found):
+    """Though it is taken back: its zero is another one."""
+    replayed = copy.copy(found(6.0)[1])
+    usual, track = replayed.smoothed(), replayed.track
+    back = np.flatnonzero(track.fault[:, ONE] == Fault.DRIFTING)[0] + 60
+    fault, fused = track.fault.copy(), track.fused.copy()
+    fault[back:, ONE], fused[back:, ONE] = Fault.NONE, True
+    replayed.track = replace(track, fault=fault, fused=fused)
+    np.testing.assert_array_equal(replayed.smoothed().elongation_um, usual.elongation_um)
 
 
 @pytest.mark.parametrize(("K_per_h", "said"), [(0.3, True), (6.0, False)], ids=["used", "left out"])
