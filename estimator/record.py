@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
 Array = NDArray[Any]  # float64, or whole numbers where it holds indices
 
 

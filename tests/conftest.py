@@ -35,9 +35,10 @@ from estimator.inputs.start import Start
 from estimator.model import Model, Value, model_of
 from estimator.network.forcing import Forcing
 from estimator.record import Array, Recording
-from estimator.rig import Channel, Nut, Rig, Screw, Signal
+from estimator.rig import Channel, Rig, Signal
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.screw import Nut, Screw
 from estimator.state import report
 from estimator.state.open_loop import OpenLoop
 from estimator.state.prior import BODY_SD_K

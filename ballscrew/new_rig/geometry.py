@@ -12,7 +12,7 @@ from ballscrew.new_rig.seen import Guess
 from ballscrew.new_rig.temperatures import THERMOMETER
 from ballscrew.new_rig.words import LEAD_MM
 from estimator.errors import SetupError
-from estimator.rig import Nut, Screw, Support
+from estimator.screw import Nut, Screw, Support
 
 FEWEST = 3  # thermometers that show a profile; fewer are each on a body of its own
 _SCREW_MM, _ROD_MM = 1000.0, 400.0  # from the first thermometer to the last

@@ -11,8 +11,9 @@ from ballscrew.new_rig.geometry import Geometry
 from ballscrew.new_rig.scan import ScanGuess
 from ballscrew.new_rig.seen import Guess
 from ballscrew.new_rig.temperatures import THERMOMETER
-from estimator.rig import Screw, Signal
+from estimator.rig import Signal
 from estimator.rig_log import Csv
+from estimator.screw import Screw
 
 HEAD = """A rig that `ballscrew init` made from {names}.
 Each line with "guessed" is one to look at; those of places, sizes and material no recording tells."""

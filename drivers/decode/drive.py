@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drivers.frames import Array, Index, Tally
-from estimator.rig import Rig, Screw
+from estimator.rig import Rig
+from estimator.screw import Screw
 
 AT_ONCE = 1024  # ticks, of which every sum over the cells takes 2 MB
 SOME, TOLD = 3, 0.7  # stretches of a tick that tell of a motion; of them those over which the position has moved

@@ -10,7 +10,7 @@ import numpy as np
 from drivers.decode.condense import Readings
 from drivers.frames import Array, Tally
 from estimator.errors import InputError
-from estimator.faults.fault import POWER_ON_C
+from estimator.record import POWER_ON_C
 from estimator.rig import Rig
 
 _KELVIN = (220.0, 480.0)  # what a machine has in K

@@ -12,7 +12,8 @@ import numpy as np
 from estimator.effect import Effect, Param
 from estimator.inputs.inputs import Inputs
 from estimator.record import Array
-from estimator.rig import Rig, Screw, Support
+from estimator.rig import Rig
+from estimator.screw import Screw, Support
 from estimator.terms import SCREW, Heat, Link, Store, Term
 
 SEATS = ("anchor_seat", "free_seat")

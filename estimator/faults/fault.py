@@ -9,9 +9,6 @@ import numpy as np
 
 from estimator.record import Array
 
-POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
-
-
 MINUTE_S, FORGOTTEN_S = 60.0, 1000.0  # of the thermometers' innovations
 
 MAY_DRIFT = "may drift"  # of a channel that is fused

@@ -8,7 +8,8 @@ import numpy as np
 
 from estimator.faults.fault import Fault, Spell, Suspicion
 from estimator.faults.use import NOT_MEASURED, ChannelUse, Jump, Use
-from estimator.rig import Bed, Rig
+from estimator.rig import Rig
+from estimator.screw import Bed
 
 FEW = 3  # channels that are named one by one
 GAPS = 0.01  # of the ticks, in which a thermometer is missing more often than the others: said

@@ -9,9 +9,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from estimator.faults.fault import ELSEWHERE, POWER_ON_C, Fault, Spell, Suspicion, spells, suspicions
+from estimator.faults.fault import ELSEWHERE, Fault, Spell, Suspicion, spells, suspicions
 from estimator.faults.travel import disagreements, too_slow
-from estimator.record import Array, Recording
+from estimator.record import POWER_ON_C, Array, Recording
 from estimator.rig import Rig
 from estimator.step import Track
 

@@ -12,11 +12,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from estimator.faults.fault import POWER_ON_C, Fault
+from estimator.faults.fault import Fault
 from estimator.faults.standstill import Standstill
 from estimator.faults.suspects import STUCK
 from estimator.inputs.start import Start
-from estimator.record import Array, Recording
+from estimator.record import POWER_ON_C, Array, Recording
 from estimator.rig import Rig
 
 SLOW = ("ambient", "base", "board", "probe", "bar", "nut", "anchor_bracket", "free_bracket")

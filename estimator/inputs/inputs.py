@@ -14,7 +14,8 @@ from estimator.inputs.gate import InputGate
 from estimator.inputs.motion import Motion, MotionReader
 from estimator.inputs.start import Start
 from estimator.record import Array, Recording, held
-from estimator.rig import Rig, Screw
+from estimator.rig import Rig
+from estimator.screw import Screw
 from estimator.terms import START
 
 TICKS = 2

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.faults.fault import POWER_ON_C
 from estimator.inputs.phase import turns
-from estimator.record import Array, Sample
+from estimator.record import POWER_ON_C, Array, Sample
 from estimator.rig import Rig
 
 UNIFORM_K = 0.1  # a rig whose thermometers agree so well at rest has been waiting long enough to be steady ...

@@ -8,8 +8,9 @@ from typing import Any
 
 from estimator.errors import SetupError
 from estimator.model import Prior, Value
-from estimator.rig import RAD_S, Bed, Channel, Nut, Rig, Screw, Signal, Support
+from estimator.rig import RAD_S, Channel, Rig, Signal
 from estimator.rig_log import Csv
+from estimator.screw import Bed, Nut, Screw, Support
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ import numpy as np
 
 from estimator.errors import nearest
 from estimator.network import mesh
-from estimator.rig import Bed, Rig, Screw
+from estimator.rig import Rig
 from estimator.rig_folder.bounds import COLDEST_C, TIME_UNITS, UNITS
+from estimator.screw import Bed, Screw
 
 THINNEST_MM, SHORTEST_MM = 0.1, 1.0
 CLOSEST_MM = 1e-3

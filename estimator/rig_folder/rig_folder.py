@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from estimator.errors import SetupError, nearest
-from estimator.rig import Bed, Channel, Nut, Rig, Screw, Signal, Support
+from estimator.rig import Channel, Rig, Signal
 from estimator.rig_folder import fields
 from estimator.rig_folder.bounds import BOUNDS, brief
 from estimator.rig_folder.contradictions import contradictions
 from estimator.rig_log import Log
+from estimator.screw import Bed, Nut, Screw, Support
 
 MOST = {"channels": 200, "inputs": 200, "supports": 20}  # tables of a kind
 ZERO_C_IN_K = 273.15

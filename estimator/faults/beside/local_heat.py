@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from estimator.record import Array
-from estimator.rig import Screw
+from estimator.screw import Screw
 
 HEAT_W = 10.0  # more than is left unsaid of a machine
 BEFORE_S = (100.0, 300.0, 1000.0)  # for how long it may have been there

@@ -22,7 +22,7 @@ from estimator.faults.beside.change import AS_IT_IS, SCALES, Change, Tested
 from estimator.faults.beside.local_heat import BEGINS, local_heats
 from estimator.faults.machine import Known
 from estimator.record import Array
-from estimator.rig import Screw
+from estimator.screw import Screw
 
 BLOCK_S = 10.0
 WINDOWS = (6, 14, 32, 62, 182, 362)  # blocks

@@ -14,7 +14,7 @@ from ballscrew.monitor.monitor import Moment
 from ballscrew.monitor.status import Status
 from estimator.alarms.alarms import Alarm
 from estimator.alarms.trust import Trust
-from estimator.rig import Bed
+from estimator.screw import Bed
 from estimator.step import Mode
 from tests.viz_fake import fake_run
 from viz.lanes import banner

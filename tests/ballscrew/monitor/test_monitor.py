@@ -17,7 +17,7 @@ from drivers.received import Received
 from drivers.recordings import read_recording
 from drivers.virtual_rig import simulate, write
 from estimator.batch.replay import replay
-from estimator.rig import Bed
+from estimator.screw import Bed
 from estimator.step import Mode
 from tests.live_fake import DRIVE, STATUS, TELEMETERS, Frames, changed, channel, dropped, rig_frames, since
 

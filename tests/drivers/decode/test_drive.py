@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from drivers.decode import drive
 from drivers.decode.drive import covered
 from drivers.recordings import read_recording
-from estimator.rig import Screw
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.screw import Screw
 from tests import log_fake
 
 RIG = load_rig(Path(__file__).parents[3] / "recordings")

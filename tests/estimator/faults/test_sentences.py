@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from estimator.faults.sentences import sentences
 from estimator.faults.use import Use
-from estimator.rig import Bed
+from estimator.screw import Bed
 
 
 def test_a_bed_that_nobody_read_leaves_no_error_at_the_table_and_that_is_said(rig):

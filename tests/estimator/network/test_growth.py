@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from estimator.effects.held import HeldEnds
 from estimator.network.growth import Growth
-from estimator.rig import Rig, Screw, Support
+from estimator.rig import Rig
+from estimator.screw import Screw, Support
 from estimator.terms import Expand, Hold
 
 STIFF = st.floats(10.0, 1e5)

@@ -14,8 +14,9 @@ from estimator.inputs.inputs import no_inputs
 from estimator.inputs.start import Start
 from estimator.network import assemble, mesh, regime
 from estimator.network.forcing import Forcing
-from estimator.rig import Channel, Nut, Rig, Screw, Signal
+from estimator.rig import Channel, Rig, Signal
 from estimator.rig_folder.model_toml import load_model
+from estimator.screw import Nut, Screw
 from estimator.state.open_loop import OpenLoop
 
 STEPS = 20  # of the fine integration in a tick

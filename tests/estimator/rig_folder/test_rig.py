@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from scipy import special
 
 from estimator.errors import SetupError
-from estimator.rig import Rig, Screw
+from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.screw import Screw
 
 SPACINGS = (72.5, 54.5, 144, 144, 144, 144, 84, 30, 30, 24, 18, 15.5, 20, 55.5)  # eq. (1), channel 1 to 15
 SMALL = 'name = "bar"\n[channels]\nA = { at_mm = 10.0 }\nB = { at_mm = 90.0 }\n'

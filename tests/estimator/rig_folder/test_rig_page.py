@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from estimator import model, rig, rig_log
+from estimator import model, rig, rig_log, screw
 from estimator.rig_folder.rig_folder import load_rig
 
 ROOT = Path(__file__).parents[3]
@@ -19,10 +19,10 @@ ROW = re.compile(r"^\| `(\w+)` \|([^|]*)\|([^|]*)\|([^|]*)\|$", re.MULTILINE)
 
 SECTIONS = {
     "### Top of the file": (rig.Rig, {"folder"}),
-    "### `[screw]`": (rig.Screw, set()),
-    "### `[nut]`": (rig.Nut, set()),
-    "### `[bed]`": (rig.Bed, set()),
-    "### `[supports]`": (rig.Support, set()),
+    "### `[screw]`": (screw.Screw, set()),
+    "### `[nut]`": (screw.Nut, set()),
+    "### `[bed]`": (screw.Bed, set()),
+    "### `[supports]`": (screw.Support, set()),
     "### `[channels]`": (rig.Channel, {f.name for f in dataclasses.fields(rig.Signal)}),
     "### A signal": (rig.Signal, set()),
     "### `[log]`": (rig_log.Log, set()),

@@ -14,7 +14,7 @@ from drivers.virtual_rig.machine.screw import ANCHOR_N_UM, FREE_N_UM
 from estimator.batch.replay import Replay
 from estimator.effects.held import HeldEnds
 from estimator.filter import Filter
-from estimator.rig import Bed
+from estimator.screw import Bed
 from estimator.state.view import UNSEEN_K_PER_H
 from tests.conftest import stepped
 
