@@ -4,7 +4,8 @@
     r      what neither doubtful parameters nor the other thermometers explain of it, with its sd (change.py)
 
 What may drift is believed all the same, and compared with what it read when the earliest of the windows began in which
-it was found, until a model that is as good as it says explains that again.
+it was found, until a model that is as good as it says explains that again, or the others show that it is heat which the
+model lacks.
 """
 
 from __future__ import annotations
@@ -93,9 +94,8 @@ class Neighbours:
             some = slice(k, min(k + self._length - block.ticks, K))
             machine = self._machine
             gone = self._windows.known.apart(seen.led[some], machine.share, machine.place_mm) & ~seen.astray[some]
-            apart = bool(gone.any()) and not (
-                self.may_drift_K.any() or self._windows.warm.any()
-            )  # of heat lengths tell
+            perhaps_heat = self.may_drift_K.any() or self._windows.warm.any()  # of which lengths tell
+            apart = bool(gone.any() and not perhaps_heat)
             some = slice(k, k + int(np.argmax(gone)) + 1) if apart else some
             block.difference += np.where(asked[some], seen.reading[some] - seen.alone[some], np.nan).sum(axis=0)
             block.alone += seen.alone[some].sum(axis=0)
@@ -136,6 +136,8 @@ class Neighbours:
         self._past.clear()
         self._last.clear()
         self._block = Block()
+        self._lacked.clear()
+        self.lacks_K[:] = 0.0
         for i in list(self._before):
             self._trust(i)
 
