@@ -28,6 +28,7 @@ import numpy as np
 from estimator.record import Array
 
 SCALES = np.geomspace(1.0, 128.0, 15)
+TINY_K = 1e-9
 AS_IT_IS = np.ones(1)  # the scale of a model that is as good as it says
 COLD, COLD_SDS = 0.6, 4.0  # share that is left, and in sd, without which it is no heat
 
@@ -137,7 +138,9 @@ class Change:
         some, others = np.append(rest, i), self.of(rest, scales)
         last = self.of(some, scales)
         value, sd, scale = (float(each[-1]) for each in vars(last).values())
-        return Tested(value, sd, scale, self._left(some, scale, self.heat[i][:, some]) / abs(value), rest, others)
+        return Tested(
+            value, sd, scale, self._left(some, scale, self.heat[i][:, some]) / max(abs(value), TINY_K), rest, others
+        )
 
     def _left(self, some: Array, scale: float, heat: Array) -> Array:
         """What the others do not explain of the last of some, with its sign, and the sd of that, (2, h) K, if heat may

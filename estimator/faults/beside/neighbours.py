@@ -78,6 +78,7 @@ class Neighbours:
         self._failed, self._times, self.departed_K = -1, 0, 0.0
         self.may_drift_K, self.since_s, self._blocks = np.zeros(m), np.full(m, np.nan), 0
         self.heated, self.lacks_K, self._lacked = np.zeros(m, dtype=bool), np.zeros(m), dict[int, Means]()
+        self._warm_to = np.full(m, -1)  # the block up to which such heat may be there, or have been in any window
         self._before: dict[int, Means] = {}  # those began to depart that are suspected
         self._block, self._astray = Block(), False
 
@@ -121,12 +122,13 @@ class Neighbours:
 
     def forget(self, i: int) -> None:
         """Channel i has another zero from now on."""
-        means = [*self._past, *self._before.values(), *self._lacked.values()]
+        means = [*self._past, *self._before.values()]
         for difference in [each.difference for each in means] + [block[0] for block in self._last]:
             difference[i] = np.nan
         self._block.difference = np.where(np.arange(len(self._alone)) == i, np.nan, self._block.difference)
         self._machine.forget(i)
         self._trust(i)
+        self._lacks_no_more(i)
 
     def forget_all(self, known: Known) -> None:
         """What has been seen says nothing any more: the model is another one, of which other parameters are known."""
@@ -136,8 +138,8 @@ class Neighbours:
         self._past.clear()
         self._last.clear()
         self._block = Block()
-        self._lacked.clear()
-        self.lacks_K[:] = 0.0
+        for i in list(self._lacked):
+            self._lacks_no_more(i)
         for i in list(self._before):
             self._trust(i)
 
@@ -184,16 +186,27 @@ class Neighbours:
                 self.may_drift_K[i] = tested.value
                 self.heated[i] = tested.is_heat
                 if tested.is_heat:
-                    self._lacked[i], self._windows.warm[i] = before, True
+                    self._lacked[i], self._warm_to[i] = before, self._blocks + WINDOWS[-1]
                 if tested.is_heat or abs(tested.value) <= USUAL * tested.sd:
                     self._trust(i)
 
     def _compare_heat(self) -> None:
         """By how much thermometers depart by heat that the model lacks."""
-        for i, before in self._lacked.items():
+        for i, before in list(self._lacked.items()):
             change, at = self._windows.change(before, self._past[-1])
             if i in at:
-                self.lacks_K[i] = self._tested(i, change, at).value
+                tested = self._tested(i, change, at)
+                self.lacks_K[i] = tested.value
+                if abs(tested.value) > USUAL * tested.sd:
+                    self._warm_to[i] = self._blocks + WINDOWS[-1]
+            if self._blocks > self._warm_to[i]:
+                self._lacks_no_more(i)
+        self._windows.warm = self._blocks <= self._warm_to
+
+    def _lacks_no_more(self, i: int) -> None:
+        """Nothing says any more that channel i reads heat that the model lacks."""
+        self._lacked.pop(i, None)
+        self.lacks_K[i] = 0.0
 
     def _tested(self, i: int, change: Change, at: Array) -> Tested:
         """Thermometer i by those that are not suspected, nor depart nearly as far: these may drift alike."""

@@ -100,6 +100,15 @@ def test_its_zero_is_what_it_was_and_live_says_so_as_well(track, chips, paper):
         np.testing.assert_allclose(found, batch, rtol=1e-9, atol=1e-9, err_msg=key)
 
 
+def test_of_a_thermometer_that_fails_nothing_says_any_more_that_it_reads_heat(chips, paper):
+    readings = chips[0].channels.copy()
+    readings[950:, ONE] -= 20.0
+    track = replay(paper[1], paper[0], replace(chips[0], channels=readings))
+    assert track.lacks_K[949, ONE] > 0.3
+    assert track.fault[-1, ONE] == Fault.JUMPED
+    assert track.lacks_K[-1, ONE] == 0.0
+
+
 @pytest.mark.parametrize("first", [ONE, 9], ids=lambda i: f"T{i + 1:02d}")
 def test_two_neighbours_that_drift_alike_are_suspected_and_lead_the_estimate_nowhere(first, strokes, paper):
     (rig, model), healthy = paper, strokes(2100)
