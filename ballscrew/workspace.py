@@ -21,6 +21,7 @@ from drivers.logs.truth import Truth, read_truth
 from drivers.recordings import find_recordings, read_joined, read_recording
 from estimator.battery.admitted import admit
 from estimator.errors import InputError, SetupError
+from estimator.inputs.untold import stretches
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
@@ -105,6 +106,22 @@ class Workspace:
             if (same := first.setdefault(one.recording.fingerprint, one)) is not one:
                 self.terminal.warn(f"{one.recording.name} is {same.recording.name} once more: used once")
         self.loaded = list(first.values())
+        self.part()
+
+    def part(self) -> None:
+        """Take recordings in the stretches in which it is known what was done, each as one of its own."""
+        self.loaded, self.held_out = self._parted(self.loaded), self._parted(self.held_out)
+
+    def _parted(self, loaded: Sequence[Loaded]) -> list[Loaded]:
+        found = []
+        for one in loaded:
+            parts = stretches(one.recording, self.rig)
+            if parts[0] is not one.recording:
+                spans = " and ".join(f"{part.time_s[0]:.0f} to {part.time_s[-1]:.0f} s" for part in parts)
+                lost = "the drive was not told" if "speed" in self.rig.inputs else "nothing was read"
+                self.terminal.warn(f"{one.recording.name}: {lost} for long; used from {spans}, from a start of its own")
+            found += [Loaded(one.path, part) for part in parts]
+        return found
 
     def read_besides(self, logs: Sequence[Path]) -> list[Loaded]:
         """More recordings of the same machine, of which at least one must be of use."""
@@ -134,11 +151,13 @@ class Workspace:
     def truth_of(self, one: Loaded) -> Array | None:
         """True elongation at the ticks, (K,) um; a malformed truth file is reported, and the readings serve instead."""
         try:
-            return one.truth.at(one.recording.time_s) if one.truth else None
+            true_um = one.truth.at(one.recording.time_s) if one.truth else None
         except InputError as error:
             self.fail(error)
             one.truth = None
             return None
+        from_start = one.recording.part_of and self.rig.zero_C is None
+        return true_um - true_um[0] if true_um is not None and from_start else true_um
 
 
 def open_workspace(

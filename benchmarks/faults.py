@@ -62,8 +62,8 @@ def cases() -> Iterator[Case]:
     seven = [rig.index(name) for name in rig.subset_7]
     for seven_only, channels in (("", heat), (SEVEN, seven)):
         for when, (run, at_s) in WHEN.items():
-            for kind in (*FAILURES, "swapped"):
-                for n, i in enumerate(channels):
+            for n, i in enumerate(channels):  # one after the other: they are held against the same muted run
+                for kind in (*FAILURES, "swapped"):
                     both = (i, channels[(n + len(channels) // 3) % len(channels)]) if kind == "swapped" else (i,)
                     yield Case(f"{seven_only}{when}", run, at_s, kind, both, SEED)
     for name in SLOW:
@@ -187,7 +187,7 @@ def measured(some: Sequence[Case]) -> dict[Case, Outcome]:
         found = {line["case"]: Outcome(**line["outcome"]) for line in lines if line["commit"] == of}
     todo = [case for case in some if case.key not in found]
     with ProcessPoolExecutor(os.cpu_count()) as workers, LINES.open("a") as file:
-        for n, (case, outcome) in enumerate(zip(todo, workers.map(study, todo, chunksize=5))):
+        for n, (case, outcome) in enumerate(zip(todo, workers.map(study, todo, chunksize=len(FAILURES) + 1))):
             found[case.key] = outcome
             file.write(json.dumps({"commit": of, "case": case.key, "outcome": asdict(outcome)}) + "\n")
             file.flush()

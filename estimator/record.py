@@ -54,7 +54,7 @@ class Recording:
 
     Fields as in Sample with a leading axis K. `skipped` counts what was not used, by reason; `notes` are sentences
     about torn ends, clock jumps and the like, with place. `began_s`: when time_s is 0, s since 1970; None where the
-    log's clock tells no date.
+    log's clock tells no date. `part_of`: fingerprint of the recording that these ticks are a stretch of, "": of none.
     """
 
     name: str
@@ -72,6 +72,7 @@ class Recording:
     pace: Array = field(default_factory=lambda: np.full(1, np.nan))
     slip_mm: Array = field(default_factory=lambda: np.full(1, np.nan))
     began_s: float | None = None
+    part_of: str = ""
 
     def __post_init__(self) -> None:
         for name, usual in (("unevenness", 1.0), ("apart_s", 0.0), ("pace", math.nan), ("slip_mm", math.nan)):
@@ -83,8 +84,8 @@ class Recording:
 
     @cached_property
     def fingerprint(self) -> str:
-        """Short hash of what was measured: tells a recording again whatever its file is called."""
-        return hashlib.sha256(self.channels.tobytes() + self.time_s.tobytes()).hexdigest()[:12]
+        """Short hash of what was measured: tells a recording again whatever its file is called, and by a part of it."""
+        return self.part_of or hashlib.sha256(self.channels.tobytes() + self.time_s.tobytes()).hexdigest()[:12]
 
     def rows(self, which: slice) -> Recording:
         """Some of the ticks, in order."""

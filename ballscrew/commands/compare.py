@@ -40,6 +40,7 @@ def command(
     work = open_workspace(terminal, logs, rig_path, first)
     models = [work.model, *(open_model(work.rig, path, terminal) for path in others)]
     work.read()
+    work.part()
     terminal.say_if_compiling("passes", "ahead")
     truths, comparisons = [work.truth_of(one) for one in work.loaded], []
     with work.runs("comparing", len(models)) as runs:

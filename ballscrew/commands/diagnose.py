@@ -28,6 +28,7 @@ def command(work: Workspace, join: bool, rrd: Path | None, workers: int | None) 
     run is told with its time. Nothing is fitted.
     """
     work.read(join=join)
+    work.part()
     work.terminal.say_if_compiling("passes", "ahead")
     with work.runs("diagnosing", processes=workers) as runs:
         diagnosis = diagnose(work.model, runs)

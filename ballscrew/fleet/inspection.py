@@ -71,7 +71,9 @@ def _inspected(work: Workspace, folder: Path, search: bool) -> Inspection:
     seen = EVERYTHING.reviewed(work)
     if seen is None:
         return Inspection(str(folder), failed=work.failed, error="; ".join(work.failed))
-    runs = Runs(work.rig, [one.recording for one in seen.loaded])
+    work.loaded = list(seen.loaded)
+    work.part()
+    runs = Runs(work.rig, work.recordings)
     figures = review_report.as_json(seen.reviews, seen.fitted, seen.seconds)
     nis = [review.nis_mean for review in seen.reviews]
     diagnosis = diagnose(work.model, runs)

@@ -9,6 +9,7 @@ import numpy as np
 from estimator.accuracy.machine import LIMIT_SD
 from estimator.accuracy.review import Review, overall
 from estimator.faults.sentences import place_of
+from estimator.inputs.untold import gaps_s
 from estimator.rig import Rig
 
 LOUD = 4.0  # a NIS from which on readings are more than twice as far off as the filter expects
@@ -17,8 +18,11 @@ ALONE, OTHERS = 9.0, 3.0  # that of one channel, and so many times that of most 
 
 def doubts(reviews: Sequence[Review], rig: Rig) -> list[str]:
     """What a NIS far above 1 comes from; and that the model fails, where no sensor is to blame, nor another machine."""
-    said = [f"{r.recording.name}: {sentence}" for r in reviews if (sentence := _loud(r, rig))]
-    return said + _worse([one for one in reviews if not (one.use.suspects or loudest(one) or one.off_sd > LIMIT_SD)])
+    untold = {r.recording.name: gaps for r in reviews if (gaps := gaps_s(r.recording, rig))}
+    said = [f"{name}: {_untold(gaps, rig)}" for name, gaps in untold.items()]
+    others = [r for r in reviews if r.recording.name not in untold]
+    said += [f"{r.recording.name}: {sentence}" for r in others if (sentence := _loud(r, rig))]
+    return said + _worse([one for one in others if not (one.use.suspects or loudest(one) or one.off_sd > LIMIT_SD)])
 
 
 def loudest(review: Review) -> str:
@@ -26,6 +30,13 @@ def loudest(review: Review) -> str:
     nis = {name: value for name, value in review.nis_of.items() if np.isfinite(value)}
     most = max(nis, key=lambda name: nis[name], default="")
     return most if most and nis[most] > max(ALONE, OTHERS * float(np.median(list(nis.values())))) else ""
+
+
+def _untold(gaps: Sequence[tuple[float, float]], rig: Rig) -> str:
+    """Said where the model alone cannot be right."""
+    spans = ", ".join(f"{begin:.0f} to {end:.0f} s" for begin, end in gaps)
+    what = "the drive was not told" if "speed" in rig.inputs else "nothing was read"
+    return f"{what} from {spans}: what the machine did then is not known, and the model alone is off from there on"
 
 
 def _loud(review: Review, rig: Rig) -> str:

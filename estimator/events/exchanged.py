@@ -29,7 +29,8 @@ def exchanged(read: AsRead) -> Iterator[Event]:
 
 def _pairs(off: Array, alone: Array, channels: Array) -> Iterator[tuple[int, int]]:
     """Of channels that fit each other's place far better than their own, the best pairs first, each channel once."""
-    own = np.nanmean(off**2, axis=0)
+    read = np.isfinite(off)
+    own = np.where(read, off**2, 0.0).sum(axis=0) / np.maximum(read.sum(axis=0), 1)
     found = []
     for one, other in combinations(channels.tolist(), 2):
         apart = alone[:, one] - alone[:, other]

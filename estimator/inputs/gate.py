@@ -16,6 +16,7 @@ from estimator.faults.fault import Fault
 from estimator.faults.standstill import Standstill
 from estimator.faults.suspects import STUCK
 from estimator.inputs.start import Start
+from estimator.inputs.untold import UNTOLD_S
 from estimator.record import POWER_ON_C, Array, Recording
 from estimator.rig import Rig
 
@@ -29,19 +30,22 @@ TICKS = 8.0  # over which level and scatter are learnt
 
 class Level:
     """Where one slow temperature is, by the readings that were taken; numbers one by one, for arrays of a tick cost
-    twenty times as much."""
+    twenty times as much. After so many ticks without a reading, `forgets`, it may be anywhere."""
 
-    def __init__(self, least_K: float) -> None:
+    def __init__(self, least_K: float, forgets: float) -> None:
         self._least, self._value, self._last, self._variance = least_K, math.nan, math.nan, 0.0
+        self._forgets, self._missed = forgets, 0
 
     def jumped(self, readings: Sequence[float], at_first: Sequence[bool]) -> list[bool]:
         """Which of the next readings, NaN: none, are refused, and would be `at_first`; the others are learnt."""
-        return [
-            math.isfinite(now) and self._refused(now, unlike) for now, unlike in zip(readings, at_first, strict=True)
-        ]
+        return [self._refused(now, unlike) for now, unlike in zip(readings, at_first, strict=True)]
 
     def _refused(self, now: float, unlike: bool) -> bool:
-        if math.isnan(self._value):
+        if not math.isfinite(now):
+            self._missed += 1
+            return False
+        gone, self._missed = self._missed > self._forgets, 0
+        if gone or math.isnan(self._value):
             if not unlike:
                 self._value = self._last = now
             return unlike
@@ -63,7 +67,8 @@ class InputGate:
     def __init__(self, rig: Rig, start: Start) -> None:
         self._names, self._start = list(rig.inputs), start
         self._slow, p = np.array([slow(name, rig) for name in self._names], dtype=bool), len(self._names)
-        self._levels = [Level(LEAST_K + LEAST_K_S * rig.tick_s) for _ in self._names]
+        least_K, forgets = LEAST_K + LEAST_K_S * rig.tick_s, UNTOLD_S / rig.tick_s
+        self._levels = [Level(least_K, forgets) for _ in self._names]
         self.fault = np.zeros(p, dtype=np.int8)
         self._standstill = Standstill(np.ones(p, dtype=bool))
 

@@ -16,6 +16,7 @@ import numpy as np
 from estimator.faults.travel import Travel
 from estimator.inputs.inputs import InputReader, Inputs, no_inputs, nothing
 from estimator.inputs.start import Start
+from estimator.inputs.untold import Untold
 from estimator.model import Model
 from estimator.network import assemble
 from estimator.network.check import checked_terms
@@ -100,6 +101,7 @@ class Forcing:
         self._reader: InputReader = like._reader if like else InputReader(rig, start)
         self._regimes: Regimes = like._regimes if like else Regimes(rig.tick_s, forgets=keep is not None)
         self._travel: Travel = like._travel if like else Travel(rig)
+        self._untold: Untold = like._untold if like else Untold(rig)
         self._keep = keep
         self._solved: dict[int, Solved] = {}
         self._sound = Sound(model, rig)
@@ -149,8 +151,8 @@ class Forcing:
     def read(self, chunk: Recording) -> Drive:
         """Inputs and regimes of a chunk, whatever the model; call in order of time."""
         u, regime, astray = self._reader.read(chunk), [], []
-        unknown = np.isnan(chunk.omega) & ("speed" in self.rig.inputs)
-        for sample, w, coverage, lost in zip(chunk, u.omega[:, 0], u.coverage, unknown, strict=True):
+        unseen = self._untold.unseen(chunk)
+        for sample, w, coverage, lost in zip(chunk, u.omega[:, 0], u.coverage, unseen, strict=True):
             self._travel.step(sample)
             regime.append(self._regimes.index(float(w), coverage, bool(lost or self._travel.why)))
             astray.append(self._travel.astray)

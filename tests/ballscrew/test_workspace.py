@@ -27,6 +27,23 @@ def test_without_a_rig_file_above_the_built_in_rig_is_used_and_named(short_log):
     assert "using the built-in rig, the paper's ball screw" in out
 
 
+def test_what_comes_after_a_long_gap_is_judged_from_a_start_of_its_own(tmp_path):
+    shutil.copytree(ROD, tmp_path / "rod")
+    log = tmp_path / "rod" / "check.csv"
+    head, *rows = log.read_text().splitlines()
+    log.write_text("\n".join([head, *rows[:300], *rows[540:]]))  # the heater is switched off meanwhile
+    status, out, err = run("diagnose", log, "--json", said := tmp_path / "said.json")
+    assert status == 0
+    assert (
+        "check.csv: nothing was read for long; used from 0 to 1495 s and 2700 to 3895 s, from a start of" in out + err
+    )
+    assert json.loads(said.read_text())["adequate"]
+    status, out, _ = run("review", log, "--json", said)
+    assert "check.csv: nothing was read from 1495 to 2700 s: what the machine did then is not known" in out
+    (review,) = json.loads(said.read_text())["recordings"]
+    assert review["nis_mean"] < 1.5
+
+
 @pytest.mark.parametrize("option", ["--json", "--save"])
 def test_an_output_that_cannot_be_written_is_told_before_the_work(option, short_folder):
     (blocked := short_folder / "out.json").mkdir()

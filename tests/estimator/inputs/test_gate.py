@@ -55,6 +55,15 @@ def test_ticks_may_come_in_any_portions(portion, small, run):
     assert gate.fault.tolist() == whole[1][-1].tolist()
 
 
+def test_after_a_long_silence_an_input_may_be_anywhere(small, run):
+    air = run.inputs["ambient"].copy()
+    air[40 : 40 + 62], air[40 + 62 :] = np.nan, air[40 + 62 :] + 2.0
+    i = list(small.inputs).index("ambient")
+    passed, fault = InputGate(small, START).passed(replace(run, inputs={**run.inputs, "ambient": air}))
+    assert (fault[:, i] == Fault.NONE).all()
+    np.testing.assert_array_equal(passed[:, i], air)
+
+
 def test_an_air_conditioning_that_takes_half_a_minute_is_believed(small, run):
     air = run.inputs["ambient"] + np.interp(np.arange(TICKS), [AT, AT + 30], [0.0, 3.0])
     passed, fault = InputGate(small, START).passed(replace(run, inputs={**run.inputs, "ambient": air}))
