@@ -54,10 +54,14 @@ class Ticks:
 
 
 def at_the_pace(name: str, closed: Array, tick_s: float) -> None:
-    """Closing messages, (n,) s, that come far faster or slower than ticks have stamps in another unit: InputError."""
+    """Closing messages, (n,) s, that come far faster or slower than ticks have stamps in another unit: InputError.
+
+    On the median and on the mean: a gateway may send each of them twice, a log may have gaps.
+    """
     steps = np.diff(closed)
     usual = float(np.median(steps[steps > 0])) if (steps > 0).sum() > _FEW else tick_s
-    if not 1 / _OTHER_UNIT < usual / tick_s < _OTHER_UNIT:
+    paces = np.array([usual, steps.mean() if len(steps) > _FEW else tick_s]) / tick_s
+    if not ((paces > 1 / _OTHER_UNIT) & (paces < _OTHER_UNIT)).any():
         raise InputError(
             f"{name}: the message that closes a tick comes each {usual:.3g} s, rig.toml's tick_s is {tick_s:g}: "
             "its times count something else than seconds; export them as seconds"

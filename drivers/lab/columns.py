@@ -64,7 +64,7 @@ def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
     if not any(name in of for name in rig.channels):
         free = [name for name in sheet.names if name not in names.values()]
         near = next(((found, names[name]) for name in rig.channels if (found := nearest_name(names[name], free))), None)
-        hint = f"; is '{near[0]}' {near[1]}?" if near else ""
+        hint = f"; is '{near[0]}' {near[1]}?" if near else _layout(sheet, {*names.values()})
         raise InputError(
             f"{sheet.path}: no column of any channel; expected {some(names.values())}, found {_found(sheet)}{hint}"
         )
@@ -80,6 +80,16 @@ def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
     for name in sorted({*free}):
         tally.skip(f"column not in the rig file {name[:40]}")
     return columns
+
+
+def _layout(sheet: Sheet, names: set[str]) -> str:
+    """What else a sheet without a known name is."""
+    if any(sheet.names) and all(is_numeric(name) for name in sheet.names if name):
+        return "; its first line holds numbers: write a line of names above it"
+    for k, name in enumerate(sheet.names):
+        if names & {*sheet.column(k)}:
+            return f"; a row for each reading, by '{name}': write a column for each instead"
+    return ""
 
 
 def _times(sheet: Sheet, name: str, taken: set[int]) -> tuple[int, ...]:

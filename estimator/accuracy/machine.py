@@ -27,6 +27,7 @@ from estimator.batch.trial import Posed, Trial
 from estimator.batch.trials import slowed
 from estimator.faults.use import Use
 from estimator.model import Model
+from estimator.network.check import asks_for
 from estimator.record import Array
 
 CHANCE = 0.05  # that a model of this machine is taken for another's
@@ -58,9 +59,11 @@ class Match:
 def off_sd(model: Model, trial: Trial, use: Use) -> float:
     """Root of the mean square of what the model alone is off by, in its own sd, of the median thermometer.
 
-    NaN where an input was broken, for by wrong inputs every model is off; or where next to nothing was recorded.
+    NaN where an input was broken or missing, for by wrong inputs every model is off; or where next to nothing was
+    recorded.
     """
-    if use.inputs or use.silent or use.travel or len(trial.rest) < 2 * serves(trial.rig):
+    unknown = any(asks_for(model, trial.rig, name) for name in use.never)
+    if unknown or use.inputs or use.silent or use.travel or len(trial.rest) < 2 * serves(trial.rig):
         return float("nan")
     slow = slowed(trial, model)
     posed = slow.pose(model)

@@ -31,8 +31,10 @@ def _told(use: Use, rig: Rig) -> Iterator[str]:
     if use.again:
         yield f"begun again at {use.begun_s:.0f} s: what was read before were no temperatures"
     for name in use.never:
-        held = "the screw's temperature at the start" if rig.inputs[name].unit == "degC" else "0"
-        yield f"input {name} was never read: {held} stands for it"
+        slow = rig.inputs[name].unit == "degC"
+        held = "the screw's temperature at the start" if slow else "0"
+        doing = "" if slow else "; if it was not 0, thermometers may be accused of what it does"
+        yield f"input {name} was never read: {held} stands for it{doing}"
         if rig.bed and rig.bed.input == name:
             yield bed_unread(rig.bed)
     for one in use.suspects:

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimator.errors import nearest
-from estimator.inputs.inputs import Inputs
+from estimator.errors import SetupError, nearest
+from estimator.inputs.inputs import Inputs, nothing
 from estimator.inputs.motion import Motion
 from estimator.model import Model
 from estimator.network.sound import Sound
@@ -34,6 +34,17 @@ def checked_terms(model: Model, u: Inputs, rig: Rig, sound: Sound | None = None)
     for name, problem in _together(by_effect, stored):
         raise model.error(name, problem)
     return [term for terms in by_effect.values() for term in terms]
+
+
+def asks_for(model: Model, rig: Rig, name: str) -> bool:
+    """Whether an effect makes its heat or readings of this input: not one that is a boundary only."""
+    u = nothing(rig)
+    without = replace(u, values={other: column for other, column in u.values.items() if other != name})
+    try:
+        list(model.terms(without, rig))
+    except SetupError:
+        return True
+    return False
 
 
 def _together(by_effect: Mapping[str, Sequence[Term]], stored: set[str]) -> Iterator[tuple[str, str]]:

@@ -96,7 +96,8 @@ def test_an_input_that_was_never_read_is_said_first(tmp_path):
     status, out, _ = run("review", log)
     assert status == 0
     told = [line for line in out.splitlines() if line.startswith("steps.csv: ")]
-    assert told[1] == "steps.csv: input heater was never read: 0 stands for it"
+    doing = "if it was not 0, thermometers may be accused of what it does"
+    assert told[1] == f"steps.csv: input heater was never read: 0 stands for it; {doing}"
     assert json.loads(run("review", log, "--json")[1])["recordings"][0]["inputs_never_read"] == ["heater"]
 
 

@@ -174,6 +174,16 @@ def test_parts_of_a_log_that_overlap_are_read_once(tmp_path: Path, turned: bool,
     assert any(note.endswith("frames are there twice: read once") for note in record.notes)
 
 
+def test_frames_that_a_gateway_sends_twice_close_their_tick_once(tmp_path: Path) -> None:
+    rows = log_fake.log(40)
+    again = [each for row in rows for each in (row, row._replace(time=row.time + 7e-4))]
+    record = read_recording(log_fake.write(tmp_path / "a.log", again), RIG)
+    same = read_recording(log_fake.write(tmp_path / "b.log", rows), RIG)
+    np.testing.assert_allclose(record.time_s, same.time_s, atol=1e-3)
+    np.testing.assert_array_equal(record.channels, same.channels)
+    assert record.skipped["closing message too soon (used)"] == len(same)
+
+
 @pytest.mark.parametrize("times", [1e-3, 1e3])
 def test_stamps_that_count_something_else_than_seconds_are_refused(tmp_path: Path, times: float) -> None:
     rows = log_fake.log(40)

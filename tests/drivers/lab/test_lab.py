@@ -141,6 +141,9 @@ def test_a_csv_that_is_none(tmp_path: Path, rod: Rig) -> None:
             read_recording(tmp_path / "a.csv", rod)
         return str(error.value).removeprefix(f"{tmp_path / 'a.csv'}: ")
 
+    assert complaint("0,20,1\n1,20,1\n").endswith("; its first line holds numbers: write a line of names above it")
+    rows = "t,what,value\n" + "".join(f"{k},{name},2{k}\n" for k in range(3) for name in ("left", "ambient"))
+    assert complaint(rows).endswith("; a row for each reading, by 'what': write a column for each instead")
     assert complaint("") == "no column of any channel; expected left, B, P/kW, ambient, found empty"
     assert (
         complaint("time,left\n1,2\n")

@@ -10,10 +10,22 @@ from estimator.effect import Effect, Param
 from estimator.errors import SetupError
 from estimator.inputs.start import Start
 from estimator.model import model_of
+from estimator.network.check import asks_for
 from estimator.network.forcing import Forcing
 from estimator.terms import Chain, Heat, Lag, Link, Read, Store
 
 START = Start(22.0, 0.0, {})
+
+
+def test_a_model_asks_for_what_it_does_nothing_without(small, small_model):
+    class Warmer(Effect):
+        """Heats the nut with what is told: q = P."""
+
+        def terms(self, p, u, rig):
+            yield Heat("nut", u["position"])
+
+    assert asks_for(small_model + Warmer, small, "position")
+    assert not asks_for(small_model, small, "position")
 
 
 def cup_and(*terms) -> type[Effect]:
