@@ -104,21 +104,21 @@ def refined(
     paths = tuple(dict.fromkeys([*ground.paths, *own]))
     seen = partial(_panel, trials, paths, ground.belief(wider, paths))
     best, slopes_at = wider.with_values(first), ground.model
+    panel = seen(slopes_at, best)
     for _ in range(ROUNDS):
-        best = _walked(best, partial(seen, slopes_at), trials[0].rig)
+        best = _walked(best, panel, partial(seen, slopes_at), trials[0].rig)
         panel, slopes_at = seen(best, best), best
         if panel.promise < DONE:
             break
     return Hypothesis(tuple(each.name for each in added), ground, best, paths, panel.judge(), panel.told)
 
 
-def _walked(model: Model, seen: Callable[[Model], Panel], rig: Rig) -> Model:
-    """The model after steps, as long as they gain."""
-    panel = seen(model)
+def _walked(model: Model, panel: Panel, seen: Callable[[Model], Panel], rig: Rig) -> Model:
+    """The model after steps, as long as they gain, or promise to."""
     for _ in range(STEPS if panel.columns else 0):
         before = panel.cost
         model, panel = _step(model, panel, seen, rig)
-        if 1.0 - panel.cost / before < DONE:
+        if 1.0 - panel.cost / before < DONE or panel.promise < DONE:
             break
     return model
 

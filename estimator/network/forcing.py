@@ -104,6 +104,7 @@ class Forcing:
         self._untold: Untold = like._untold if like else Untold(rig)
         self._keep = keep
         self._solved: dict[int, Solved] = {}
+        self._latest: Forcing | None = None
         self._sound = Sound(model, rig)
         self.nothing: Inputs = like.nothing if like else nothing(rig)
         checked = like is not None and not model.use and _kinds(like.model) == _kinds(model)
@@ -116,8 +117,10 @@ class Forcing:
         self.readings = assemble.readings(self.terms, rig, self.place)
 
     def with_model(self, model: Model) -> Forcing:
-        """The same inputs and regimes under another model of the same structure."""
-        return Forcing(model, self.rig, self.start, keep=self._keep, like=self)
+        """The same inputs and regimes under another model. What was checked of its kind stands while it is the last."""
+        known = self._latest if self._latest and _kinds(self._latest.model) == _kinds(model) else self
+        self._latest = Forcing(model, self.rig, self.start, keep=self._keep, like=known)
+        return self._latest
 
     @property
     def input_fault(self) -> Array:
