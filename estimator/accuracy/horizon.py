@@ -15,7 +15,7 @@ from estimator.accuracy.noise_floor import Error
 from estimator.accuracy.reference import grown
 from estimator.batch import batch
 from estimator.batch.open_loop import open_loop_misfit
-from estimator.batch.trial import Posed, Trial
+from estimator.batch.trial import Posed, Trial, with_elongation
 from estimator.batch.trials import Trials
 from estimator.inputs.phase import phase_of
 from estimator.model import Model
@@ -67,7 +67,7 @@ def horizons(trial: Trial, model: Model, truth: Array | None = None) -> Horizons
     """All three predictions of one model on one recording; `truth`: (K,) true elongation at its ticks, um."""
     posed = trial.pose(model)
     system = posed.system
-    long = posed.with_elongation()
+    long = with_elongation(posed.system, posed.state)
     y = np.where(trial.muted, np.nan, system.y)
     told = np.cumsum(np.isfinite(y), axis=0)
     told[:, [i for i in range(y.shape[1]) if i not in trial.unread_zeros]] += 1

@@ -21,7 +21,7 @@ from estimator.batch.kernels import Compared, Data, Slopes, Smooth, States
 from estimator.batch.system import Chunk, Score, Smoothed, System
 from estimator.record import Array
 
-BUDGET = 60_000_000  # bytes for what is kept of each tick until the way back
+BUDGET = 20_000_000  # bytes for what is kept of each tick until the way back
 NEAR = 2_000_000  # bytes that stay close to the processor, for what is used up at once
 
 
@@ -87,14 +87,32 @@ def smoothed(system: System, covariances: bool = False, channels: Sequence[int] 
 
     channels  (k,) of which the smoothed reading is wanted
     """
-    (T, n), which = system.b.shape, np.array(channels, dtype=np.int64)
-    cov, k = np.empty((T if covariances else 0, n, n)), len(which)
+    (T, n), k = system.b.shape, len(channels)
+    cov = np.empty((T if covariances else 0, n, n))
     result = Smoothed(np.empty((T, n)), np.empty((T, n)), cov, np.empty((T, k)), np.empty((T, k)))
+    _smooth(system, channels, lambda ticks: Smooth(*(a[ticks] for a in vars(result).values())))
+    return result
+
+
+def smoothed_reading(system: System, channel: int) -> tuple[Array, Array]:
+    """The smoothed reading of one channel alone, (T,), and its variance: the states of a day would fill 60 MB."""
+    T, n = system.b.shape
+    reading, none = np.empty((2, T, 1)), np.empty((0, n, n))
+
+    def room(ticks: slice) -> Smooth:
+        x, var = np.empty((2, ticks.stop - ticks.start, n))
+        return Smooth(x, var, none, reading[0, ticks], reading[1, ticks])
+
+    _smooth(system, [channel], room)
+    return reading[0, :, 0], reading[1, :, 0]
+
+
+def _smooth(system: System, channels: Sequence[int], room: Callable[[slice], Smooth]) -> None:
+    """Fill the room for each chunk, from the last to the first."""
+    n, which = len(system.x0), np.array(channels, dtype=np.int64)
     r, N = np.zeros(n), np.zeros((n, n))
     for ticks, states, _ in _backwards(system):
-        out = Smooth(*(a[ticks] for a in vars(result).values()))
-        kernels.smooth(system.model, _part(system.data, ticks), which, states, r, N, out)
-    return result
+        kernels.smooth(system.model, _part(system.data, ticks), which, states, r, N, room(ticks))
 
 
 def score(system: System, rows: Array | None = None) -> Score:

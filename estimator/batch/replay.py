@@ -12,8 +12,8 @@ import numpy as np
 
 from estimator.batch import batch
 from estimator.batch.judged import Judged, gains
-from estimator.batch.system import Chunk
-from estimator.batch.trial import Posed, Trial
+from estimator.batch.system import Chunk, System
+from estimator.batch.trial import Posed, Trial, with_elongation
 from estimator.faults.fault import Fault
 from estimator.model import Model
 from estimator.record import Array, Recording
@@ -23,6 +23,7 @@ from estimator.state.gate import Mute, unmuted
 from estimator.state.moves import Doubtful, Moves
 from estimator.state.report import Estimates, Reporter
 from estimator.state.run import Run, begin
+from estimator.state.state import State
 from estimator.step import TableErrors, Track
 
 ROWS = 2048  # ticks whose profiles are worked out at a time
@@ -58,7 +59,7 @@ class Replay:
         table_mm: Sequence[float] = (),
     ) -> None:  # fmt: skip
         self._model, self._rig, self._recording, self._mute = model, rig, recording, mute or unmuted(rig)
-        self._posed: Posed | None = None
+        self._solved: tuple[System, State] | None = None
         self._doubt_um2 = list[Array]()
         self.run: Run | None = None
         self.trial: Trial | None = None
@@ -71,7 +72,7 @@ class Replay:
         """The recording, some ticks at a time."""
         at, recording = 0, self._recording
         while at < len(recording):
-            run, self.trial, self._posed = begin(self._model, self._rig, recording, self._mute, since=at), None, None
+            run, self.trial, self._solved = begin(self._model, self._rig, recording, self._mute, since=at), None, None
             first = len(recording) if run is None else run.tick
             yield Track.waiting(self._rig.names, recording.rows(slice(at, first)))
             self._table.append(TableErrors.waiting(self._at_mm, first - at))
@@ -90,7 +91,7 @@ class Replay:
             return
         trial = Trial(self._model, self._rig, self._recording, self._mute, gated=False, since=at)
         posed = trial.pose(self._model)
-        self.trial, self._posed, self._doubt_um2 = trial, posed, []
+        self.trial, self._solved, self._doubt_um2 = trial, (posed.system, posed.state), []
         doubt = trial.doubt(posed)
         for part in trial.filtered(posed, doubt):
             trial.take(part, posed.system)
@@ -107,18 +108,19 @@ class Replay:
         Nothing for less than two ticks.
         """
         um, sigma = np.full((2, len(self.track)), np.nan)
-        if self._posed is not None and self.trial is not None:
-            T = len(self._posed.system.y)
+        if self._solved is not None and self.trial is not None:
+            system, state = self._solved
+            T = len(system.y)
             parted = (self.track.fault[-T:] == Fault.APART).any(axis=0)  # nobody knows since when
             drifted = np.maximum.accumulate(self.track.fault[-T:] == Fault.DRIFTING)  # and its zero may be any since
             heard = self.track.fused[-T:] & (self.track.may_drift_K[-T:] == 0) & ~drifted & ~parted
-            system = replace(self._posed.system, y=self._posed.system.y - self.trial.jumped, muted=~heard)
+            system = replace(system, y=system.y - self.trial.jumped, muted=~heard)
             elongation = len(system.H)  # the channel that is never read
-            found = batch.smoothed(replace(self._posed, system=system).with_elongation(), channels=[elongation])
+            reading, var = batch.smoothed_reading(with_elongation(system, state), elongation)
             grows = np.isfinite(self.track.elongation_um[-T:])
-            um[-T:] = np.where(grows, found.reading[:, 0], np.nan)
+            um[-T:] = np.where(grows, reading, np.nan)
             doubt_um2 = np.concatenate(self._doubt_um2)  # no reading makes a parameter better known, earlier or later
-            sigma[-T:] = np.where(grows, np.sqrt(np.maximum(found.reading_var[:, 0], 0.0) + doubt_um2), np.nan)
+            sigma[-T:] = np.where(grows, np.sqrt(np.maximum(var, 0.0) + doubt_um2), np.nan)
             um[-T - 1], sigma[-T - 1] = self.track.elongation_um[-T - 1], self.track.sigma_um[-T - 1]
         return SmoothedElongation(um, sigma)
 

@@ -47,19 +47,19 @@ class Posed:
     run: Nominal
     system: System
 
-    def with_elongation(self) -> System:
-        """The system with one channel more that is never read: the elongation, um."""
-        system, T = self.system, len(self.system.y)
-        began_um = self.state.began_um(system.x0)
-        muted = np.zeros(system.y.shape, dtype=bool) if system.muted is None else system.muted
-        return replace(
-            system,
-            y=np.column_stack([system.y, np.full(T, np.nan)]),
-            muted=np.column_stack([muted, np.ones(T, dtype=bool)]),
-            H=np.vstack([system.H, self.state.elongation(began_um)]),
-            spans=np.append(system.spans, 1.0),
-            R=np.column_stack([system.R, np.ones(T)]),
-        )
+
+def with_elongation(system: System, state: State) -> System:
+    """The system with one channel more that is never read: the elongation, um."""
+    T = len(system.y)
+    muted = np.zeros(system.y.shape, dtype=bool) if system.muted is None else system.muted
+    return replace(
+        system,
+        y=np.column_stack([system.y, np.full(T, np.nan)]),
+        muted=np.column_stack([muted, np.ones(T, dtype=bool)]),
+        H=np.vstack([system.H, state.elongation(state.began_um(system.x0))]),
+        spans=np.append(system.spans, 1.0),
+        R=np.column_stack([system.R, np.ones(T)]),
+    )
 
 
 class Trial:

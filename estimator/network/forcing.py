@@ -28,6 +28,8 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.terms import OF_READINGS
 
+MANY = 20_000  # ticks; a longer run is posed once or twice, and each projection of its coverage would stay for good
+
 
 @dataclass(frozen=True)
 class Drive:
@@ -49,9 +51,12 @@ class Drive:
         """As `assemble.spread`, (K, n); the coverage is projected once for all models of a rig."""
         if over is not self.inputs.coverage or np.shape(q)[-1] != 1:
             return assemble.spread(q, over, rows)
-        if rows.shape not in self._covered:
-            self._covered[rows.shape] = over @ rows
-        return np.asarray(q * self._covered[rows.shape])
+        covered = self._covered.get(rows.shape)
+        if covered is None:
+            covered = over @ rows
+            if len(covered) <= MANY:
+                self._covered[rows.shape] = covered
+        return np.asarray(q * covered)
 
 
 @dataclass(frozen=True)
