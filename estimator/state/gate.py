@@ -49,4 +49,4 @@ def unmuted(rig: Rig) -> Mute:
 
 def first_faults(first: Innovation) -> Array:
     """Of the first readings, which are too far off to begin with: a Fault each, (m,)."""
-    return np.where(np.abs(first.value) > FIRST_SD * first.sd, Fault.JUDGED, Fault.NONE)
+    return np.where(np.abs(first.value) > FIRST_SD * first.sd, Fault.JUDGED, Fault.NONE).astype(np.int8)

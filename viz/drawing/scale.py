@@ -39,9 +39,12 @@ def clock(time_s: float) -> str:
 
 def extent_of(*arrays: Array) -> Range:
     """Lowest and highest of all values that are known."""
-    values = np.concatenate([np.asarray(array, dtype=float).ravel() for array in arrays])
-    values = values[np.isfinite(values)]
-    return (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+    known = [np.isfinite(array) for array in arrays]
+    if not any(one.any() for one in known):
+        return 0.0, 1.0
+    lowest = min(np.min(array, where=one, initial=np.inf) for array, one in zip(arrays, known, strict=True))
+    highest = max(np.max(array, where=one, initial=-np.inf) for array, one in zip(arrays, known, strict=True))
+    return float(lowest), float(highest)
 
 
 def widened(extent: Range, least: float) -> Range:
