@@ -27,9 +27,8 @@ from estimator.model import Model
 from estimator.next_run.foretold import lived, planned
 from estimator.next_run.plans import Plan, plans
 from estimator.next_run.question import Question, question
-from estimator.next_run.surroundings import foretold, learned
-from estimator.record import Array, Recording
-from estimator.rig import Rig
+from estimator.next_run.surroundings import foretold, learned, mean_rise, mean_temperature
+from estimator.record import Array
 from estimator.work import Runs
 
 TICK_S = 5.0
@@ -68,7 +67,7 @@ def best_of(tried: Sequence[Plan], open_: Question, runs: Runs, trials: Trials) 
     """The plan that tells most of what is open."""
     ask = _Asker(open_, runs, trials)
     rises = list(runs.workers(ask.warmest, tried))
-    seen = max(float(_mean_rises(run, runs.rig).max()) for run in runs.recordings)
+    seen = max(float(mean_rise(run, runs.rig).max()) for run in runs.recordings)
     tried = [plan for plan, rise in zip(tried, rises, strict=True) if rise <= WARMER * seen] or tried
     told = list(runs.workers(ask.parameter if open_.path else ask.least, tried))
     best = int(np.argmax([apart for _, apart in told]))
@@ -83,7 +82,7 @@ class _Asker:
         rig, recordings = runs.rig, runs.recordings
         self._open, self._laws = open_, learned(recordings, rig)
         self._rig = replace(rig, tick_s=TICK_S)
-        self._level = float(np.nanmedian([np.nanmedian(r.channels[0]) for r in recordings]))
+        self._level = float(np.median([mean_temperature(r, rig)[0] for r in recordings]))
         self._known = {name: panel_of(h, trials) for name, h in open_.rivals}
 
     def least(self, plan: Plan) -> tuple[tuple[str, ...], float]:
@@ -115,15 +114,7 @@ class _Asker:
     def _mean_rise(self, truth: Model, plan: Plan) -> Array:
         """Rise of the thermometers, (K,), while the surroundings stay as they are."""
         first = lived(truth, planned(plan, self._rig, self._level), self._rig, self._level)
-        return _mean_rises(first, self._rig)
-
-
-def _mean_rises(run: Recording, rig: Rig) -> Array:
-    """How far the thermometers are above their first readings, (K,), on the mean of those that were read."""
-    channels = run.channels[:, [rig.index(name) for name in rig.thermometers]]
-    read = np.flatnonzero(np.isfinite(channels).any(axis=1))
-    mean = np.nanmean(channels[read], axis=1)
-    return np.interp(np.arange(len(channels)), read, mean - mean[0])
+        return mean_rise(first, self._rig)
 
 
 def panel_of(h: Hypothesis, trials: Trials) -> Panel:

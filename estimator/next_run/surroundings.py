@@ -33,11 +33,23 @@ def foretold(laws: Mapping[str, Array], mean_rise: Array, omega: Array, tick_s: 
     return out
 
 
+def mean_temperature(run: Recording, rig: Rig) -> Array:
+    """Mean of the thermometers that were read, (K,) degC; where none was, between those before and after."""
+    channels = run.channels[:, rig.is_thermometer]
+    read = np.flatnonzero(np.isfinite(channels).any(axis=1))
+    return np.interp(np.arange(len(channels)), read, np.nanmean(channels[read], axis=1))
+
+
+def mean_rise(run: Recording, rig: Rig) -> Array:
+    """How far that is above its first, (K,) K."""
+    mean = mean_temperature(run, rig)
+    return mean - mean[0]
+
+
 def _law(recordings: Sequence[Recording], rig: Rig, name: str) -> Array:
     rows, rises = [], []
-    heat = [rig.index(each) for each in rig.thermometers]
     for recording in recordings:
-        r, m = _rise(recording.inputs[name]), np.nan_to_num(_rise(np.nanmean(recording.channels[:, heat], axis=1)))
+        r, m = _rise(recording.inputs[name]), _rise(mean_temperature(recording, rig))
         sums = np.cumsum([m, np.nan_to_num(recording.omega), -np.nan_to_num(r)], axis=1) * rig.tick_s
         known = np.isfinite(r)
         rows.append(sums[:, known].T)

@@ -80,6 +80,7 @@ def test_an_input_that_warms_with_the_rig_is_foretold_and_weather_stays_where_it
     rig = Rig("r", 1.0, {"T1": Channel(at_mm=5.0)}, {"board": Signal(), "weather": Signal()})
     weather = np.random.default_rng(1).standard_normal(4000)
     channels, none = (20.0 + mean)[:, None], np.zeros((4000, 0))
+    channels[[0, *range(1000, 1100)]] = np.nan  # scans that were lost
     inputs = {"board": 20.0 + board, "weather": 20.0 + weather}
     laws = learned([Recording("r", time_s, channels, channels * 0, inputs, np.zeros(4000), none)], rig)
     again = foretold(laws, mean, np.zeros(4000), 1.0)
