@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -24,8 +25,9 @@ SECONDS, SHIFT_MM = 420, 40.0
 def shifted(run, rig, by_mm=SHIFT_MM):
     """The run with a position that is told with another zero from its first tick on."""
     position = run.inputs["position"] + by_mm
-    coverage, stay = (moved(cover, rig, shift_mm=by_mm) for cover in (run.coverage, run.stay))
-    return replace(run, inputs={**run.inputs, "position": position}, coverage=coverage, stay=stay)
+    there = partial(moved, rig=rig, shift_mm=by_mm)
+    stay = run.stay.each(there)
+    return replace(run, inputs={**run.inputs, "position": position}, coverage=there(run.coverage), stay=stay)
 
 
 @pytest.fixture(scope="module")
