@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from benchmarks import paper_rig
 from benchmarks.measure import Job, Row, Times, interleaved, ratio, table
 from estimator.batch import batch
 from estimator.batch.system import System
 from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
 from estimator.filter import Filter
+from estimator.fit.noise import noise_levels
 from estimator.record import Recording
 from estimator.sensitivity.score import score
 
 RUN = "FS-5"
 ROUNDS = 7
-FREE = (5, 10, 20)
 TITLES = {
     "log-likelihood": "log-likelihood",
     "smoother, covariances": "filter and smoother with all covariances",
@@ -32,13 +31,11 @@ def stepped(filter_: Filter, recording: Recording) -> None:
 
 def own_jobs(system: System) -> dict[str, Job]:
     """The engine's functions on one system."""
-    row = np.zeros(len(system.H), dtype=bool)
-    row[-1] = True
     return {
         "log-likelihood": lambda: batch.loglike(system),
         "smoother, covariances": lambda: batch.smoothed(system, covariances=True),
         "smoother, variances": lambda: batch.smoothed(system),
-        "gradient": lambda: batch.score(system, row),
+        "gradient": lambda: batch.score(system),
     }
 
 
@@ -54,18 +51,24 @@ def own_rows(times: dict[str, Times], steps: int) -> list[Row]:
 
 
 def markdown() -> str:
-    """Cost per tick and in log-likelihoods; what a gradient costs with the number of parameters."""
+    """Cost per tick and in log-likelihoods; new: with parameters that were not there before."""
     recording, model = paper_rig.recording(RUN), paper_rig.model()
     trial = Trial(model, paper_rig.rig(), recording)
-    system, free = trial.pose(model).system, model.free()
+    system, noise = trial.pose(model).system, noise_levels(model, Trials([trial]))
+    levels = [path for paths in noise.values() for path in paths]
     jobs = own_jobs(system) | {
         "posed": lambda: trial.loglike(model),
         "passes": lambda: list(batch.passes(system)),
         "filter": lambda: stepped(Filter(model, trial.rig), recording),
-        **{f"free {p}": lambda p=p: score(trial, model, free[:p]) for p in FREE},
+        "levels": lambda: score(trial, model, levels),
     }
     times, ticks = interleaved(jobs, ROUNDS), len(system.y)
-    rows = [*own_rows(times, ticks), *_beside_filter(times, ticks), *_by_parameters(times)]
+    rows = [
+        *own_rows(times, ticks),
+        *_beside_filter(times, ticks),
+        ratio("new parameters each time / log-likelihood", times["posed"], times["log-likelihood"]),
+        ratio(f"with slopes by {len(levels)} noise levels / new parameters each time", times["levels"], times["posed"]),
+    ]
     title = f"Engine: the shipped model, {RUN}, {len(system.x0)} states, {len(system.F)} regimes, {ticks} ticks"
     return table(title, rows, [f"Medians of {ROUNDS} interleaved rounds, ratios of the same round, one thread."])
 
@@ -77,14 +80,4 @@ def _beside_filter(times: dict[str, Times], ticks: int) -> list[Row]:
         Row("filter on filterpy (estimator.filter), per tick", slow.per(ticks)),
         ratio("log-likelihood, ours / filter on filterpy", one, slow),
         ratio("filter with all states, ours / filter on filterpy", passes, slow),
-    ]
-
-
-def _by_parameters(times: dict[str, Times]) -> list[Row]:
-    """Growth with the number of parameters: `posed` is a log-likelihood by parameters that were not there before."""
-    few, many = FREE[0], FREE[-1]
-    return [
-        ratio("new parameters each time / log-likelihood", times["posed"], times["log-likelihood"]),
-        *(ratio(f"with gradient by {p} / new parameters each time", times[f"free {p}"], times["posed"]) for p in FREE),
-        ratio(f"gradient by {many} parameters / by {few}", times[f"free {many}"], times[f"free {few}"]),
     ]
