@@ -13,7 +13,7 @@ from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.quality import ChannelQuality, innovations, overall
 from estimator.batch.trial import Trial
 from estimator.fit.tune import Tuned
-from viz.tuning.tuned import ScaledInnovations, Tuning
+from viz.tuning.tuning import ScaledInnovations, Tuning
 
 LEGEND = (
     "NIS: 1 when the noise is right; whiteness: largest autocorrelation within a minute, 0 when white",
