@@ -286,7 +286,7 @@ def test_covariances_stay_symmetric_and_positive_over_a_million_ticks():
         assert (chunk.sd[::97] ** 2 > 1e-2).all()
 
 
-def test_loglike_of_another_library(system):
+def test_loglike_of_another_library():
     # statsmodels 0.15.0, tsa.statespace.kalman_filter.KalmanFilter (conventional, its default), on this very system:
     # initialize_known at F x0 + b and F P0 F' + Q of the first tick, transition and intercept of the next tick, unused
     # readings NaN

@@ -52,7 +52,7 @@ def test_heat_is_told_from_a_drift_as_soon_as_the_next_ones_would_show_it(paper,
         assert (alone.is_heat, alone.not_heat > 1.0) == (False, told)
 
 
-def test_without_a_bar_no_heat_explains_a_drift(paper):
+def test_without_a_bar_no_heat_explains_a_drift():
     assert not local_heats(np.arange(5.0), None, 600.0).any()
 
 
