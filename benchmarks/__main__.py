@@ -16,7 +16,7 @@ from benchmarks.measure import alone, commit, machine
 
 RESULTS = Path(__file__).parent / "RESULTS.md"
 STUDIES = ("accuracy", "mesh", "speed", "engine")
-LONG = ("faults", "restarts", "recovery", "search", "hidden", "live", "machines", "trends")
+LONG = ("faults", "recovery", "search", "hidden", "live", "machines", "trends")
 PARTS = (["machines"], ["faults"], ["hidden"], ["trends"])  # which do a part of themselves for the words after them
 ALONE = ("engine", *LONG)  # in a process that computes in one thread
 

@@ -7,29 +7,25 @@ from itertools import cycle
 
 import numpy as np
 
-from benchmarks import begin, fitting, growth, shipped
+from benchmarks import begin, fitting, shipped
 from benchmarks.measure import Job, Row, Times, interleaved, ratio, say, table
-from benchmarks.ours import own_jobs, own_rows
-from benchmarks.peers import Dynamax, Statsmodels, check_peers, filterpy_loglike
+from benchmarks.peers import Dynamax, Statsmodels, check_peers
 from benchmarks.problem import Problem, make
+from benchmarks.shipped import own_jobs, own_rows
 from estimator.batch.batch import loglike, smoothed
 from estimator.record import Array
 
 ROUNDS = 9
-SHARE = 1440  # steps that filterpy gets
 FACTORS = np.linspace(0.95, 1.05, 7)
 
 
 def synthetic() -> str:
-    """22 states: ours, statsmodels, dynamax and filterpy in the same rounds."""
+    """22 states: ours, statsmodels and dynamax in the same rounds."""
     problem = make()
-    few, steps = problem.steps(SHARE), len(problem.y)
-    statsmodels, dynamax = Statsmodels(problem), Dynamax(problem)
-    jobs = own_jobs(problem.system()) | _peer_jobs(problem, statsmodels, dynamax, few)
-    times = interleaved(jobs, ROUNDS)
-    times["filterpy"] = times["filterpy"] / (SHARE / steps)
+    steps, statsmodels, dynamax = len(problem.y), Statsmodels(problem), Dynamax(problem)
+    times = interleaved(own_jobs(problem.system()) | _peer_jobs(problem, statsmodels, dynamax), ROUNDS)
     rows = [
-        *_agreement(problem, statsmodels, dynamax, few),
+        *_agreement(problem, statsmodels, dynamax),
         *_smoothers_agree(problem, dynamax),
         *own_rows(times, steps),
         *_beside_peers(times, steps),
@@ -37,7 +33,7 @@ def synthetic() -> str:
     return table(f"Engine: {len(problem.x0)} states, {steps} steps, beside other packages", rows, _says(problem))
 
 
-def _peer_jobs(problem: Problem, statsmodels: Statsmodels, dynamax: Dynamax, few: Problem) -> dict[str, Job]:
+def _peer_jobs(problem: Problem, statsmodels: Statsmodels, dynamax: Dynamax) -> dict[str, Job]:
     """What is timed beside our own jobs; "new": with other parameters each time."""
     fresh, other = Statsmodels(problem), [problem.other(factor) for factor in FACTORS]
     return {
@@ -47,7 +43,6 @@ def _peer_jobs(problem: Problem, statsmodels: Statsmodels, dynamax: Dynamax, few
         "dynamax": dynamax.loglike,
         "dynamax, new": _each(other, dynamax.loglike_of),
         "dynamax, smoother": dynamax.smoothed,
-        "filterpy": filterpy_loglike(few),
     }
 
 
@@ -56,7 +51,6 @@ def _says(problem: Problem) -> list[str]:
         f"15 temperatures ({problem.missing:.1%} missing) and a displacement on "
         f"{np.isfinite(problem.y[:, -1]).mean():.0%} of the steps, {len(problem.F)} regimes, an input that varies. "
         f"Medians of {ROUNDS} interleaved rounds, ratios of the same round, one thread.",
-        f"filterpy: a loop in Python over predict and update, timed on {SHARE} steps and scaled to all. "
         "dynamax: compiled beforehand. statsmodels: its conventional filter, keeping nothing of single steps.",
     ]
 
@@ -67,14 +61,13 @@ def _each(problems: list[Problem], job: Callable[[Problem], float]) -> Callable[
     return lambda: job(next(turn))
 
 
-def _agreement(problem: Problem, statsmodels: Statsmodels, dynamax: Dynamax, few: Problem) -> list[Row]:
+def _agreement(problem: Problem, statsmodels: Statsmodels, dynamax: Dynamax) -> list[Row]:
     """How far the log-likelihoods are apart."""
-    ours, ours_few, other = loglike(problem.system()), loglike(few.system()), problem.other(1.02)
+    ours, other = loglike(problem.system()), problem.other(1.02)
     found = {
         "statsmodels": (ours, statsmodels.loglike()),
         "statsmodels, other parameters": (loglike(other.system()), Statsmodels(problem).loglike_of(other)),
         "dynamax": (ours, dynamax.loglike()),
-        f"filterpy, {SHARE} steps": (ours_few, filterpy_loglike(few)()),
     }
     apart = {name: abs(a - b) / abs(a) for name, (a, b) in found.items()}
     rows = [Row("log-likelihood, ours", f"{ours:.6f}")]
@@ -101,7 +94,6 @@ def _beside_peers(times: dict[str, Times], steps: int) -> list[Row]:
     names = {
         "statsmodels": "statsmodels",
         "dynamax": "dynamax",
-        "filterpy": "filterpy",
         "new": "ours, new parameters",
         "statsmodels, new": "statsmodels, new parameters",
         "dynamax, new": "dynamax, new parameters",
@@ -112,7 +104,6 @@ def _beside_peers(times: dict[str, Times], steps: int) -> list[Row]:
         *(Row(f"log-likelihood per step, {name}", times[key].per(steps)) for key, name in names.items()),
         ratio("log-likelihood, ours / statsmodels", ours, times["statsmodels"], 0.45),
         ratio("log-likelihood, ours / dynamax", ours, times["dynamax"]),
-        ratio("log-likelihood, ours / filterpy", ours, times["filterpy"]),
         ratio("new parameters each time, ours / statsmodels", new, times["statsmodels, new"], 0.40),
         ratio("new parameters each time, ours / dynamax", new, times["dynamax, new"]),
         Row("filter and smoother per step, dynamax", times[best].per(steps)),
@@ -125,7 +116,7 @@ def markdown() -> str:
     """All tables of this study."""
     check_peers()
     tables = []
-    for study in (synthetic, shipped.markdown, growth.markdown, fitting.markdown, begin.markdown):
+    for study in (synthetic, shipped.markdown, fitting.markdown, begin.markdown):
         say(f"{study.__module__}")
         tables.append(study())
     return "\n".join(tables)

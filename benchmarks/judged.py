@@ -19,8 +19,8 @@ from benchmarks.accuracy import SITUATIONS, mute_in
 from benchmarks.machine_truth import run_of, true_parameters
 from benchmarks.measure import say, timed
 from drivers.virtual_rig import Run
-from drivers.virtual_rig.experiments import EXPERIMENTS
 from drivers.virtual_rig.population.draw import machine
+from drivers.virtual_rig.protocol import EXPERIMENTS
 from estimator.batch.replay import replay
 from estimator.fit.fit import Fit, fit
 from estimator.fit.tune import tune

@@ -40,12 +40,6 @@ class Times:
         """Medians per step."""
         return f"{1e6 * np.median(self.cpu) / steps:.1f} us, {1e6 * np.median(self.wall) / steps:.1f} on the clock"
 
-    def __sub__(self, other: Times) -> Times:
-        return Times(self.cpu - other.cpu, self.wall - other.wall)
-
-    def __truediv__(self, divisor: float) -> Times:
-        return Times(self.cpu / divisor, self.wall / divisor)
-
 
 def over(a: Times, b: Times, by: str = "cpu") -> float:
     """Median of the ratios a / b of each round."""

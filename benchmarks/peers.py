@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from benchmarks.problem import Problem
 from estimator.record import Array
 
 LOG_2PI = np.log(2 * np.pi)
-PEERS = ("statsmodels", "jax", "dynamax", "filterpy")
+PEERS = ("statsmodels", "jax", "dynamax")
 
 
 def check_peers() -> None:
@@ -118,32 +117,3 @@ def _params(data: Any, args: Any) -> Any:
         ),
         emissions=lgssm.ParamsLGSSMEmissions(weights=H, bias=jnp.zeros(m), input_weights=jnp.zeros((m, 0)), cov=R),
     )
-
-
-def filterpy_loglike(problem: Problem) -> Callable[[], float]:
-    """A loop over predict and update; log-likelihood by hand, since the filter's own costs twice the filter."""
-    from filterpy.kalman import KalmanFilter
-
-    R, known = np.diag(problem.R), np.isfinite(problem.y)
-
-    def loglike() -> float:
-        kf = KalmanFilter(dim_x=len(problem.x0), dim_z=len(R), dim_u=problem.u.shape[1])
-        kf.x, kf.P = problem.x0.copy(), problem.P0.copy()
-        total = 0.0
-        for y, use, u, regime in zip(problem.y, known, problem.u, problem.regime):
-            kf.predict(u=u, B=problem.B, F=problem.F[regime], Q=problem.Q)
-            if use.all():
-                kf.update(y, R=R, H=problem.H)
-            else:
-                kf.update(y[use], R=R[np.ix_(use, use)], H=problem.H[use])
-            total += gaussian(kf.y, kf.S)
-        return total
-
-    return loglike
-
-
-def gaussian(e: Array, S: Array) -> float:
-    """Log-density of an innovation e (k,) of covariance S (k, k)."""
-    L = np.linalg.cholesky(S)
-    white = np.linalg.solve(L, e)
-    return float(-0.5 * (white @ white + len(e) * LOG_2PI) - np.log(np.diag(L)).sum())

@@ -63,10 +63,6 @@ class Problem:
             R=np.broadcast_to(self.R, self.y.shape), x0=self.x0, P0=self.P0,
         )  # fmt: skip
 
-    def steps(self, count: int) -> Problem:
-        """The first steps alone."""
-        return replace(self, regime=self.regime[:count], u=self.u[:count], y=self.y[:count])
-
     def other(self, factor: float) -> Problem:
         """Other parameters on the same readings: heat that spreads and is made faster by a factor."""
         return replace(self, F=transitions(len(self.x0), factor), B=self.B * factor, R=self.R * factor)

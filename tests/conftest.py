@@ -45,6 +45,7 @@ from estimator.state.prior import BODY_SD_K
 from estimator.step import Step, Track
 from estimator.terms import Term
 
+sys.dont_write_bytecode = False  # or pytest rewrites the assertions of every test file anew in every worker
 settings.register_profile("ballscrew", deadline=None, derandomize=True)  # the same on every machine, however slow
 settings.load_profile("ballscrew")
 

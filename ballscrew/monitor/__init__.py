@@ -1,2 +1,2 @@
 """The monitor beside the machine: session, monitor, resume, left_out, explainer, drives, status, glance,
-panel, json_lines, display, beside."""
+json_lines, display, beside."""

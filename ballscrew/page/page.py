@@ -10,7 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from string import Template
 
-from ballscrew.page.colours import style
+from ballscrew.page.picture import style
 from ballscrew.page.section import Section, Words
 from estimator.errors import InputError
 

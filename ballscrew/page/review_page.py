@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from ballscrew.page.curves import pictures
+from ballscrew.page.curves import pictures, residual_map
 from ballscrew.page.equations import equations
 from ballscrew.page.recordings import channels, failed, rig_and_recordings
-from ballscrew.page.residual_map import residual_map
 from ballscrew.page.section import Block, Grid, Points, Section, Words, of_report
 from ballscrew.report.review_report import error_sections, explained, skipped, told, warm
 from ballscrew.reviewing import Reviewed

@@ -9,6 +9,7 @@ import numpy as np
 
 from ballscrew.terminal import Rows, Terminal
 from estimator.accuracy.noise_floor import Error
+from estimator.model import Value
 
 HORIZONS = {"one_step": "one tick ahead", "ahead": "10 minutes ahead", "open_loop": "model alone (open loop)"}
 KEYS = {"one_step": "one_step", "ahead": "ahead_10min", "open_loop": "open_loop"}
@@ -63,3 +64,12 @@ def cells(errors: Sequence[Error]) -> list[str]:
 def by_horizon(errors: Mapping[str, Error]) -> dict[str, Mapping[str, float]]:
     """Errors by horizon for programs."""
     return {KEYS[key]: vars(error) for key, error in errors.items()}
+
+
+def with_sd(value: Value, unit: str) -> str:
+    """A value to the first digit of its sd: 923 +- 46 s, 2.1 +- 0.2; of a sd that is not known, to three digits."""
+    per = "" if unit == "1" else f" {unit}"
+    if not value.sd or not np.isfinite(value.sd):
+        return f"{value.value:.3g}{per}"
+    digits = max(0, -int(np.floor(np.log10(value.sd))))
+    return f"{value.value:.{digits}f} +- {value.sd:.{digits}f}{per}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,6 @@ from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.quality import ChannelQuality, innovations, overall
 from estimator.batch.trial import Trial
 from estimator.fit.tune import Tuned
-from viz.tuning.tuned import ScaledInnovations, Tuning
 
 LEGEND = (
     "NIS: 1 when the noise is right; whiteness: largest autocorrelation within a minute, 0 when white",
@@ -99,7 +99,9 @@ def save_views(path: Path, work: Workspace, tuned: Tuned) -> None:
     work.terminal.say_views(path)
 
 
-def _tuning(one: Loaded, work: Workspace, tuned: Tuned) -> Tuning:
+def _tuning(one: Loaded, work: Workspace, tuned: Tuned) -> Any:
+    from viz.tuning.tuning import ScaledInnovations, Tuning
+
     trial = Trial(work.model, work.rig, one.recording)
     known = {side: innovations(trial, model) for side, model in (("before", work.model), ("after", tuned.model))}
     time_s, lags_s = known["after"].time_s, known["after"].lags_s

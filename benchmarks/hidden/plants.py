@@ -13,7 +13,7 @@ from drivers.virtual_rig.machine.bearings import PALMGREN
 from drivers.virtual_rig.machine.bearings import SPEED_EXPONENT as OF_BEARINGS
 from drivers.virtual_rig.machine.nut import SPEED_EXPONENT as OF_NUT
 from drivers.virtual_rig.population.constants import PAPER, Anchor, Machine
-from drivers.virtual_rig.population.steady import RADIATION
+from drivers.virtual_rig.population.draw import RADIATION
 from drivers.virtual_rig.sensors.probes import EXTRA
 from drivers.virtual_rig.sensors.telemeter import EXTRA_BOARD_DRIFT, EXTRA_LAG_S
 from drivers.virtual_rig.simulation import EXPANSION_ERROR

@@ -1,5 +1,6 @@
 """The experiment as the operator runs it: rest, drive until the elongation nears 50 um, stop for an hour, again."""
 
+import difflib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -8,16 +9,35 @@ import numpy as np
 
 from drivers.virtual_rig.machine.geometry import OMEGA_20
 from drivers.virtual_rig.machine.heat import ThermalRig, step_middles
-from drivers.virtual_rig.machine.motion import Drive, TableMotion, Travel
+from drivers.virtual_rig.machine.motion import Drive, Stroke, TableMotion, Travel
 from drivers.virtual_rig.machine.screw import Growths
 from drivers.virtual_rig.sensors.jig import Jig
 from drivers.virtual_rig.sensors.probes import OVER_RANGE, Gauge, Probes, Reading
 from drivers.virtual_rig.sensors.truth import Truth
 
+# Table positions between which the table moves, mm
+PATTERNS = {"FS": (0.0, 400.0), "CS": (130.0, 243.0), "ES": (202.0, 315.0)}
+SPEEDS = ("20", "10", "5", "2.5")
+EXPERIMENTS = tuple(f"{pattern}-{speed}" for pattern in PATTERNS for speed in SPEEDS)
+
+# m/min; beyond the fastest, the short strokes hold no constant speed long enough for a peak to be held
+SLOWEST, FASTEST = 1.0, 25.0
 REST_S = 20.0
 TARGET_UM = 49.5  # seen by the operator; the table then finishes its stroke
-
 Progress = Callable[[float, float], None]  # called each rig minute with the rig time (s) and the elongation (um)
+
+
+def stroke(name: str) -> Stroke:
+    """The stroke of an experiment; any speed between 1 and 25 m/min may follow the pattern."""
+    pattern, _, text = name.partition("-")
+    try:
+        (low, high), speed = PATTERNS[pattern], float(text)
+    except (KeyError, ValueError):
+        near = difflib.get_close_matches(name.upper(), EXPERIMENTS, n=1, cutoff=0.0)[0]
+        raise ValueError(f"unknown experiment {name!r}; did you mean {near!r}?") from None
+    if not SLOWEST <= speed <= FASTEST:
+        raise ValueError(f"experiment {name!r}: the speed must lie between {SLOWEST:g} and {FASTEST:g} m/min")
+    return Stroke(low, high, speed * 1000.0 / 60.0)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from drivers.virtual_rig.dice import dice
-from drivers.virtual_rig.experiments import stroke
 from drivers.virtual_rig.machine.heat import ThermalRig
 from drivers.virtual_rig.machine.heaters import Heaters, heaters
 from drivers.virtual_rig.machine.motion import Travel
@@ -15,7 +14,7 @@ from drivers.virtual_rig.machine.screw import Growths
 from drivers.virtual_rig.machine.weather import weather
 from drivers.virtual_rig.population import draw as population
 from drivers.virtual_rig.population.constants import Machine
-from drivers.virtual_rig.protocol import Experiment, Plan, Progress
+from drivers.virtual_rig.protocol import Experiment, Plan, Progress, stroke
 from drivers.virtual_rig.run import Holds, Measured, Run
 from drivers.virtual_rig.sensors import environment, telemeter
 from drivers.virtual_rig.sensors.probes import freeze_delay_s, probes

@@ -115,19 +115,16 @@ def _smooth(system: System, channels: Sequence[int], room: Callable[[slice], Smo
         kernels.smooth(system.model, _part(system.data, ticks), which, states, r, N, room(ticks))
 
 
-def score(system: System, rows: Array | None = None) -> Score:
-    """Log-likelihood and its exact derivatives; rows (m,): the channels for which that by H is wanted."""
-    (T, m), model, n, total = system.y.shape, system.model, len(system.x0), 0.0
-    wanted = np.zeros(m, dtype=bool) if rows is None else np.array(rows, dtype=bool)
-    F, Q, H = np.zeros(model.F.shape), np.zeros(model.Q.shape), np.zeros((m, n))
-    b, y, R, grown = np.empty((T, n)), np.zeros((T, m)), np.zeros((T, m)), np.zeros(T)
+def score(system: System) -> Score:
+    """Log-likelihood and its exact derivatives by what scatters, and by readings and growth."""
+    (T, m), n, total = system.y.shape, len(system.x0), 0.0
+    Q, y, R, grown = np.zeros(system.model.Q.shape), np.zeros((T, m)), np.zeros((T, m)), np.zeros(T)
     r, N = np.zeros(n), np.zeros((n, n))
     for ticks, states, value in _backwards(system):
-        out = Slopes(b[ticks], y[ticks], R[ticks], grown[ticks], F, Q, H)
-        kernels.score(model, _part(system.data, ticks), wanted, states, r, N, out)
+        out = Slopes(y[ticks], R[ticks], grown[ticks], Q)
+        kernels.score(system.model, _part(system.data, ticks), states, r, N, out)
         total += value
-    H[~wanted] = 0.0
-    return Score(total, F, 0.5 * Q, b, y, R, H, grown, r, 0.5 * (np.outer(r, r) - N))
+    return Score(total, 0.5 * Q, y, R, grown, r, 0.5 * (np.outer(r, r) - N))
 
 
 def ahead(system: System, x: Array, steps: int, every: int) -> tuple[Array, Array]:

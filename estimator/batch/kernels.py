@@ -124,19 +124,12 @@ class Smooth(NamedTuple):
 
 
 class Slopes(NamedTuple):
-    """Derivatives of the log-likelihood.
+    """Derivatives of the log-likelihood: y, R (K, m) and grown (K,) of each tick, twice that by Q of each regime."""
 
-    b, y, R, grown  (K, n), (K, m), (K, m), (K,), of each tick
-    F, Q, H         sums, of the shapes in Model; Q twice
-    """
-
-    b: Array
     y: Array
     R: Array
     grown: Array
-    F: Array
     Q: Array
-    H: Array
 
 
 def kernel(function: Function) -> Function:
@@ -411,49 +404,30 @@ def smooth(model: Model, data: Data, channels: Array, states: States, r: Array, 
 
 
 @part
-def _slopes_of_readings(model: Model, data: Data, t: int, rows: Array, z: Array, P: Array, found: Backwards,
-                        out: Slopes) -> None:  # fmt: skip
-    """R = (u^2 - D) / 2 and H += u z - V h' / R, of what _unfuse has found at tick t."""
+def _slopes_of_readings(model: Model, data: Data, t: int, z: Array, P: Array, found: Backwards, out: Slopes) -> None:
+    """R = (u^2 - D) / 2, and of the column that varies H = u z - V h' / R, of what _unfuse has found at tick t."""
     u, D, E = found.u, found.D, found.E
     for o in range(len(u)):
         out.y[t, o], out.R[t, o] = -u[o], 0.5 * (u[o] * u[o] - D[o, o])
-        if data.use[t, o] and (rows[o] or model.spans[o] != 0.0):
-            Vh = np.dot(P, E[o])
-            for i in range(len(z)):
-                Vh[i] = u[o] * z[i] - data.inverse[t, o] * Vh[i]
-                out.H[o, i] += Vh[i]
-            out.grown[t] += model.spans[o] * Vh[model.column]
+        if data.use[t, o] and model.spans[o] != 0.0:
+            Vh = np.dot(P[model.column], E[o])
+            out.grown[t] += model.spans[o] * (u[o] * z[model.column] - data.inverse[t, o] * Vh)
 
 
 @kernel
-def score(model: Model, data: Data, rows: Array, states: States, r: Array, N: Array, out: Slopes) -> None:
-    """From the last tick to the first, after `forward` has kept all states; rows (m,): whose H is wanted.
-
-    F += r z' - (N W P)_dd, with the adjoint after the transition, the smoothed z and filtered P before it, and
-    Q += r r' - N.
-    """
-    n, d, last, H, z = len(r), model.F.shape[1], len(data.y), model.H.copy(), np.empty_like(r)
-    back, NW, P_d, NWP = _backwards(model), np.empty((d, n)), np.empty((n, d)), np.empty((d, d))
-    _smooth_mean(states, last, r, z)
-    for t in range(last - 1, -1, -1):
-        F, Q, b = out.F[data.regime[t]], out.Q[data.regime[t]], out.b[t]
+def score(model: Model, data: Data, states: States, r: Array, N: Array, out: Slopes) -> None:
+    """From the last tick to the first, after `forward` has kept all states: Q += r r' - N."""
+    H, z, back = model.H.copy(), np.empty_like(r), _backwards(model)
+    for t in range(len(data.y) - 1, -1, -1):
+        Q = out.Q[data.regime[t]]
         _vary(model, H, data.grown[t])
+        _smooth_mean(states, t + 1, r, z)
         _unfuse(model, H, data, t, z, states.P[t + 1], r, N, back)
-        _slopes_of_readings(model, data, t, rows, z, states.P[t + 1], back, out)
+        _slopes_of_readings(model, data, t, z, states.P[t + 1], back, out)
         for i in range(len(r)):
-            b[i] = r[i]
             for j in range(len(r)):
                 Q[i, j] += r[i] * r[j] - N[i, j]
         _carry(model.F_T[data.regime[t]], model.F[data.regime[t]], r, N, back.carry)
-        _smooth_mean(states, t, r, z)
-        for i in range(n):
-            for j in range(d):
-                P_d[i, j] = states.P[t, i, j]
-                NW[j, i] = back.carry.PW[j, i] if i < d else back.carry.P[i, j]
-        np.dot(NW, P_d, NWP)
-        for i in range(d):
-            for j in range(d):
-                F[i, j] += b[i] * z[j] - NWP[i, j]
 
 
 @kernel

@@ -4,8 +4,8 @@
     s[t] = keep s[t-1] + (1 - keep) spot[t-1] + ramp (spot[t] - spot[t-1])          the lagged reading
     lag = s - spot        late = -(spot[t] - spot[t-1]) age        grown = c (z[t] - z[start])
 
-As `OpenLoop` does it a tick at a time; here with the derivatives backwards, so that a score reaches the parameters
-through the nominal run too.
+As `OpenLoop` does it a tick at a time; here with the derivative by the start backwards: what is known of the start
+depends on noise levels.
 """
 
 from __future__ import annotations
@@ -52,22 +52,6 @@ class Nominal:
         return (self.z[1:] - self.z[0]) @ self.growth
 
 
-@dataclass(frozen=True)
-class NominalScore:
-    """Derivatives of a function of lag, late and grown: with respect to what the nominal run is made of.
-
-    b (T, n), F (R, n, n), start (n,), rows (m, n), growth (n,), keep (m,), ramp (m,)
-    """
-
-    b: Array
-    F: Array
-    start: Array
-    rows: Array
-    growth: Array
-    keep: Array
-    ramp: Array
-
-
 def nominal(
     start: Array, F: Array, regime: Array, b: Array, readings: Readings, growth: Array, ages_s: Array, tick_s: float
 ) -> Nominal:
@@ -94,28 +78,16 @@ def lagging(keep: Array, ramp: Array, spot: Array, pushed: Array) -> Array:
     return remember(keep, ramp * after + (1 - keep - ramp) * before + pushed, spot[..., 0, :])
 
 
-def pull_back(run: Nominal, F: Array, regime: Array, to_lag: Array, to_late: Array, to_grown: Array) -> NominalScore:
-    """From derivatives with respect to lag (T, m), late (T, m) and grown (T,) to those of NominalScore."""
+def start_slope(run: Nominal, F: Array, regime: Array, to_reading: Array, to_grown: Array) -> Array:
+    """Derivatives by the states at the start, (n,), of those by lag and late alike, (T, m), and by grown, (T,)."""
     keep, ramp = lag_filter(run.readings.tau, run.tick_s)
-    to_lagged = remember(keep, to_lag[::-1], np.zeros_like(keep))[::-1]
-    moved = to_late * run.late_share
+    to_lagged = remember(keep, to_reading[::-1], np.zeros_like(keep))[::-1]
+    moved = to_reading * run.late_share
     to_spot = np.zeros_like(run.spot)
-    to_spot[1:] += ramp * to_lagged - to_lag - moved
+    to_spot[1:] += ramp * to_lagged - to_reading - moved
     to_spot[:-1] += (1 - keep - ramp) * to_lagged + moved
     to_spot[0] += keep * to_lagged[0]
     given = to_spot @ run.readings.rows
     given[1:] += to_grown[:, None] * run.growth
     given[0] -= to_grown.sum() * run.growth
-    to_z = coast(F.transpose(0, 2, 1), regime[::-1], given[-2::-1], given[-1])[::-1]
-    to_b = np.vstack([to_z[1:], given[-1]])
-    to_F = np.array([to_b[regime == r].T @ run.z[:-1][regime == r] for r in range(len(F))])
-    before = np.vstack([run.spot[:1], run.lagged[:-1]])
-    return NominalScore(
-        b=to_b,
-        F=to_F,
-        start=to_z[0],
-        rows=to_spot.T @ run.z,
-        growth=to_grown @ (run.z[1:] - run.z[0]),
-        keep=(to_lagged * (before - run.spot[:-1])).sum(axis=0),
-        ramp=(to_lagged * np.diff(run.spot, axis=0)).sum(axis=0),
-    )
+    return coast(F.transpose(0, 2, 1), regime[::-1], given[-2::-1], given[-1])[-1]

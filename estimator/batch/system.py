@@ -136,16 +136,13 @@ class Smoothed:
 
 @dataclass(frozen=True)
 class Score:
-    """Log-likelihood and its derivatives by the fields of System; those by Q and P0 are symmetric matrices S with
-    dL = sum(S * dQ) for a symmetric change dQ. H: of the rows asked for, else 0."""
+    """Log-likelihood and its derivatives by fields of System; those by Q and P0 are symmetric matrices S with
+    dL = sum(S * dQ) for a symmetric change dQ."""
 
     loglike: float
-    F: Array
     Q: Array
-    b: Array
     y: Array
     R: Array
-    H: Array
     grown: Array
     x0: Array
     P0: Array

@@ -66,22 +66,10 @@ class Modes:
         of_F, of_J = (_divided(function, a[:, None], a[None, :], dt) for function in functions)
         return of_F, of_J
 
-    def pull_back(self, score: Transition) -> tuple[Array, Array, Array]:
-        """Derivatives with respect to F, J and Q (symmetric) into those to mass, conductance and noise, each (n, n).
-
-        In modal coordinates A = -M^-1 G changes by dM' L - dG', L the rates, and F, J, Q by divided differences of
-        their functions of A (Daleckii and Krein 1965).
-        """
-        S, a, dt, W = self._shapes, -self._rates, self._dt, self._noise
-        to_F, to_J, to_Q = S.T @ score.F @ self._mass @ S, S.T @ score.J @ S, S.T @ score.Q @ S
-        psi = _psi(a, dt)
-        spread = to_Q * _psi(a[:, None] + a, dt)
-        at_Q = _divided(lambda x: _psi(x, dt), a[:, None, None] + a, a[None, :, None] + a, dt)
-        of_F, of_J = self._slopes
-        to_A = to_F * of_F + to_J * of_J
-        to_A += 2 * np.einsum("ij,kj,ikj->ik", to_Q, W, at_Q)
-        to_mass = to_A * self._rates - psi[:, None] * to_J - 2 * spread @ W
-        return S @ to_mass @ S.T, -S @ to_A @ S.T, S @ spread @ S.T
+    def noise_slope(self, to_Q: Array) -> Array:
+        """From a derivative with respect to Q (symmetric) to that with respect to the noise, (n, n)."""
+        S, a = self._shapes, -self._rates
+        return S @ (S.T @ to_Q @ S * _psi(a[:, None] + a, self._dt)) @ S.T
 
 
 def transition(network: Network, regime: int, dt: float) -> Transition:

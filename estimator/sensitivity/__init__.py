@@ -1,2 +1,2 @@
-"""How everything moves with a parameter: the open-loop run, and the score: tangent, sensitivity, score,
+"""How everything moves with a parameter: the open-loop run, and the score by noise levels: tangent, sensitivity, score,
 objective, prior."""

@@ -231,7 +231,7 @@ def test_a_new_effect_of_a_body_passes_as_written(tmp_path, follows):
 
 
 def test_what_the_rod_s_model_lacks_is_found(tmp_path):
-    name, rig = "chilled_end", copied(ROD, tmp_path / "rig", "check.csv", "slow.csv", "pulses.csv")
+    name, rig = "chilled_end", copied(ROD, tmp_path / "rig", "check.csv", "slow.csv", "pulses.csv", rows=500)
     without(rig, name)
     found = told("suggest", rig, "--effects", rig / "effects.py")
     assert (found["verdict"], found["effects"][0]["name"]) == ("effect", name)

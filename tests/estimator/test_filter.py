@@ -216,7 +216,7 @@ def test_nis_is_nan_without_readings(rig, full, run):
     assert track.nis_channels[50] == 0
 
 
-def test_table_error_is_growth_between_anchor_and_nut_longer_is_positive(rig, full, run, track):
+def test_table_error_is_growth_between_anchor_and_nut_longer_is_positive(run, track):
     k = 89
     rise = track.profile_C[k] - track.profile_C[0]
     nut = 673.5 - run.inputs["position"][k]

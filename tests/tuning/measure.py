@@ -19,7 +19,7 @@ from drivers.recordings import find_recordings, read_recording
 from estimator.accuracy.accuracy import accuracy
 from estimator.accuracy.horizon import errors
 from estimator.accuracy.quality import overall, quality
-from estimator.batch.replay import replay
+from estimator.batch.replay import Replay
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials
 from estimator.inputs.phase import cooling
@@ -27,6 +27,7 @@ from estimator.model import Model
 from estimator.record import Recording
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from estimator.step import Track
 
 Key = tuple[str, str, str]  # recording, channel, figure
 Figures = dict[Key, float]
@@ -73,22 +74,23 @@ class Folder:
 
     def _figures(self, name: str, model: Model) -> Iterator[tuple[Key, float]]:
         recording = self.recording(name)
-        trial = Trial(model, self.rig, recording)
+        replayed = Replay(model, self.rig, recording, None, lambda _: None)
+        trial = replayed.trial
+        assert trial is not None
         for channel, figure, value in _channels(trial, model):
             yield (name, channel, figure), value
         if recording.fingerprint not in model.about.get("fitted_on", {}).values():
             for horizon, error in errors(Trials([trial]), model).items():
                 yield (name, "thermometers", f"{horizon}_K"), error.temperature_K
                 yield (name, "displacement", f"{horizon}_um"), error.elongation_um
-        for figure, value in self._truth(name, model):
+        for figure, value in self._truth(name, replayed.track):
             yield (name, "elongation", figure), value
 
-    def _truth(self, name: str, model: Model) -> Iterator[tuple[str, float]]:
+    def _truth(self, name: str, track: Track) -> Iterator[tuple[str, float]]:
         truth = read_truth(self.path / name)
         if truth is None or self.rig.screw is None:
             return
         recording = self.recording(name)
-        track = replay(model, self.rig, recording)
         found = accuracy(truth.at(recording.time_s) - track.elongation_um, track.sigma_um, cooling(recording))
         yield "band_um", found.width_um
         yield "cooldown_max_um", found.cooldown_max_um

@@ -15,10 +15,9 @@ from tests.viz.comparison.test_comparison import ERRORS, compared
 from tests.viz.tuning.test_tuning import CHANNELS, NIS, tuning
 from tests.viz_fake import fake_run
 from viz.comparison import comparison, maps
-from viz.comparison import layout as comparison_layout
 from viz.recorded import layout as recorded_layout
 from viz.recorded import recorded
-from viz.tuning import layout as tuning_layout
+from viz.tuning import tuning as tuning_views
 from viz.tuning import tuning as tunings
 
 WINDOWS = (1280, 800), (1366, 768), (1920, 1080)
@@ -37,8 +36,8 @@ def cases(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Case]
     scales = maps.scales_of([pair])
     layouts = {
         "recorded": recorded_layout.blueprint([run]),
-        "comparison": comparison_layout.blueprint([pair], ("a.toml", "b.toml"), figures, scales),
-        "tuning": tuning_layout.blueprint(CHANNELS, [tuning()], [NIS]),
+        "comparison": comparison.blueprint([pair], ("a.toml", "b.toml"), figures, scales),
+        "tuning": tuning_views.blueprint(CHANNELS, [tuning()], [NIS]),
     }
     return {name: (folder / f"{name}.rrd", layout) for name, layout in layouts.items()}
 

@@ -1,1 +1,1 @@
-"""Views of two models beside each other: comparison, compared, layout, curves, maps, heat."""
+"""Views of two models beside each other: comparison, compared, curves, maps, heat."""

@@ -1,2 +1,1 @@
-"""Views of a run that goes on: live, outlet, rows, readings, table, sure, minutes, body, room, repeat, scale,
-layout."""
+"""Views of a run that goes on: live, outlet, rows, readings, table, sure, minutes, body, repeat, scale, layout."""

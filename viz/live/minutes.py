@@ -12,8 +12,7 @@ from viz.drawing.entity import Entity
 from viz.drawing.frames import colour_bar
 from viz.drawing.residuals import Residuals
 from viz.drawing.scale import MINUTE_S, minutes
-from viz.live.room import Room
-from viz.live.scale import Decades
+from viz.live.scale import Decades, Room
 
 COLOURS = -1.0, 1.0  # ends of the scale of decades
 SHORT_S = 1e-3  # a stripe ends so much before the next begins: two rows of one time confuse the viewer's colours

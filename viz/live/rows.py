@@ -22,7 +22,7 @@ from viz.live.body import Body
 from viz.live.minutes import Minutes
 from viz.live.readings import READING, Readings
 from viz.live.repeat import Repeated
-from viz.live.room import Room
+from viz.live.scale import Room
 from viz.live.sure import Sure
 from viz.live.table import Table
 

@@ -5,13 +5,15 @@ A range that grows takes a share more than it must, so that axes are drawn anew 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from estimator.record import Array
+from viz.drawing.entity import Entity
 from viz.drawing.scale import Range, extent_of, rounded, step_of, widened
+from viz.live.repeat import Repeated
 
 AHEAD = 0.2  # of the range, taken more where it grows
 PIECES = 10  # ends are whole ticks of about so many
@@ -60,3 +62,18 @@ class Decades:
         """What stands at equal distances along the scale, lowest first."""
         small, large = (f"{self.finest * ratio:g} {unit}" for ratio in (10.0, 100.0))
         return [f"-{large}", f"-{small}", f"±{self.finest:g} {unit}", f"+{small}", f"+{large}"]
+
+
+class Room:
+    """The range of one plot, at least `least` wide, that holds all its values so far; sent again every `every_s` s."""
+
+    def __init__(self, plot: Entity, name: str, colour: Sequence[int], least: float, every_s: float) -> None:
+        self._points, self._range, self._sent = plot / "room", Growing(least), Repeated[Range](every_s)
+        self._points.dots([name, name], colour, 0.0)
+
+    def hold(self, time_s: float, values: Iterable[Array]) -> Range | None:
+        """Take values of a batch that ends at `time_s`, some of which may be unknown; returns the range."""
+        extent = self._range.hold(values)
+        if extent is not None and self._sent.due(extent, time_s):
+            self._points.curves(np.array([time_s]), np.array([extent]))
+        return extent

@@ -14,7 +14,7 @@ from viz.drawing.entity import Entity
 from viz.drawing.scale import extent_of, labelled
 from viz.drawing.views import LOW
 from viz.live.repeat import Repeated
-from viz.live.room import Room
+from viz.live.scale import Room
 from viz.recorded.sure import PARTS, share_bars
 
 EVERY_S = 60.0

@@ -19,8 +19,7 @@ from viz.drawing.frames import Axes
 from viz.drawing.scale import Range, extent_of
 from viz.lanes.judged import Judged
 from viz.live.repeat import Repeated
-from viz.live.room import Room
-from viz.live.scale import Growing
+from viz.live.scale import Growing, Room
 
 WIDE, HIGH, LINE = 1000.0, 430.0, 34.0  # view units: the frame, and a line of text
 LEAST_UM = 5.0  # the axes hold at least so much

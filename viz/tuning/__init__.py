@@ -1,1 +1,1 @@
-"""Views of a tuning: tuning, tuned, autocorrelation, layout."""
+"""Views of a tuning: tuning."""

@@ -11,8 +11,8 @@ import numpy as np
 
 from estimator.record import Array
 from viz.comparison.compared import ComparedRun
+from viz.comparison.comparison import titles
 from viz.comparison.heat import curves, frame_of
-from viz.comparison.layout import titles
 from viz.comparison.maps import BROUGHT, HEAT, OPEN_LOOP, SAID, UNITS, brings, map_of, scales_of
 from viz.drawing import paths
 from viz.drawing.bars import Bars

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ballscrew.page.colours import DRAWN
 from ballscrew.page.iso230.drift import Drift
-from ballscrew.page.picture import legend, sheet, shown
+from ballscrew.page.picture import DRAWN, legend, sheet, shown
 from ballscrew.page.section import Picture
 from estimator.record import Array
 

@@ -1,5 +1,5 @@
 """What a search for a missing effect found, in words and numbers.
 
-In the order to read them: search_report, verdict, composed_words, next_run_words, with_sd; of
-`improve`: improvement_parts.
+In the order to read them: search_report, verdict, composed_words, next_run_words; of `improve`:
+improvement_parts.
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ballscrew.report.search.with_sd import with_sd
+from ballscrew.report.sections import with_sd
 from estimator.accuracy.noise_floor import Error
 from estimator.unknown.composed import Composed
 from estimator.unknown.stand_ins import Unknown

@@ -12,8 +12,7 @@ from ballscrew.began import events_json
 from ballscrew.report.search.composed_words import composed_json
 from ballscrew.report.search.next_run_words import next_run_json
 from ballscrew.report.search.verdict import sentence
-from ballscrew.report.search.with_sd import with_sd
-from ballscrew.report.sections import Section, cells
+from ballscrew.report.sections import Section, cells, with_sd
 from ballscrew.report.use_report import recordings_json
 from ballscrew.search import Verdict
 from ballscrew.terminal import Terminal

@@ -9,7 +9,7 @@ import numpy as np
 from ballscrew import began
 from ballscrew.report.search.composed_words import composed_sentence
 from ballscrew.report.search.next_run_words import next_run_sentence
-from ballscrew.report.search.with_sd import with_sd
+from ballscrew.report.sections import with_sd
 from ballscrew.search import Verdict
 from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.hypothesis import Hypothesis

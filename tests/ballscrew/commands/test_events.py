@@ -16,7 +16,7 @@ ONSET_S = 1000.0
 @pytest.fixture(scope="module")
 def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A drive and a rest in which 6 W come on at some place."""
-    run = simulate("FS-20", seed=8, plant={"local_heat": 4.0}, onset_s=ONSET_S, cycles=1, seconds=2100.0)
+    run = simulate("FS-20", seed=8, plant={"local_heat": 4.0}, onset_s=ONSET_S, cycles=1, seconds=1500.0)
     return Path(write(run, tmp_path_factory.mktemp("events") / "late.log"))
 
 

@@ -32,9 +32,16 @@ def plant(tmp_path_factory) -> Path:
     return folder
 
 
-def test_each_rig_is_a_row_and_one_that_fails_says_why(plant):
-    status, out, _ = ballscrew("fleet", plant)
+@pytest.fixture(scope="module")
+def alone(plant) -> tuple[str, str]:
+    """What one process prints of it, and its JSON."""
+    status, told, said = ballscrew("fleet", plant, "--workers", 1, "--json")
     assert status == 1
+    return said, told
+
+
+def test_each_rig_is_a_row_and_one_that_fails_says_why(alone):
+    out, _ = alone
     rows = {Path(line.split()[0]).name: line.split()[1:] for line in out.splitlines()[1:5]}
     assert list(rows) == ["empty", "heaters", "new", "rod"]
     assert rows["rod"][-1] == "adequate"
@@ -44,10 +51,10 @@ def test_each_rig_is_a_row_and_one_that_fails_says_why(plant):
     assert "x.csv: no column of any channel" in out
 
 
-def test_the_same_numbers_whoever_does_the_work(plant):
-    alone, shared_out = (ballscrew("fleet", plant, "--workers", n, "--json")[1] for n in (1, 2))
-    assert alone == shared_out
-    rigs = {Path(rig["folder"]).name: rig for rig in json.loads(alone)["rigs"]}
+def test_the_same_numbers_whoever_does_the_work(plant, alone):
+    _, told = alone
+    assert ballscrew("fleet", plant, "--workers", 2, "--json")[1] == told
+    rigs = {Path(rig["folder"]).name: rig for rig in json.loads(told)["rigs"]}
     assert rigs["rod"]["adequate"] is True
     assert rigs["rod"]["recordings"] == 1
     assert rigs["rod"]["drifts"] is None

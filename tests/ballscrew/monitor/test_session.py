@@ -9,8 +9,8 @@ import pytest
 from rich.console import Console
 
 from ballscrew.monitor import session as loop
+from ballscrew.monitor.display import panel
 from ballscrew.monitor.monitor import MOST_ALONE
-from ballscrew.monitor.panel import panel
 from drivers.received import Notice
 from estimator.step import Mode
 from tests.ballscrew.monitor.conftest import Receiver

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ballscrew.page.curves import COLD, WARM, colours
 from ballscrew.page.picture import BINS, curve, dots, sheet, shown
-from ballscrew.page.residual_map import COLD, WARM, colours
 
 
 def test_of_a_long_curve_its_extremes_ends_and_gaps_are_drawn():

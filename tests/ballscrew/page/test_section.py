@@ -7,10 +7,9 @@ from html.parser import HTMLParser
 
 import pytest
 
-from ballscrew.page.colours import COLOURS, STAND_INS
 from ballscrew.page.equations import equations
 from ballscrew.page.page import page
-from ballscrew.page.picture import curve, legend, sheet
+from ballscrew.page.picture import COLOURS, STAND_INS, curve, legend, sheet
 from ballscrew.page.section import Formula, Grid, Picture, Points, Section, Words, of_report
 from ballscrew.report import sections as report
 from estimator.effect import Effect, Param

@@ -140,7 +140,7 @@ def test_error_frames_are_counted_and_bus_off_is_told(received):
     ]  # fmt: skip
 
 
-def test_what_the_estimate_is_too_slow_for_is_counted(received, monkeypatch):
+def test_what_the_estimate_is_too_slow_for_is_counted(impatient, monkeypatch):
     monkeypatch.setattr(receiving, "MOST_WAITING", 10)
     recorded: list[Received] = []
     receiver = Receiver(lambda: Listener(Script(*(message(k) for k in range(50)))), RigTime(), [recorded.append])

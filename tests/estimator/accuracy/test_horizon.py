@@ -100,7 +100,7 @@ def test_late_readings_are_expected_earlier(small_model, lived, found):
     assert np.nanmean((other.open_loop - found.open_loop)[warming, 1:3]) > 0.01
 
 
-def test_the_elongation_is_foretold_as_the_filter_would(found, lived, trial, small_model, track):
+def test_the_elongation_is_foretold_as_the_filter_would(found, lived, small_model, track):
     """One tick ahead with the readings up to there; open loop as the filter's own open-loop run."""
     rig, run = lived
     np.testing.assert_allclose(found.elongation["open_loop"], track.open_loop_um[1:], rtol=0, atol=1e-9)

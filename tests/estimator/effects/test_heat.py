@@ -214,7 +214,7 @@ def test_neither_nut_nor_bearing_lets_the_screw_lose_heat_to_the_air(name, rig, 
     np.testing.assert_allclose(loss, bare * (1 - hidden_mm / (rig.screw.to_mm - rig.screw.from_mm)), rtol=1e-9)
 
 
-def test_a_gradient_warms_one_end_as_it_cools_the_other(full, rig, u):
+def test_a_gradient_warms_one_end_as_it_cools_the_other(rig, u):
     """A bare bar that only loses heat to the air: what a gradient gives sums up to nothing about its middle."""
     u = replace(u, coverage=np.zeros_like(u.coverage), seats=0.0)
     terms = [*terms_of("still_air", rig, u), *terms_of("ambient_gradient", rig, u), *terms_of("conduction", rig, u)]

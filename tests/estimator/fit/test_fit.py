@@ -110,7 +110,7 @@ def test_the_fitted_model_knows_what_it_was_fitted_to(found, rig, lived, full):
     assert all(found.model[path] == full[path] for path in rest)
 
 
-def test_the_fitted_model_knows_how_well_it_is_known(found, rig, lived, full):
+def test_the_fitted_model_knows_how_well_it_is_known(found, rig, lived):
     """The covariance of the least squares: at the ends of its axes misfits are as much more as it says, together."""
     doubts, paths = found.model.doubts, list(TRUE)
     assert list(doubts.paths) == paths
@@ -125,7 +125,7 @@ def test_the_fitted_model_knows_how_well_it_is_known(found, rig, lived, full):
     assert more == pytest.approx(np.trace(np.linalg.solve(lasting + others, few * lasting + others)), rel=0.15)
 
 
-def test_a_parameter_stops_at_its_bound_and_says_so(rig, full, lived, drive, live):
+def test_a_parameter_stops_at_its_bound_and_says_so(rig, full, drive, live):
     hot = live(full.with_values({"nut_friction.power": 2400.0}), rig, drive).recording
     (power,) = fit(only(full, "nut_friction.power"), Runs(rig, [hot])).parameters
     assert power.at_bound

@@ -102,7 +102,7 @@ def _curvature(target: Likelihood) -> Array:
     return np.linalg.inv(target.covariance() / np.outer(level, level))
 
 
-def test_it_stops_at_a_bound(model, trials, small, driven, live):
+def test_it_stops_at_a_bound(model, small, driven, live):
     loud = model.with_values({"thermometers.sd": 5.0})
     run = live(loud.with_values({"thermometers.sd": 9.0}), small, driven(small, 100, (10, 50), stroke=(0.0, 100.0)), 1)
     found = likely(loud, Trials([Trial(loud, small, run.recording)]), ["thermometers.sd"], "noise")

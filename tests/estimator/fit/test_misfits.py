@@ -52,7 +52,7 @@ def test_what_is_quick_is_what_a_mean_of_older_misfits_leaves(misfits, full):
     assert np.isnan(left[10:30]).all()
 
 
-def test_quick_misfits_are_weighed_by_their_scatter(rig, full, lived, misfits):
+def test_quick_misfits_are_weighed_by_their_scatter(full, misfits):
     """All thermometers together count as one reading in two minutes; so does the displacement, where it was read."""
     found, (_, others) = misfits.at(full), misfits.weighed(misfits.at(full))
     tick_s, heat = misfits.trials[0].rig.tick_s, misfits.trials[0].rig.is_thermometer

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -43,6 +44,15 @@ def reduced(model, rig, drive):
     return np.array(out), int(max(ticks.regime)) + 1
 
 
+def by_cells(place, node, weights, regimes):
+    """Layout.squares where every cell is a state: no product of two is to be summed over cells."""
+    (cells, states), found = np.nonzero(place.rows(node)), np.zeros((regimes, place.size, place.size))
+    assert (place.rows(node)[cells, states] == 1.0).all()
+    found[:, states, states] = weights
+    return found
+
+
+@mock.patch.object(assemble.Layout, "squares", by_cells)
 def fine(model, rig, drive):
     """The same on every cell: the network of each regime, solved implicitly (trapezoids, 20 steps a tick)."""
     forcing = Forcing(model, rig, start(rig), reduced=False)

@@ -15,7 +15,7 @@ from estimator.inputs.start import Start
 from estimator.model import model_of
 from estimator.network import assemble
 from estimator.network.check import checked_terms
-from estimator.network.discretise import Modes, Transition, transition
+from estimator.network.discretise import Modes, transition
 from estimator.network.forcing import Forcing
 from estimator.terms import ELONGATION, Chain, Heat, Link, Read, Spot, Store
 
@@ -261,30 +261,28 @@ def test_a_deep_spot_reads_how_the_profile_bends(reduced, small):
 
 
 @pytest.mark.parametrize("effects", [(Insulated, Leaking), (Insulated,)], ids=["leaking", "with a mode that stays"])
-def test_derivatives_of_a_tick_are_pulled_back_to_the_network(small, effects):
-    """d<g, (F, J, Q)> along random symmetric directions equals 4th-order differences; equal rates included."""
+def test_derivatives_of_a_tick_are_those_of_differences(small, effects):
+    """How F and J move along random symmetric directions, by 4th-order differences; equal rates included."""
     _, network = assembled(small, *effects)
-    rng = np.random.default_rng(2)
-    n, dt = len(network.mass), 5.0
-    g = Transition(*rng.standard_normal((3, n, n)))
-    g = replace(g, Q=g.Q + g.Q.T)
-    modes, none = Modes(network, 1, dt), {"mass": np.zeros((n, n)), "conductance": np.zeros((n, n))}
-    pulled = modes.pull_back(g)
-
-    def value(name: str, along, step: float) -> float:
-        moved = transition(replace(network, **{name: getattr(network, name) + step * along}), 1, dt)
-        return float((g.F * moved.F + g.J * moved.J + g.Q * moved.Q).sum())
-
-    for name, found in zip(("mass", "conductance", "noise"), pulled, strict=True):
+    rng, n, dt = np.random.default_rng(2), len(network.mass), 5.0
+    for name in ("mass", "conductance"):
         way = rng.standard_normal((n, n))
         way = (way + way.T) * abs(getattr(network, name)).max() * 1e-3
-        if name == "noise":
-            way = way @ way
-        far = [value(name, way, k * 1e-2) for k in (2, 1, -1, -2)]
-        slope = (-far[0] + 8 * far[1] - 8 * far[2] + far[3]) / 0.12
-        assert (found * way).sum() == pytest.approx(slope, rel=1e-7), name
-        if name != "noise":
-            F, J = modes.along(**{**none, name: way})
-            assert (modes.pull_back(replace(g, Q=0 * g.Q))[0 if name == "mass" else 1] * way).sum() == pytest.approx(
-                (g.F * F + g.J * J).sum(), rel=1e-9
-            )
+        moved = [replace(network, **{name: getattr(network, name) + k * 1e-2 * way}) for k in (2, 1, -1, -2)]
+        two, one, less, lesser = (transition(other, 1, dt) for other in moved)
+        found = Modes(network, 1, dt).along(**{"mass": np.zeros((n, n)), "conductance": np.zeros((n, n)), name: way})
+        for slope, key in zip(found, "FJ", strict=True):
+            far = [getattr(each, key) for each in (two, one, less, lesser)]
+            expected = (-far[0] + 8 * far[1] - 8 * far[2] + far[3]) / 0.12
+            np.testing.assert_allclose(slope, expected, rtol=0, atol=1e-7 * abs(expected).max(), err_msg=name)
+
+
+def test_a_derivative_by_the_noise_of_a_tick_is_that_by_its_covariance(small):
+    """Q is linear in the noise: <g, Q(W)> = <slope(g), W>."""
+    _, network = assembled(small, Insulated, Leaking)
+    rng, n = np.random.default_rng(2), len(network.mass)
+    g, way = rng.standard_normal((n, n)), rng.standard_normal((n, n))
+    noise = np.broadcast_to(way @ way.T, network.noise.shape)
+    Q = transition(replace(network, noise=noise), 1, 5.0).Q
+    slope = Modes(network, 1, 5.0).noise_slope(g + g.T)
+    assert (slope * noise[1]).sum() == pytest.approx(((g + g.T) * Q).sum(), rel=1e-9)

@@ -20,12 +20,6 @@ from tests.conftest import SMALL, SMALL_VALUES
 
 PARAMETERS = [f"{e.name}.{key}" for e in SMALL for key, param in e.params.items() if param.over != "channel"]
 QUIET = {f"{name}.noise": 0.0 for name in ("nut_friction", "anchor_friction", "free_friction")}
-POWERS = [
-    f"{name}_friction.{key}"
-    for name, key in (
-        ("nut", "power"), ("nut", "power_nut"), ("anchor", "power"), ("anchor", "power_housing"), ("free", "power"),
-    )
-]  # fmt: skip
 
 
 class Lamp(Effect):

@@ -17,8 +17,7 @@ from estimator.rig import Rig
 from tests.viz_read import fixed, pixels, rows, view_names
 from viz.comparison import heat
 from viz.comparison.compared import ComparedRun, HeatAlong, HeatMap, Side
-from viz.comparison.comparison import save
-from viz.comparison.layout import bars_at
+from viz.comparison.comparison import bars_at, save
 from viz.comparison.maps import AFTER_ALONE, BROUGHT, HEAT, OPEN_LOOP, map_of, scales_of
 from viz.drawing import paths
 from viz.drawing.bars import Bars, BarSeries

@@ -25,7 +25,7 @@ def lived(seed: int) -> dict[float, tuple[float, Level | None]]:
 
 @pytest.fixture(scope="module")
 def said() -> list[dict[float, tuple[float, Level | None]]]:
-    return [lived(seed) for seed in range(12)]
+    return [lived(seed) for seed in range(8)]
 
 
 def test_it_is_told_at_rest_and_not_before_it_is_known(said):
@@ -36,7 +36,7 @@ def test_it_is_told_at_rest_and_not_before_it_is_known(said):
 
 
 def test_the_zero_of_a_rest_is_that_of_the_drive_before(said):
-    """Within what its variance says, on twelve runs."""
+    """Within what its variance says, on eight runs."""
     for when in (600.0, 850.0, 1400.0, 1900.0):
         apart = np.array([(run[when][1].um - run[when][0]) / np.sqrt(run[when][1].variance) for run in said])
         assert abs(apart.mean()) < 0.8, when

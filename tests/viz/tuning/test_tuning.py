@@ -18,9 +18,7 @@ from viz.drawing.bars import BarSeries, NisBars
 from viz.drawing.file import opens_at
 from viz.drawing.frames import ROW, WIDTH
 from viz.drawing.scale import DIVERGING, UNKNOWN
-from viz.tuning.autocorrelation import shades_of
-from viz.tuning.tuned import ScaledInnovations, Tuning
-from viz.tuning.tuning import save
+from viz.tuning.tuning import ScaledInnovations, Tuning, save, shades_of
 
 CHANNELS = ("T01", "T 2", "T03", "T04", "displacement")
 SECONDS = 400

@@ -1,7 +1,7 @@
 """A population of machines: each the same whatever the seed, within the ranges of its build, and able to run."""
 
 import json
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import asdict, fields, is_dataclass, replace
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from drivers.virtual_rig.frames.recording import write
 from drivers.virtual_rig.machine import heat
 from drivers.virtual_rig.machine.planted import BASE, PLANTED
 from drivers.virtual_rig.population.constants import PAPER, Machine
-from drivers.virtual_rig.population.draw import LAWS, machine
+from drivers.virtual_rig.population.draw import LAWS, REACHED_UM, SLOWEST, machine, steady_growth_um
 
 
 @pytest.fixture(scope="module")
@@ -123,3 +123,14 @@ def test_slower_and_shorter_strokes_reach_50_um_too(name, number):
     run = simulate(name, machine=number, cycles=1, stop_s=2.0)
     assert run.travel.drives[0].stop_s < 7200.0
     assert run.truth.elongation_um.max() == pytest.approx(50.0, abs=1.5)
+
+
+def test_growth_at_last_is_the_simulation_s():
+    run = simulate("FS-2.5", plant={"nut_friction": 0.4}, cycles=1, max_drive_s=6000.0, stop_s=1.0)
+    weak = replace(PAPER, nut=replace(PAPER.nut, drag_torque=0.4 * PAPER.nut.drag_torque))
+    assert run.travel.drives[0].stop_s > 6000.0
+    assert steady_growth_um(weak, SLOWEST) == pytest.approx(run.truth.elongation_um.max(), rel=0.2)
+
+
+def test_every_machine_can_follow_the_protocol():
+    assert all(steady_growth_um(machine(number), SLOWEST) > REACHED_UM for number in range(41))

@@ -52,7 +52,7 @@ def test_heat_is_told_from_a_drift_as_soon_as_the_next_ones_would_show_it(paper,
         assert (alone.is_heat, alone.not_heat > 1.0) == (False, told)
 
 
-def test_without_a_bar_no_heat_explains_a_drift(paper):
+def test_without_a_bar_no_heat_explains_a_drift():
     assert not local_heats(np.arange(5.0), None, 600.0).any()
 
 
@@ -109,9 +109,8 @@ def test_of_a_thermometer_that_fails_nothing_says_any_more_that_it_reads_heat(ch
     assert track.lacks_K[-1, ONE] == 0.0
 
 
-@pytest.mark.parametrize("first", [ONE, 9], ids=lambda i: f"T{i + 1:02d}")
-def test_two_neighbours_that_drift_alike_are_suspected_and_lead_the_estimate_nowhere(first, strokes, paper):
-    (rig, model), healthy = paper, strokes(2100)
+def test_two_neighbours_that_drift_alike_are_suspected_and_lead_the_estimate_nowhere(strokes, paper):
+    (rig, model), healthy, first = paper, strokes(2100), 9
     readings, both, since_s = healthy.channels.copy(), [first, first + 1], np.maximum(healthy.time_s - 1500.0, 0.0)
     readings[:, both] += 3.0 / 3600.0 * since_s[:, None]
     track, usual = replay(model, rig, replace(healthy, channels=readings)), replay(model, rig, healthy)

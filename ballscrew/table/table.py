@@ -14,13 +14,16 @@ What is not known is null. Where several recordings were given a first column `r
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+from pyarrow import compute, csv, parquet
 
 from estimator.accuracy.review import Review
+from estimator.errors import InputError
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.step import Mode
@@ -29,6 +32,7 @@ EACH_MM = 20.0  # of the profile: finer than the thermometers stand, no finer th
 LINES = ("measured", "predicted", "innovation", "innovation_sd")  # of a channel, in its unit
 
 Column = tuple[str, Array, str]  # name, values (K,), unit
+DIGITS = 6  # after the point, of what a CSV tells; Parquet keeps all
 
 
 def table(reviews: Sequence[Review], rig: Rig, several: bool) -> pa.Table:
@@ -106,3 +110,23 @@ def _beside(review: Review, rig: Rig) -> Iterator[Column]:
     if recording.began_s is not None:
         since_1970 = np.round((recording.began_s + recording.time_s) * 1000).astype("datetime64[ms]")
         yield "clock", since_1970, "UTC"
+
+
+def _write_csv(rows: pa.Table, path: Path) -> None:
+    rounded = [compute.round(c, DIGITS) if pa.types.is_floating(c.type) else c for c in rows.columns]
+    csv.write_csv(pa.Table.from_arrays(rounded, names=rows.column_names), path)
+
+
+def _write_parquet(rows: pa.Table, path: Path) -> None:
+    parquet.write_table(rows, path, compression="zstd")
+
+
+WRITERS: dict[str, Callable[[pa.Table, Path], None]] = {".csv": _write_csv, ".parquet": _write_parquet}
+
+
+def write(rows: pa.Table, path: Path) -> None:
+    """Write the table; one that cannot be written is an InputError."""
+    try:
+        WRITERS[path.suffix.lower()](rows, path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {(error.strerror or str(error)).lower()}") from error

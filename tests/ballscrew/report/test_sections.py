@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ballscrew.report.search.with_sd import with_sd
+from ballscrew.report.sections import with_sd
 from estimator.model import Value
 
 
