@@ -95,9 +95,12 @@ class Tested:
 
     @property
     def is_heat(self) -> bool:
-        """Whether heat explains it, and the others would show it if it were none."""
+        """Whether heat explains it, and the others would show it if it were none.
+
+        More than all of it says no more than all of it: else their noise shows what little heat would do to them.
+        """
         share, sd = self.left
-        return bool((share < 1.0 - np.maximum(COLD_SDS * sd, COLD)).any())
+        return bool((np.maximum(share, 0.0) < 1.0 - np.maximum(COLD_SDS * sd, COLD)).any())
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.faults.beside.change import AS_IT_IS, SCALES, unexplained
+from estimator.faults.beside import change as module
+from estimator.faults.beside.change import AS_IT_IS, SCALES, Unexplained, unexplained
 from estimator.faults.beside.windows import FEWEST
 
 X = np.arange(15) * 62.0
@@ -49,3 +50,14 @@ def test_the_one_outlier_is_the_one_that_is_off_by_most_sd(read, wrong, size):
     model = 0.01**2 * ALIKE + 0.003**2 * np.eye(15)
     some = np.ix_(at, at)
     assert at[unexplained(change[at], model[some], SCATTER[some], SCALES).furthest] == wrong
+
+
+@pytest.mark.parametrize(
+    ("share", "sd", "heat", "none"),
+    [(0.05, 0.1, True, False), (0.05, 0.3, False, False), (-0.5, 0.34, False, False), (0.97, 0.1, False, True)],
+)
+def test_what_the_others_cannot_tell_is_neither_heat_nor_none(share, sd, heat, none):
+    """Not by overshooting either: where heat would hardly reach the others, their noise seems to show twice as much."""
+    nothing = Unexplained(*np.zeros((3, 1)))
+    tested = module.Tested(0.5, 0.03, 1.0, np.array([[share], [sd]]), np.array([1]), nothing)
+    assert (tested.is_heat, tested.not_heat > 1.0) == (heat, none)
