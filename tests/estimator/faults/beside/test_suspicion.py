@@ -129,9 +129,10 @@ def test_live_suspects_and_widens_as_batch_does(healthy, paper):
         np.testing.assert_allclose(getattr(live, key), getattr(batch, key), rtol=1e-9, atol=1e-9, err_msg=key)
 
 
-def test_after_the_fact_what_may_drift_is_not_heard(found, usual):
+def test_after_the_fact_what_may_drift_is_not_heard(found, healthy, paper):
+    rig, model = paper
     _, replayed = found(0.3)
-    smoothed = replayed.smoothed()
+    smoothed, usual = replayed.smoothed(), Replay(model, rig, healthy, None, lambda _: None).smoothed()
     assert smoothed.sigma_um[-1] == pytest.approx(replayed.track.sigma_um[-1], rel=0.02)
     after = suspected(replayed.track)[0] + 1
     assert (abs(smoothed.elongation_um - usual.elongation_um)[after:] < 0.1).all()
