@@ -122,13 +122,21 @@ def test_a_thermometer_that_shifts_is_no_heat(told, small_model):
     assert event.since_s == pytest.approx(ONSET_S, abs=300.0)
 
 
-def test_a_thermometer_that_comes_loose_follows_the_screw_less(told, small_model):
-    def loosen(recording):
-        channels = recording.channels.copy()
-        channels[recording.time_s > 900.0, 1] -= 0.3 * (channels[recording.time_s > 900.0, 1] - 22.0)
-        return replace(recording, channels=channels)
+def loosen(recording, by):
+    """T2 shows a share less of its rise from some time on."""
+    channels, late = recording.channels.copy(), recording.time_s > 900.0
+    channels[late, 1] -= by * (channels[late, 1] - 22.0)
+    return replace(recording, channels=channels)
 
-    (event,) = told(small_model, loosen)
+
+def test_what_falls_as_the_screw_warms_has_not_come_loose(told, small_model):
+    found = told(small_model, lambda recording: loosen(recording, 2.2))
+    assert found
+    assert not any(event.kind == "loose" for event in found)
+
+
+def test_a_thermometer_that_comes_loose_follows_the_screw_less(told, small_model):
+    (event,) = told(small_model, lambda recording: loosen(recording, 0.3))
     assert (event.kind, event.channel) == ("loose", "T2")
     assert event.share == pytest.approx(-0.3, abs=0.06)
     assert event.since_s == pytest.approx(900.0, abs=300.0)
