@@ -9,6 +9,7 @@ import numpy as np
 from estimator.accuracy.machine import LIMIT_SD
 from estimator.accuracy.review import Review, overall
 from estimator.faults.sentences import place_of
+from estimator.faults.use import MUTED
 from estimator.rig import Rig
 
 LOUD = 4.0  # a NIS from which on readings are more than twice as far off as the filter expects
@@ -18,7 +19,7 @@ ALONE, OTHERS = 9.0, 3.0  # that of one channel, and so many times that of most 
 def doubts(reviews: Sequence[Review], rig: Rig) -> list[str]:
     """What a NIS far above 1 comes from; and that the model fails, where no sensor is to blame, nor another machine."""
     said = [f"{r.recording.name}: {sentence}" for r in reviews if (sentence := _loud(r, rig))]
-    return said + _worse([one for one in reviews if not (one.use.suspects or loudest(one) or one.off_sd > LIMIT_SD)])
+    return said + _worse([one for one in reviews if _by_model(one)])
 
 
 def loudest(review: Review) -> str:
@@ -36,6 +37,15 @@ def _loud(review: Review, rig: Rig) -> str:
         return ""
     off = f"readings are {np.sqrt(review.nis_mean):.1f} times as far off as the filter expects"
     return f"NIS {review.nis_mean:.0f}: {off}; `ballscrew diagnose` says where"
+
+
+def _by_model(review: Review) -> bool:
+    """Whether nothing but the model would make the estimate worse than a polyline: no sensor, no wrong input, no other
+    no other machine, and no silence of a thermometer that the polyline goes on to see."""
+    use = review.use
+    silenced = any(0 < one.why.get(MUTED, 0) < one.taken for one in use.channels)
+    failed = use.suspects or use.inputs or use.travel or loudest(review)
+    return not (silenced or failed or review.off_sd > LIMIT_SD)
 
 
 def _worse(reviews: Sequence[Review]) -> list[str]:
