@@ -40,8 +40,8 @@ def _loud(review: Review, rig: Rig) -> str:
 
 
 def _by_model(review: Review) -> bool:
-    """Whether nothing but the model would make the estimate worse than a polyline: no sensor, no wrong input, no other
-    no other machine, and no silence of a thermometer that the polyline goes on to see."""
+    """Whether nothing but the model would make the estimate worse than a polyline: no sensor, no input that
+    failed, no other machine, and no silence of a thermometer that the polyline goes on to see."""
     use = review.use
     silenced = any(0 < one.why.get(MUTED, 0) < one.taken for one in use.channels)
     failed = use.suspects or use.inputs or use.travel or loudest(review)
