@@ -129,12 +129,12 @@ def test_live_suspects_and_widens_as_batch_does(healthy, paper):
         np.testing.assert_allclose(getattr(live, key), getattr(batch, key), rtol=1e-9, atol=1e-9, err_msg=key)
 
 
-def test_after_the_fact_what_may_drift_is_not_heard(found, usual):
-    _, replayed = found(0.3)
-    smoothed = replayed.smoothed()
+def test_after_the_fact_what_may_drift_is_not_heard(found):
+    replayed = found(0.3)[1]
+    smoothed, healthy = replayed.smoothed(), found(0.0)[1].smoothed()
     assert smoothed.sigma_um[-1] == pytest.approx(replayed.track.sigma_um[-1], rel=0.02)
     after = suspected(replayed.track)[0] + 1
-    assert (abs(smoothed.elongation_um - usual.elongation_um)[after:] < 0.1).all()
+    assert (abs(smoothed.elongation_um - healthy.elongation_um)[after:] < 0.1).all()
 
 
 def test_after_the_fact_what_has_drifted_is_not_heard_again(found):
