@@ -9,6 +9,7 @@ import numpy as np
 from estimator.accuracy.machine import LIMIT_SD
 from estimator.accuracy.review import Review, overall
 from estimator.faults.sentences import place_of
+from estimator.faults.use import MUTED
 from estimator.inputs.untold import gaps_s
 from estimator.rig import Rig
 
@@ -22,7 +23,7 @@ def doubts(reviews: Sequence[Review], rig: Rig) -> list[str]:
     said = [f"{name}: {_untold(gaps, rig)}" for name, gaps in untold.items()]
     others = [r for r in reviews if r.recording.name not in untold]
     said += [f"{r.recording.name}: {sentence}" for r in others if (sentence := _loud(r, rig))]
-    return said + _worse([one for one in others if not (one.use.suspects or loudest(one) or one.off_sd > LIMIT_SD)])
+    return said + _worse([one for one in others if _by_model(one)])
 
 
 def loudest(review: Review) -> str:
@@ -47,6 +48,15 @@ def _loud(review: Review, rig: Rig) -> str:
         return ""
     off = f"readings are {np.sqrt(review.nis_mean):.1f} times as far off as the filter expects"
     return f"NIS {review.nis_mean:.0f}: {off}; `ballscrew diagnose` says where"
+
+
+def _by_model(review: Review) -> bool:
+    """Whether nothing but the model would make the estimate worse than a polyline: no sensor, no input that
+    failed, no other machine, and no silence of a thermometer that the polyline goes on to see."""
+    use = review.use
+    silenced = any(0 < one.why.get(MUTED, 0) < one.taken for one in use.channels)
+    failed = use.suspects or use.inputs or use.travel or loudest(review)
+    return not (silenced or failed or review.off_sd > LIMIT_SD)
 
 
 def _worse(reviews: Sequence[Review]) -> list[str]:

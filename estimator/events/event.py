@@ -14,6 +14,7 @@ class Event:
 
     run      recording;   since_s, sd_s  when, s since its first frame;   until_s: None to the end
     began_s  of the recording, s since 1970; None where its clock tells no date
+    phase    whether the screw turned then, and for how long it had turned or stood, s; None: it was so all the time
     kind     "heat", "heat_driving" (while the screw turns), "effect" (a part of the model grew or shrank), "reading"
              (a shift), "loose" (a thermometer that shows less of its rise), "exchanged" (the plugs of `channel` and
              `name`), "growing" (a part, from recording to recording)
@@ -41,6 +42,7 @@ class Event:
     share: float | None = None
     offset: float | None = None
     gain: float = 0.0
+    phase: tuple[bool, float] | None = None
     what: str = ""
 
     def told(self, clock: str = "", until: str = "") -> str:

@@ -6,8 +6,10 @@ of the model's misfit sized again without it, and the next is looked for.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from estimator.batch.trials import Trials, slow_trials_of
 from estimator.events.event import LOOSE, Event
@@ -27,6 +29,7 @@ from estimator.work import Runs, Workers
 LEAST_GAIN = 50.0  # 43 was the most in 51 recordings of nine machines with nothing planted, all by machine 0's model
 SHOWS = 2.0  # times what a good model leaves, by which an event moves readings: less is not worth a person's look
 MOST = 3  # in one recording
+APART_SD = 2.0  # standard deviations between times that are told apart
 TOGETHER_S = 900.0  # what begins so soon after another belongs to it
 FEWEST = 40  # averages, below which a recording tells no times
 
@@ -66,7 +69,11 @@ def _found(seen: Sequence[Signature], workers: Workers, least: float) -> list[Ev
     """Onsets within recordings, and what grows from one to the next."""
     search = Search(seen, workers, least)
     grown = growing(seen, search.sizes)
-    begun = [told(one, each) for each, some in zip(seen, search.onsets(), strict=True) for one in some]
+    begun = [
+        replace(told(one, each), phase=each.spans.phase(one.since_s))
+        for each, some in zip(seen, search.onsets(), strict=True)
+        for one in some
+    ]
     return single(begun, len(seen)) + grown
 
 
@@ -83,15 +90,18 @@ def worth(onset: Onset, seen: Signature) -> bool:
 
 
 def single(begun: Sequence[Event], recordings: int) -> list[Event]:
-    """Without what begins in the same way in several recordings, in more than half of them: so it is with the model.
+    """Without what begins in several recordings, in more than half of them, in the same way or as long after a start
+    or a stop: so it is with the model.
 
-    Such is heat that follows every stop; an event happens once.
+    Such is heat that follows every stop, wherever a model makes up for it that has its heat in the wrong place; an
+    event happens once.
     """
 
-    def like(event: Event) -> int:
-        return len({other.run for other in begun if alike(event, other)})
+    def often(event: Event, like: Callable[[Event, Event], bool]) -> bool:
+        count = len({other.run for other in begun if like(event, other)})
+        return count >= 2 and count > recordings / 2
 
-    return [event for event in begun if like(event) < 2 or like(event) <= recordings / 2]
+    return [event for event in begun if not (often(event, alike) or often(event, in_step))]
 
 
 def alike(a: Event, b: Event) -> bool:
@@ -100,6 +110,13 @@ def alike(a: Event, b: Event) -> bool:
         return False
     sizes = [(event.heat_W or 0.0) + (event.share or 0.0) + (event.offset or 0.0) for event in (a, b)]
     return sizes[0] * sizes[1] > 0
+
+
+def in_step(a: Event, b: Event) -> bool:
+    """Whether two events began as long after a start, or a stop, as far as their times are known."""
+    if a.phase is None or b.phase is None or a.phase[0] != b.phase[0]:
+        return False
+    return abs(a.phase[1] - b.phase[1]) <= APART_SD * float(np.hypot(a.sd_s, b.sd_s))
 
 
 class Search:

@@ -1,9 +1,12 @@
-"""Two plugs exchanged: each of two thermometers shows what the other's place would by the model alone."""
+"""Two plugs exchanged: each of two thermometers shows what the other's place would by the model alone.
+
+A model whose heat is in the wrong place makes two thermometers at either end of it look so too, but not only these.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import chain, combinations
 
 import numpy as np
 
@@ -28,7 +31,10 @@ def exchanged(read: AsRead) -> Iterator[Event]:
 
 
 def _pairs(off: Array, alone: Array, channels: Array) -> Iterator[tuple[int, int]]:
-    """Of channels that fit each other's place far better than their own, the best pairs first, each channel once."""
+    """Of channels that fit each other's place far better than their own, the best pairs first, each channel once.
+
+    None where another channel is as far off as exchanging may leave them: then it does not set the model right.
+    """
     read = np.isfinite(off)
     own = np.where(read, off**2, 0.0).sum(axis=0) / np.maximum(read.sum(axis=0), 1)
     found = []
@@ -38,8 +44,9 @@ def _pairs(off: Array, alone: Array, channels: Array) -> Iterator[tuple[int, int
         both = there[0] < own[one] and there[1] < own[other] and min(own[one], own[other]) > SHOWN_K**2
         if both and sum(there) < SHARE * (own[one] + own[other]):
             found.append((sum(there) / (own[one] + own[other]), one, other))
-    told: set[int] = set()
-    for _, one, other in sorted(found):
-        if not {one, other} & told:
-            told |= {one, other}
-            yield one, other
+    pairs: list[tuple[int, int]] = []
+    for _, *pair in sorted(found):
+        if not {*pair} & {*chain(*pairs)}:
+            pairs.append((pair[0], pair[1]))
+    most = max((own[channel] for channel in {*channels.tolist()} - {*chain(*pairs)}), default=0.0)
+    yield from (pair for pair in pairs if most < SHARE * own[[*pair]].min())

@@ -119,7 +119,7 @@ class Solver:
         own, spans = np.diag(K), np.arange(len(slope))
         may = step.acts & (spans > (np.flatnonzero(step.acts)[0] if step.acts.any() else len(spans)))
         if step.kind == LOOSE:
-            may &= slope < -LEAST * own
+            may &= (slope < -LEAST * own) & (slope >= -own)
         once = np.where(may, _over(slope, own), 0.0)
         apart, both = slope[:, None] - slope, own[:, None] + own - 2.0 * K
         ends = may[:, None] & _may_end(seen.spans) & (step.carrier is not None and step.acts.all())

@@ -1,7 +1,7 @@
 """What the judge of the thermometers has told already: a zero that jumped, a channel that came loose or drifts.
 
 One that shows a share less of its rise drifts from its neighbours in a drive and comes back to them at rest: it has
-come loose.
+come loose. None shows less than nothing of it.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def share_lost(read: AsRead, channel: str, since_s: float) -> float:
     if known.sum() < 2:
         return 0.0
     (share, left), (_, drifted) = (_fitted(off[known], column[known]) for column in (rise, drift))
-    return -share if -share > LEAST and left < drifted else 0.0
+    return -share if LEAST < -share <= 1.0 and left < drifted else 0.0
 
 
 def loose_words(share: float) -> str:

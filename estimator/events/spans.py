@@ -25,6 +25,12 @@ class Spans:
     def __len__(self) -> int:
         return len(self.from_s)
 
+    def phase(self, at_s: float) -> tuple[bool, float]:
+        """Whether the screw turns at a time, and for how long it has, or has stood, s."""
+        span = max(int(np.searchsorted(self.from_s, at_s, "right")) - 1, 0)
+        others = np.flatnonzero(self.drive[:span] != self.drive[span])
+        return bool(self.drive[span]), at_s - float(self.from_s[others[-1] + 1 if len(others) else 0])
+
 
 def spans(recording: Recording) -> Spans:
     """Cut a recording at every start and stop, and at least every five minutes; in more or fewer if it is no day's."""

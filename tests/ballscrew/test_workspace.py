@@ -115,11 +115,13 @@ def test_a_copy_of_a_recording_is_no_other_witness(tmp_path):
 def test_a_filter_that_is_worse_than_a_polyline_says_so(rig_folder):
     model = load_model(rig_folder / "model.toml")
     save_model(model.with_values({"expansion_error.error": 0.04}), rig_folder / "poor.toml")
-    status, out, _ = run("review", rig_folder / "logs", "--model", rig_folder / "poor.toml", "--no-displacement")
+    poor = ("review", rig_folder / "logs", "--model", rig_folder / "poor.toml", "--no-displacement")
+    status, out, _ = run(*poor)
     assert status == 0
     assert "is worse than the polyline" in out
     assert "`ballscrew diagnose` says where" in out
     assert "worse than the polyline" not in run("review", rig_folder / "logs")[1]
+    assert "worse than the polyline" not in run(*poor, "--mute", "telemeter:20-30")[1]  # which the polyline sees
 
 
 def test_the_nearest_rig_folder_is_used(short_folder):

@@ -12,7 +12,10 @@ from estimator.batch.trials import Trials, unjudged
 from estimator.effect import Effect, Param
 from estimator.events.event import Event
 from estimator.events.events import events, events_of, single
+from estimator.events.exchanged import _pairs
 from estimator.events.onset import Step, likely
+from estimator.events.readings import share_lost
+from estimator.events.signature import AsRead
 from estimator.events.spans import spans
 from estimator.rig import Signal
 from estimator.terms import SCREW, Heat
@@ -121,6 +124,15 @@ def test_a_thermometer_that_shifts_is_no_heat(told, small_model):
     assert event.since_s == pytest.approx(ONSET_S, abs=300.0)
 
 
+@pytest.mark.parametrize(("by", "lost"), [(0.3, 0.3), (1.0, 1.0), (2.2, 0.0), (0.04, 0.0), (-0.3, 0.0)])
+def test_a_loose_thermometer_shows_part_of_its_rise(small, runs, by, lost):
+    """What falls as the screw warms is no contact."""
+    time_s, off = np.arange(100.0) * TICK_S, np.zeros((100, 5))
+    alone = np.tile(22.0 + 5.0 * np.sin(time_s / 300.0)[:, None], (1, 5))
+    off[:, 1] = -by * (alone[:, 1] - 22.0)
+    assert share_lost(AsRead(small, runs[0][0], time_s, off, alone), "T2", 0.0) == pytest.approx(lost)
+
+
 def test_a_thermometer_that_comes_loose_follows_the_screw_less(told, small_model):
     def loosen(recording):
         channels = recording.channels.copy()
@@ -143,6 +155,14 @@ def test_two_plugs_that_are_exchanged_are_named_and_nothing_else(told, small_mod
     (event,) = told(small_model, exchange)
     assert (event.kind, event.channel, event.name) == ("exchanged", "T1", "T3")
     assert event.told().startswith("second: T1 and T3 show each other's temperature")
+
+
+def test_two_that_look_exchanged_are_not_where_a_third_is_as_far_off():
+    """Heat that the model has in the wrong place is too much at one end of it and too little at the other."""
+    alone = np.tile([1.0, 4.0, 2.0, 5.0], (10, 1))
+    off = np.tile([3.0, -3.0, 0.2, 0.1], (10, 1))
+    assert list(_pairs(off, alone, np.arange(4))) == [(0, 1)]
+    assert not list(_pairs(off + np.array([0.0, 0.0, 1.8, 0.0]), alone, np.arange(4)))
 
 
 @pytest.mark.parametrize(("each", "grows"), [(0.08, True), (0.0, False)])
@@ -175,6 +195,10 @@ def test_what_begins_in_most_recordings_is_the_models():
     cools = Event("d", 2000.0, 60.0, "heat", from_mm=300.0, to_mm=360.0, heat_W=-2.0)
     assert single([*often, once, cools], 4) == [once, cools]
     assert single(often[:2], 4) == often[:2]
+    places = [replace(cools, run=run, name=run, phase=(False, 280.0 + 20.0 * i)) for i, run in enumerate("abc")]
+    assert single(places, 4) == []  # each another thing, and each as long after a stop
+    driving = [*places[:2], replace(places[2], phase=(True, 320.0))]
+    assert single(driving, 4) == driving
     assert single(often[:1], 1) == often[:1]
 
 
