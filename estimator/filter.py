@@ -46,13 +46,18 @@ class Filter:
         self.model, self.rig, self.mute = model, rig, mute or unmuted(rig)
         self.run: Run | None = None
         self._transitions: dict[int, Transition] = {}
+        self._read: tuple[Sample, Drive] | None = None  # a sample that an effect has failed in
 
     def step(self, sample: Sample) -> Step:
         """Take one tick: begin with the first sample with a thermometer in it; then predict, compare, update."""
         rows = collect("", [sample])
         if self.run is None:
             return self._begin(rows)
-        return self._advance(self.run, sample, rows, self.run.forcing.read(rows))
+        if self._read is None or self._read[0] is not sample:
+            self._read = sample, self.run.forcing.read(rows)
+        step = self._advance(self.run, sample, rows, self._read[1])
+        self._read = None
+        return step
 
     def leave_out(self, effect: str) -> None:
         """Go on from the same estimate by the model without an effect, from the tick on that the effect failed in.
