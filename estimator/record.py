@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.stay import Stay
-
 POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
 Array = NDArray[Any]  # float64, or whole numbers where it holds indices
 
@@ -76,7 +74,7 @@ class Recording:
     apart_s: Array = field(default_factory=lambda: np.zeros(1))
     pace: Array = field(default_factory=lambda: np.full(1, np.nan))
     slip_mm: Array = field(default_factory=lambda: np.full(1, np.nan))
-    stay: Stay = field(default_factory=Stay)
+    stay: Array = field(default_factory=lambda: np.empty(0))
     began_s: float | None = None
     part_of: str = ""
 
@@ -84,6 +82,8 @@ class Recording:
         for name, usual in (("unevenness", 1.0), ("apart_s", 0.0), ("pace", math.nan), ("slip_mm", math.nan)):
             if len(getattr(self, name)) != len(self.time_s):
                 object.__setattr__(self, name, np.full(len(self.time_s), usual))
+        if self.stay.shape != self.coverage.shape:
+            object.__setattr__(self, "stay", self.coverage)
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -107,7 +107,7 @@ class Recording:
             apart_s=self.apart_s[which],
             pace=self.pace[which],
             slip_mm=self.slip_mm[which],
-            stay=self.stay.rows(which, len(self)),
+            stay=self.stay[which],
         )
 
     def sample(self, k: int) -> Sample:
@@ -116,7 +116,7 @@ class Recording:
         return Sample(
             float(self.time_s[k]), self.channels[k], self.ages_s[k], inputs, float(self.omega[k]), self.coverage[k],
             float(self.unevenness[k]), float(self.apart_s[k]), float(self.pace[k]), float(self.slip_mm[k]),
-            self.stay.at(k),
+            self.stay[k],
         )  # fmt: skip
 
     def __iter__(self) -> Iterator[Sample]:
@@ -140,7 +140,7 @@ def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
         apart_s=np.array([s.apart_s for s in rows]),
         pace=np.array([s.pace for s in rows]),
         slip_mm=np.array([s.slip_mm for s in rows]),
-        stay=Stay.of({k: s.stay for k, s in enumerate(rows) if s.stay is not None}),
+        stay=np.array([s.coverage if s.stay is None else s.stay for s in rows]),
         **about,  # type: ignore[arg-type]
     )
 

@@ -15,19 +15,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 OURS = {"ballscrew", "drivers", "viz", "estimator", "recordings"}
-TYPES = {
-    "record",
-    "stay",
-    "rig",
-    "rig_log",
-    "screw",
-    "step",
-    "errors",
-    "alarms",
-}  # what an estimator is told and what it says
+TYPES = {"record", "rig", "rig_log", "screw", "step", "errors", "alarms"}  # what an estimator is told and what it says
 FLOORS = {  # of each package, the ground first: a wing, or a file beside the wings, imports from its own and lower ones
     "estimator": (
-        "errors stay record terms screw rig rig_log step work",
+        "errors record terms screw rig rig_log step work",
         "faults",
         "inputs",
         "effect",

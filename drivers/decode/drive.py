@@ -14,7 +14,6 @@ import numpy as np
 from drivers.frames import Array, Index, Tally
 from estimator.rig import Rig
 from estimator.screw import Screw
-from estimator.stay import Stay
 
 AT_ONCE = 1024  # ticks, of which every sum over the cells takes 2 MB
 SOME, TOLD = 3, 0.7  # stretches of a tick that tell of a motion; of them those over which the position has moved
@@ -33,7 +32,7 @@ class Drive(NamedTuple):
     apart_s: Array
     pace: Array
     slip_mm: Array
-    stay: Stay
+    stay: Array
 
 
 class DriveCondenser:
@@ -57,7 +56,7 @@ class DriveCondenser:
         now    (n,) s       position  (n,) mm, NaN where unknown
         speed  (n,) rad/s   row       (n,) tick of each frame, rising
         """
-        cover, stay = np.zeros((rows, self.screw.cells if self.screw else 0)), Stay()
+        cover = stay = np.zeros((rows, self.screw.cells if self.screw else 0))
         if not self.turns:
             none = np.full(rows, np.nan)
             return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), none, none, stay)
@@ -82,8 +81,8 @@ class DriveCondenser:
         if self.nut:
             weight = np.where(angle[into] > 0, turned, passed)
             cover = self._cover(position, joined, weight, into, latest)
-            stay = Stay.beside(cover, self._cover(position, joined, passed, into, latest))
-        omega[silent] = cover[silent] = np.nan
+            stay = self._cover(position, joined, passed, into, latest)
+        omega[silent] = cover[silent] = stay[silent] = np.nan
         self._last, self._row = (float(now[-1]), float(position[-1]), float(speed[-1])), int(row[-1]) - rows
         return Drive(omega, cover, uneven, apart, pace, slip_mm, stay)
 

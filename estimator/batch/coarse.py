@@ -8,7 +8,6 @@ import numpy as np
 
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.stay import Stay
 
 MOST = 5  # ticks in one
 LONGEST_S = 15.0  # a tick that still shows a drive of a few minutes
@@ -43,7 +42,7 @@ def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
             omega=_mean(omega),
             apart_s=np.full(groups, np.nan),  # where the table is at the end of a tick is no longer told
             unevenness=_unevenness(recording, groups, ticks),
-            stay=_stay(recording, groups, ticks),
+            stay=_mean(_grouped(recording.stay, groups, ticks)),
             coverage=np.einsum("gt,gtc->gc", turned, coverage) / turned.sum(axis=1)[:, None],
         ),
         replace(rig, tick_s=rig.tick_s * ticks),
@@ -54,14 +53,6 @@ def _shortened(name: str, recording: Recording, groups: int, ticks: int) -> Arra
     """An input at the longer tick: its mean; of the direct reading the last."""
     column = _grouped(recording.inputs[name], groups, ticks)
     return column[:, -1] if name == "displacement_direct" else _mean(column)
-
-
-def _stay(recording: Recording, groups: int, ticks: int) -> Stay:
-    """The mean of each longer tick in which some were another than by the angle turned."""
-    which = np.unique(recording.stay.tick // ticks)
-    which = which[which < groups]
-    cover = recording.stay.over(recording.coverage, which[:, None] * ticks + np.arange(ticks))
-    return Stay(which, _mean(cover))
 
 
 def _grouped(column: Array, groups: int, ticks: int) -> Array:

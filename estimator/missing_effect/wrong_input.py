@@ -8,7 +8,6 @@ without any model: the table would not go as far as the screw turns.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 import scipy
@@ -141,8 +140,8 @@ def corrected(recording: Recording, rig: Rig, signal: str, size: float) -> Recor
 
 def _elsewhere(recording: Recording, rig: Rig, share: float = 1.0, shift_mm: float = 0.0) -> Recording:
     """The recording if every position p were share p + shift_mm."""
-    there = partial(moved, rig=rig, share=share, shift_mm=shift_mm)
-    return replace(recording, coverage=there(recording.coverage), stay=recording.stay.each(there))
+    coverage, stay = (moved(cover, rig, share, shift_mm) for cover in (recording.coverage, recording.stay))
+    return replace(recording, coverage=coverage, stay=stay)
 
 
 def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> tuple[float, float]:

@@ -164,8 +164,7 @@ class Forcing:
         for k, sample in enumerate(chunk):
             self._travel.step(sample)
             lost = bool(unseen[k] or self._travel.why)
-            stay = u.coverage[k] if sample.stay is None else sample.stay
-            regime.append(self._regimes.index(float(u.omega[k, 0]), stay, lost, float(uneven[k])))
+            regime.append(self._regimes.index(float(u.omega[k, 0]), u.stay[k], lost, float(uneven[k])))
             astray.append(self._travel.astray)
         return Drive(u, np.array(regime), np.array(astray))
 

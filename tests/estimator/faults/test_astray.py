@@ -24,8 +24,8 @@ def frozen(strokes):
     later = np.arange(SECONDS + 1)[: len(run)] >= AT
     position = np.where(later, run.inputs["position"][at], run.inputs["position"])
     there = replace(run, inputs={**run.inputs, "position": position})
-    parked = np.where(later[:, None], run.coverage[at], run.coverage)
-    return replace(there, coverage=parked, stay=run.stay.rows(slice(0, AT), len(run)))
+    coverage, stay = (np.where(later[:, None], cover[at], cover) for cover in (run.coverage, run.stay))
+    return replace(there, coverage=coverage, stay=stay)
 
 
 @pytest.fixture(scope="module")

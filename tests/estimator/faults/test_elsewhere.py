@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -25,9 +24,8 @@ SECONDS, SHIFT_MM = 420, 40.0
 def shifted(run, rig, by_mm=SHIFT_MM):
     """The run with a position that is told with another zero from its first tick on."""
     position = run.inputs["position"] + by_mm
-    there = partial(moved, rig=rig, shift_mm=by_mm)
-    stay = run.stay.each(there)
-    return replace(run, inputs={**run.inputs, "position": position}, coverage=there(run.coverage), stay=stay)
+    coverage, stay = (moved(cover, rig, shift_mm=by_mm) for cover in (run.coverage, run.stay))
+    return replace(run, inputs={**run.inputs, "position": position}, coverage=coverage, stay=stay)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,6 @@ from estimator.inputs.inputs import InputReader, no_inputs
 from estimator.inputs.start import Start, read_start
 from estimator.network.forcing import Forcing
 from estimator.network.regime import COVERAGE_STEP, Regimes
-from estimator.stay import Stay
 
 NAN = np.nan
 
@@ -157,8 +156,7 @@ def test_what_conducts_goes_by_time_and_by_how_unevenly_it_turns(small, small_mo
     run = driven(small, 80, (10, 70))
     turns, waits = (small.screw.overlap(at, at + small.nut.length_mm) for at in (60.0, 0.0))
     moving, stay = run.omega > 0, np.where((run.omega > 0)[:, None], turns * 2 / 3 + waits / 3, waits)
-    coverage = np.where(moving[:, None], turns, waits)
-    run = replace(run, coverage=coverage, stay=Stay.beside(coverage, stay), unevenness=np.full(80, 1.5))
+    run = replace(run, coverage=np.where(moving[:, None], turns, waits), stay=stay, unevenness=np.full(80, 1.5))
     forcing = Forcing(small_model, small, Start(22.0, 0.0, dict.fromkeys(small.inputs, 0.0)))
     drive = forcing.read(run)
     u = forcing.regime_inputs()
