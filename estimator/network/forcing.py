@@ -160,11 +160,9 @@ class Forcing:
         """Inputs and regimes of a chunk, whatever the model; call in order of time."""
         u, regime, astray = self._reader.read(chunk), [], []
         unseen = self._untold.unseen(chunk)
-        uneven = np.broadcast_to(u.unevenness, u.omega.shape)[:, 0]
-        for k, sample in enumerate(chunk):
+        for sample, w, coverage, lost in zip(chunk, u.omega[:, 0], u.coverage, unseen, strict=True):
             self._travel.step(sample)
-            lost = bool(unseen[k] or self._travel.why)
-            regime.append(self._regimes.index(float(u.omega[k, 0]), u.stay[k], lost, float(uneven[k])))
+            regime.append(self._regimes.index(float(w), coverage, bool(lost or self._travel.why)))
             astray.append(self._travel.astray)
         return Drive(u, np.array(regime), np.array(astray))
 
@@ -198,9 +196,8 @@ class Forcing:
     def regime_inputs(self, which: Sequence[int] | None = None) -> Inputs:
         """Speed and coverage of some regimes met so far, or of all; every other input is zero."""
         which = range(self.regimes) if which is None else which
-        met = self._regimes
-        omega, uneven = np.array([[met.omega[r], met.unevenness[r]] for r in which]).T[:, :, None]
-        return no_inputs(self.rig, omega, np.array([met.coverage[r] for r in which]), uneven)
+        omega = np.array([self._regimes.omega[r] for r in which])[:, None]
+        return no_inputs(self.rig, omega, np.array([self._regimes.coverage[r] for r in which]))
 
     def _solve(self, needed: Sequence[int]) -> None:
         """Assemble and discretise all regimes met and not solved; those that are needed, where not all are kept."""

@@ -10,7 +10,6 @@ import pytest
 from estimator.errors import SetupError
 from estimator.inputs.inputs import InputReader, no_inputs
 from estimator.inputs.start import Start, read_start
-from estimator.network.forcing import Forcing
 from estimator.network.regime import COVERAGE_STEP, Regimes
 
 NAN = np.nan
@@ -149,23 +148,6 @@ def test_a_moving_regime_is_the_mean_of_the_last_minute():
     np.testing.assert_array_equal(regimes.coverage[0], here)
     held = int(60 * COVERAGE_STEP) + 1  # s: the mean moves by a sixtieth each
     assert len(regimes.omega) == pytest.approx(1 + 60 / held, abs=1)
-
-
-def test_what_conducts_goes_by_time_and_by_how_unevenly_it_turns(small, small_model, driven):
-    """A third of each tick the nut waits at the left: friction heats where it turns, contact goes by time."""
-    run = driven(small, 80, (10, 70))
-    turns, waits = (small.screw.overlap(at, at + small.nut.length_mm) for at in (60.0, 0.0))
-    moving, stay = run.omega > 0, np.where((run.omega > 0)[:, None], turns * 2 / 3 + waits / 3, waits)
-    run = replace(run, coverage=np.where(moving[:, None], turns, waits), stay=stay, unevenness=np.full(80, 1.5))
-    forcing = Forcing(small_model, small, Start(22.0, 0.0, dict.fromkeys(small.inputs, 0.0)))
-    drive = forcing.read(run)
-    u = forcing.regime_inputs()
-    (fast,) = set(drive.regime[20:60])
-    np.testing.assert_allclose(u.coverage[fast], stay[30], atol=1e-12)
-    np.testing.assert_array_equal(drive.inputs.coverage[30], turns)
-    full = run.omega[30] * 1.5 / (small.screw.reference_rpm * 2 * np.pi / 60)  # the speed while it turns
-    assert u.speed_law(small.screw, 0.0)[fast, 0] == pytest.approx(2 / 3)
-    assert u.speed_law(small.screw, 0.67)[fast, 0] == pytest.approx(2 / 3 * full**0.67)
 
 
 @pytest.mark.parametrize("ramps", [0.0, 0.24, 0.66])

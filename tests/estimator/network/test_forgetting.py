@@ -22,7 +22,7 @@ def places(small, driven):
     """A parked machine: each place of its nut is a regime of its own."""
     run = driven(small, 4, (9, 9))
     covered = np.eye(4, CELLS, dtype=float) * 100.0
-    return replace(run, coverage=covered, stay=covered)
+    return replace(run, coverage=covered)
 
 
 def test_what_was_used_longest_ago_is_solved_again(small, small_model, places):
