@@ -52,7 +52,7 @@ bench-search: $(LOGS)
 bench-live: $(READY)
 	$(BIN)/python -m benchmarks live
 
-# thermometers that fail, one by one and together: some 20 minutes; goes on where it was stopped
+# thermometers that fail, one by one and together: some 40 minutes; goes on where it was stopped
 bench-faults: $(READY)
 	$(BIN)/python -m benchmarks faults
 

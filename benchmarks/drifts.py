@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,8 @@ from estimator.record import Array
 
 RATES = (3.0, 1.0, 0.5, 0.25)  # K/h
 CHANNELS = ("T01", "T05", "T08", "T15")
+SHORT = {"CS-10": ("CS-10", 300.0), "ES-20": ("ES-20", 160.0)}  # strokes over a part of the screw, while driving
+UNDER = ("T03", "T04", "T05", "T06", "T07")  # where the nut goes, or nearly
 LOST_SD, LOST_UM = 5.0, 0.5  # further off than both is lost
 HEAD = (
     "K/h",
@@ -76,12 +78,17 @@ def longest(so: Array) -> int:
 
 def table(when: dict[str, tuple[str, float]], seed: int) -> str:
     """All drifts of a rig, from times of runs on."""
-    return section("Drifts one by one", [HEAD, *_rows(when, seed)], level=3)
+    usual = section("Drifts one by one", [HEAD, *_rows(when, seed, RATES, CHANNELS)], level=3)
+    return "\n".join(
+        [usual, section("Drifts under short strokes", [HEAD, *_rows(SHORT, seed, RATES[:1], UNDER)], level=3)]
+    )
 
 
-def _rows(when: dict[str, tuple[str, float]], seed: int) -> Iterator[list[str]]:
-    for rate in RATES:
-        for channel in CHANNELS:
+def _rows(
+    when: dict[str, tuple[str, float]], seed: int, rates: Sequence[float], channels: Sequence[str]
+) -> Iterator[list[str]]:
+    for rate in rates:
+        for channel in channels:
             for name, (run, at_s) in when.items():
                 f = found(run, at_s, seed, channel, rate)
                 say(f"  drift of {rate:g} K/h, {channel}, {name}: {f.um:.2f} um")
