@@ -67,9 +67,9 @@ def share(good: Sequence[bool]) -> tuple[str, float]:
 def cells(found: dict[Case, Outcome], name: str, must: tuple[float, float]) -> Iterator[Row]:
     """The rows of one failing channel, for 15 or seven of them."""
     some = {case: outcome for case, outcome in found.items() if case.row == name}
-    share, small = must
+    least, small = must
     yield Row(
-        f"{name}: share of cells with <= {small:g} um", *share([o.um <= small for o in some.values()]), share, True
+        f"{name}: share of cells with <= {small:g} um", *share([o.um <= small for o in some.values()]), least, True
     )
     worst = max(outcome.um for outcome in some.values())
     yield Row(f"{name}: largest, um", f"{worst:.2f}", worst, 0.5)
