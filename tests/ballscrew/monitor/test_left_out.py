@@ -14,6 +14,9 @@ from ballscrew.monitor.session import Session
 from drivers.bus import publisher as publishing
 from drivers.bus.publisher import Publisher
 from estimator.effect import Effect
+from estimator.errors import EffectError
+from estimator.filter import Filter
+from estimator.record import collect
 from estimator.step import Mode
 from estimator.terms import SCREW, Heat, Link, Read, Store
 from tests.ballscrew.monitor.conftest import Clock, Receiver
@@ -87,6 +90,23 @@ def test_the_estimate_goes_on_without_an_effect_that_fails(paper, frames, withou
         assert moment.trust == usual.trust
         np.testing.assert_allclose(moment.step.elongation_um, usual.step.elongation_um, rtol=0, atol=1e-9)
         np.testing.assert_allclose(moment.step.sigma_um, usual.step.sigma_um, rtol=0, atol=1e-9)
+
+
+def test_the_tick_in_which_it_fails_is_read_once(paper, without):
+    """Asked for again, without the effect, the drive has gone on by one tick, not two."""
+    rig, model = paper
+    odd, usual = Filter(model + Jet, rig), Filter(model, rig)
+    for moment in without:
+        usual.step(moment.sample)
+        try:
+            odd.step(moment.sample)
+        except EffectError:
+            odd.leave_out("jet")
+            odd.step(moment.sample)
+    assert "jet" not in odd.model.effects
+    next_one = collect("", [without[-1].sample])
+    seconds, expected = (one.run.forcing.read(next_one).inputs.motion.time_s for one in (odd, usual))
+    assert seconds == expected
 
 
 def test_two_that_fail_at_once_are_both_left_out(paper, frames, without):
