@@ -139,6 +139,7 @@ class Filter:
             since_s=judged.since_s[0],
             may_drift_K=judged.may_drift_K[0],
             lacks_K=judged.lacks_K[0],
+            departs_K=judged.departs_K[0],
             unsure_um=0.0,
             off_share=judged.off_share[0],
             shift_mm=judged.shift_mm[0],

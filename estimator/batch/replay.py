@@ -152,6 +152,7 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
             since_s=judgement.since_s[some],
             may_drift_K=judgement.may_drift_K[some],
             lacks_K=judgement.lacks_K[some],
+            departs_K=judgement.departs_K[some],
             unsure_um=np.zeros(at.stop - at.start),
             off_share=judgement.off_share[some],
             shift_mm=judgement.shift_mm[some],

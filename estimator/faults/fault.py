@@ -139,6 +139,7 @@ class Judgement:
     fault    (K, m) a Fault each, since when (K, m) s
     may_drift_K  (K, m) by how much channels that are fused may have drifted, 0: not suspected; since when in since_s
     lacks_K    (K, m) by how much channels depart from the others by heat that the model lacks, 0: they do not
+    departs_K  (K, m) by how much others do, as models lack in detail, 0: they do not
     off_share  (K,) by which share of their values the model's parameters must be off, 0: as a fit has left them
     shift_mm   (K,) by how much the nut's heat stands elsewhere than the position says, 0: it does not
     jump     (m,) by how much channels jumped whose zero is now another one; None: none did
@@ -153,6 +154,7 @@ class Judgement:
     since_s: Array
     may_drift_K: Array
     lacks_K: Array
+    departs_K: Array
     off_share: Array
     shift_mm: Array
     jump: Array | None = None

@@ -104,8 +104,8 @@ class Judge:
             fault[last][jump != 0.0] = Fault.JUDGED  # its zero is another one from the next tick on
         heated = self._heated()
         return Judgement(
-            fault, since_s, may_drift_K, added.lacks_K, added.off_share, added.shift_mm, jump, drift,
-            heated, self._loosen(added.off_share[-1]), apart, anew,
+            fault, since_s, may_drift_K, added.lacks_K, added.departs_K, added.off_share, added.shift_mm, jump,
+            drift, heated, self._loosen(added.off_share[-1]), apart, anew,
         )  # fmt: skip
 
     def _leave_lengths(self, tick: Tick) -> bool:

@@ -30,6 +30,7 @@ class Estimates:
     fault, since_s  (K, m) of the channels, a Fault each and since when;   jump (K, m) of their zeros
     may_drift_K     (K, m) by how much those that are fused may have drifted, 0: not suspected
     lacks_K         (K, m) by how much they depart from the others by heat that the model lacks, 0: they do not
+    departs_K       (K, m) by how much others do, which models lack in detail, or which have begun to drift
     unsure_um       (K,) what the elongation is off by if what may drift does, and by such heat
     off_share  (K,) by which share of their values the model's parameters must be off;   shift_mm (K,) the position
     input_fault     (K, p) of the inputs
@@ -49,6 +50,7 @@ class Estimates:
     since_s: Array
     may_drift_K: Array
     lacks_K: Array
+    departs_K: Array
     unsure_um: Array
     off_share: Array
     shift_mm: Array
@@ -64,14 +66,14 @@ class Estimates:
 
     def suspecting(self, state: State, unled: Array, unled_var: Array) -> Estimates:
         """The same, in doubt also by what it would be off by if what may drift did, or if it were heat; by other heat
-        that the model lacks, of which thermometers far apart show too little; and if lengths lied.
+        that the model lacks, of which thermometers far apart show too little; by what departs; and if lengths lied.
 
         unled  (K, size) the estimates by thermometers alone;   unled_var (K,) um^2, of their elongation
         """
         var = state.led(self.grown_um, self.x, (self.x, self.P))[1] + (self.doubt_um**2).sum(axis=1)
         better_um = np.sqrt(np.maximum(unled_var - var, 0.0))
         lies = LENGTHS_LIE * (self.x - unled)[:, :, None]
-        unknown = [state.astray(self.P, K) for K in (self.may_drift_K, HIDDEN * self.lacks_K)]
+        unknown = [state.astray(self.P, K) for K in (self.may_drift_K, HIDDEN * self.lacks_K, self.departs_K)]
         astray = np.concatenate([*unknown, lies], axis=2)
         astray_um = np.einsum("ks,ksq->kq", state.elongation(self.grown_um), astray)
         unsure_um = np.sqrt((astray_um[:, :-1] ** 2).sum(axis=1))
@@ -107,6 +109,7 @@ class Reporter:
             since_s=judged,
             may_drift_K=np.zeros(len(judged)),
             lacks_K=np.zeros(len(judged)),
+            departs_K=np.zeros(len(judged)),
             unsure_um=0.0,
             off_share=0.0,
             shift_mm=0.0,

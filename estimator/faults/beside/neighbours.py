@@ -44,6 +44,7 @@ class Added:
 
     off_share  (ticks,) by which share of their values the model's parameters are off
     lacks_K    (ticks, m) by how much channels depart by heat that the model lacks
+    departs_K  (ticks, m) by how much others do, which are not suspected
     shift_mm   (ticks,) by how much the nut's heat stands elsewhere than the position says
     """
 
@@ -52,6 +53,7 @@ class Added:
     off_share: Array
     shift_mm: Array
     lacks_K: Array
+    departs_K: Array
     apart: bool = False
 
 
@@ -89,7 +91,7 @@ class Neighbours:
         used  (K, m) which readings are believed
         """
         k, K, block = 0, len(seen.time_s), self._block
-        asked, (share, shift_mm), lacks_K = used & self._heat, np.empty((2, K)), np.empty(used.shape)
+        asked, (share, shift_mm), (lacks_K, departs_K) = used & self._heat, np.empty((2, K)), np.empty((2, *used.shape))
         self.heated[:] = False
         while k < K:
             some = slice(k, min(k + self._length - block.ticks, K))
@@ -104,21 +106,27 @@ class Neighbours:
             self._machine.hear(seen, some, used[some] & (self.may_drift_K == 0.0))
             self._astray |= bool(seen.astray[some].any())
             share[some], shift_mm[some], lacks_K[some] = self._machine.share, self._machine.shift_mm, self.lacks_K
+            departs_K[some] = self.departs_K
             block.ticks, k = block.ticks + some.stop - some.start, some.stop
             found, before = None, (self.elsewhere, *self.may_drift_K)
             if block.ticks == self._length:
                 found = self._close(block, float(seen.time_s[k - 1]))
                 share[k - 1], shift_mm[k - 1] = self._machine.share, self._machine.shift_mm
-                lacks_K[k - 1] = self.lacks_K
+                lacks_K[k - 1], departs_K[k - 1] = self.lacks_K, self.departs_K
                 block = self._block
             if found is not None or apart or not np.array_equal(before, (self.elsewhere, *self.may_drift_K)):
-                return Added(k, found, share[:k], shift_mm[:k], lacks_K[:k], apart)
-        return Added(K, None, share, shift_mm, lacks_K)
+                return Added(k, found, share[:k], shift_mm[:k], lacks_K[:k], departs_K[:k], apart)
+        return Added(K, None, share, shift_mm, lacks_K, departs_K)
 
     @property
     def elsewhere(self) -> bool:
         """Whether the nut's heat stands elsewhere than the position says."""
         return self._machine.shift_mm != 0.0
+
+    @property
+    def departs_K(self) -> Array:
+        """By how much thermometers (m,) depart from the others that neither may drift nor show heat, 0: they do not."""
+        return np.where((self.may_drift_K == 0.0) & (self.lacks_K == 0.0), self._windows.departs_K, 0.0)
 
     def forget(self, i: int) -> None:
         """Channel i has another zero from now on."""
@@ -134,7 +142,7 @@ class Neighbours:
         """What has been seen says nothing any more: the model is another one, of which other parameters are known."""
         if not np.array_equal(known.whole, self._windows.known.whole):
             self._machine = Machine(known, self._heat, self._tick_s)
-        self._windows.known = known
+        self._windows.known, self._windows.departs_K = known, np.zeros(len(self._alone))
         self._past.clear()
         self._last.clear()
         self._block = Block()

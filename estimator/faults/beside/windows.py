@@ -18,7 +18,7 @@ from functools import cache, lru_cache
 
 import numpy as np
 
-from estimator.faults.beside.change import AS_IT_IS, SCALES, Change, Tested
+from estimator.faults.beside.change import AS_IT_IS, SCALES, Change, Tested, Unexplained
 from estimator.faults.beside.local_heat import BEGINS, local_heats
 from estimator.faults.machine import Known
 from estimator.record import Array
@@ -27,9 +27,12 @@ from estimator.screw import Screw
 BLOCK_S = 10.0
 WINDOWS = (6, 14, 32, 62, 182, 362)  # blocks
 SURE = (7.0, 7.0, 7.0, 7.0, 9.0, 9.0)  # sd
-SUSPECT, WORSE, ROUGH, BESIDE, USUAL = 4.0, 4.0, 0.4, 8.0, 2.0
+SUSPECT, WORSE, BESIDE, USUAL = 4.0, 4.0, 8.0, 2.0
+ROUGH = 0.4  # of what the model alone changes by beside the next places: so much it may lack there
+ROUGH_K, LARGE, OFF = 0.05, 0.05, 1.6  # but only so much of what is large, and so many times what it is off by
 ALIKE_MM, COMMON_K, SMOOTH_K, SINGLE_K = 250.0, 5.0, 0.01, 0.003  # of c along the screw; the last two in two minutes
 TWO_MINUTES = 12  # blocks
+RECENT = 4  # of the windows: ten minutes
 KEPT, KEPT_SCALE = 0.9, 0.95  # of what the last block has shown
 STEADY = 0.4  # of a departure that is there half way through its time
 WARMED = 64  # times whose local heats are kept
@@ -66,6 +69,7 @@ class Windows:
 
     known, share  how well its parameters are known, and by which share of their values they are off nevertheless
     place_mm      by how much the nut's heat may stand elsewhere than the position says
+    departs_K     (m,) by how much each departs most from the others in ten minutes; models may lack as much
     warm          (m,) bool, where there has been heat that the model lacks, which may go on, or have ended, as well
     """
 
@@ -76,7 +80,7 @@ class Windows:
         self._order = np.argsort(x_mm)
         self._alike = np.exp(-0.5 * ((x_mm[:, None] - x_mm) / ALIKE_MM) ** 2)
         self._unknown = SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(x_mm))  # in two minutes
-        self.warm = np.zeros(len(x_mm), dtype=bool)
+        self.warm, self.departs_K = np.zeros(len(x_mm), dtype=bool), np.zeros(len(x_mm))
         self._beside_neighbours = cache(self._neighbours_of)
         self._heats = lru_cache(WARMED)(lambda blocks: local_heats(x_mm, screw, blocks * BLOCK_S))
         self._beside, self._scale = np.zeros((len(WINDOWS), len(x_mm))), np.ones(len(WINDOWS))
@@ -128,11 +132,20 @@ class Windows:
         for known, which in alike.items():
             at, some = np.array(known, dtype=int), changes.over(which)
             first = some.of(at, AS_IT_IS)
-            off = np.abs(first.value) > SUSPECT * first.sd + ROUGH * some.rough[:, at]
+            self._depart(first, at, np.array(which) < RECENT)
+            off = np.abs(first.value) > SUSPECT * first.sd + self._details(some.rough[:, at])
             yield from ((which[k], changes.over(which[k]), at) for k in np.flatnonzero(off.any(axis=1)).tolist())
+
+    def _depart(self, first: Unexplained, at: Array, recent: Array) -> None:
+        """How far those `at` depart over those of some windows that are recent."""
+        off_K = np.abs(first.value) * recent[:, None]
+        self.departs_K[at] = np.maximum(
+            self.departs_K[at], np.where(off_K > SUSPECT * first.sd, off_K, 0.0).max(axis=0)
+        )
 
     def departures(self, past: Sequence[Means]) -> Iterator[Departure]:
         """Of each window that ends with the last block, the thermometer that is off by most sd, where any is off."""
+        self.departs_K = np.zeros(len(self._x))
         self._beside *= KEPT
         self._scale = np.maximum(1.0, KEPT_SCALE * self._scale)
         before = [past[-1 - blocks] for blocks in WINDOWS if len(past) > blocks]
@@ -148,6 +161,11 @@ class Windows:
                 steady = _steady(i, rest, [past[-1 - blocks].difference for blocks in (WINDOWS[w], WINDOWS[w] // 2, 0)])
                 yield self._departure(w, before[w], i, tested, change, steady)
 
+    def _details(self, rough: Array) -> Array:
+        """By how much places may change otherwise than the next ones, K, where the model alone has changed beside them
+        by `rough`."""
+        return np.minimum(ROUGH * rough, ROUGH_K + (LARGE + OFF * self.share) * rough)
+
     def _rest(self, change: Change, rest: Array, scales: Array) -> Array:
         """Of more than are needed all but the one that is furthest off, if that is not heat."""
         last = change.of(rest, scales).furthest
@@ -156,7 +174,7 @@ class Windows:
     def _departure(self, w: int, before: Means, i: int, tested: Tested, change: Change, steady: bool) -> Departure:
         """How far one has departed over window w; if not steadily, it may be heat that came late in it."""
         self._beside[w, i] = max(self._beside[w, i], self._beyond_usual(i, tested))
-        allowed = WORSE * np.log(tested.scale) * tested.sd + ROUGH * tested.scale * change.rough[i]
+        allowed = WORSE * np.log(tested.scale) * tested.sd + tested.scale * self._details(change.rough[i])
         limit = np.array([SURE[w], SUSPECT]) * tested.sd + allowed + BESIDE * self._beside[w, i]
         drifts, may_drift = (abs(tested.value) / limit).tolist()
         not_heat = tested.not_heat if steady else 0.0

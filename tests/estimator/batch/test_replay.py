@@ -35,7 +35,7 @@ def test_counted_from_a_zero_only_lengths_are_others(anywhere):
     model, rig, recording = anywhere
     counted, filter_ = both(model, replace(rig, zero_C=20.0, zero_sd_K=0.1), recording), Filter(model, rig)
     usual = stepped(filter_, recording)
-    lengths = {"elongation_um", "sigma_um", "open_loop_um", "error_at_table_um", "error_at_table_sd_um"}
+    lengths = {"elongation_um", "sigma_um", "open_loop_um", "error_at_table_um", "error_at_table_sd_um", "unsure_um"}
     for key in set(SERIES) - lengths:
         np.testing.assert_array_equal(getattr(counted, key), getattr(usual, key), err_msg=key)
     began = counted.elongation_um[0]
