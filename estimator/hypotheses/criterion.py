@@ -14,6 +14,7 @@ APART_SE = 2.0  # standard errors between what can be told apart
 WORTH_K, WORTH_UM = 0.016, 0.12  # an effect takes at least so much off one of the errors: a third of a good model's
 PROMISE = 4.0  # times less than the screen says may be left of a misfit once an effect is fitted in full
 ROUNDING = 1e-9  # of a misfit: nearer are the same but for the processor's rounding
+MOST = 0.5  # of a misfit: what takes less off is not what is missing while the model stays far off
 GOOD = 1.3  # a misfit that is good enough not to look for what is unknown: what its own scatter over recordings allows
 
 
@@ -53,6 +54,11 @@ def alike(a: Explanation, best: Explanation, tried: int) -> bool:
     if clearly(a, best, tried):
         return False
     return behind(a, best) < APART_SE or not clearly(a, best, 1)
+
+
+def most(before: Explanation, after: Explanation) -> bool:
+    """Whether it takes most of the misfit off."""
+    return after.misfit <= (1.0 - MOST) * before.misfit
 
 
 def material(h: Hypothesis, before: Explanation, tried: int) -> bool:

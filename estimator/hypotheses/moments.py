@@ -59,6 +59,7 @@ class Moments:
         return np.asarray(self.grows.sum(axis=0))
 
     @cached_property
+    @np.errstate(over="ignore")
     def weighted(self) -> Array:
         """Mean squares of both families over what a good model leaves, times blocks: each family counts alike.
 

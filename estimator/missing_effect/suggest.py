@@ -11,6 +11,7 @@ Every hypothesis is judged by the open-loop misfit on recordings left out, tempe
 
 all of them on either ground: what an earlier fit knows of the model's parameters holds, or only tables do (`ground`).
 An effect must leave clearly less than the model does without it, and what leaves as little is named beside it as a tie.
+What takes less than half off, and leaves the model far off, is not what is missing: it bends to what is.
 Recordings held out are never looked at for this.
 """
 
@@ -25,7 +26,7 @@ import numpy as np
 from estimator.accuracy.noise_floor import noise_floor
 from estimator.batch.trials import Trials, slow_trials_of
 from estimator.effect import Effect
-from estimator.hypotheses.criterion import GOOD, alike, clearly, nats, proven
+from estimator.hypotheses.criterion import GOOD, alike, clearly, most, nats, proven
 from estimator.hypotheses.ground import as_given, of_tables, seen
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation
@@ -137,6 +138,8 @@ class Search:
         wrong = mislabel(here, self.runs, self.trials, at)
         if wrong and not clearly(self.side.loosest.judged, wrong.judged, self._times(wrong)):
             wrong = None  # a law of another exponent looks like a wrong speed in the only run of that speed
+        if wrong and self._far(wrong.judged):
+            wrong = None  # it bends to what is missing: set right, a run is well
         found = [wrong, begun(here, self.runs, self.trials, at)]
         sure = [one for one in found if one and clearly(best, one.judged, self._times(one))]
         if not sure:
@@ -212,7 +215,7 @@ class Search:
         named = list(
             dict.fromkeys(h.names[0] for h in found if h is found[0] or alike(h.judged, found[0].judged, side.tried))
         )
-        changed, pair = "", side.pair
+        changed, partly, pair = "", "", side.pair
         both = pair is not None and len({*pair.names} - {*named}) != 1  # or one of them is what is named
         if wrong is not None:
             verdict, found = "input_error", []
@@ -222,6 +225,8 @@ class Search:
             verdict, found = "effects", [pair]
         elif found and all(name in self.model.effects for name in named):
             verdict, changed = "nothing_missing", found[0].freed
+        elif found and self._far(found[0].judged) and not most(side.plain.judged, found[0].judged):
+            verdict, partly = "nothing_in_catalogue", named[0]
         elif found:
             verdict = "tie" if len(named) > 1 else "effect"
         else:
@@ -230,7 +235,7 @@ class Search:
         return Suggestion(
             verdict, (*found, *each_once(rest)), tuple(named) if verdict == "tie" else (), self.as_given, self.again,
             side.plain, self.trials.uses, changed, tuple(pair.names) if pair else (),
-            wrong, unexplained, self._composed(unexplained) if unexplained else None, far=far,
+            wrong, unexplained, self._composed(unexplained) if unexplained else None, far=far, partly=partly,
         )  # fmt: skip
 
     def _far(self, judged: Explanation) -> bool:

@@ -30,6 +30,7 @@ class Suggestion:
     by_others  the verdict on these
     composed   the effect that something unknown is, fitted in full, where that could be told
     uses     what was used of each recording
+    partly   the effect that explains most, and too little of it: the model stays far off
     far      the model is so far off that something is missing
     """
 
@@ -48,6 +49,7 @@ class Suggestion:
     events: tuple[Event, ...] = ()
     by_others: str = ""
     far: bool = False
+    partly: str = ""
 
     @property
     def apart(self) -> str:

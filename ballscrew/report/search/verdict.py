@@ -47,11 +47,7 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
     if suggestion.verdict == "nothing_in_catalogue" and suggestion.unexplained is not None:
         return unknown_sentence(suggestion.unexplained, rig)
     if suggestion.verdict == "nothing_in_catalogue":
-        return (
-            f"Something is missing, for the model alone leaves {_left(suggestion)}, but no effect that was tried"
-            " explains it, nor does anything at one place that follows one input. ballscrew diagnose says where and"
-            " when."
-        )
+        return _unnamed(suggestion)
     if suggestion.verdict == "nothing_missing":
         return _nothing(suggestion)
     best = suggestion.found[0]
@@ -61,6 +57,18 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
     if suggestion.verdict == "tie":
         return f"{' or '.join(suggestion.tie)}: these recordings cannot tell.{more}"
     return f"{best.names[0]} is missing: {_gain(suggestion.without(best), best)}.{more}"
+
+
+def _unnamed(suggestion: Suggestion) -> str:
+    """Something is missing that nothing explains, or nothing more than a part of it."""
+    explains = "explains it"
+    if suggestion.partly:
+        off = 1.0 - suggestion.found[0].misfit / suggestion.before.misfit
+        explains = f"explains most of it ({suggestion.partly} takes {off:.0%} off the misfit)"
+    return (
+        f"Something is missing, for the model alone leaves {_left(suggestion)}, but no effect that was tried"
+        f" {explains}, nor does anything at one place that follows one input. ballscrew diagnose says where and when."
+    )
 
 
 def _besides(suggestion: Suggestion) -> str:

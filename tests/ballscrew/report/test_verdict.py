@@ -38,3 +38,17 @@ def test_a_second_effect_is_told_beside_the_one_that_is_named_or_its_rivals(verd
     found = Suggestion(verdict, (h,), tie, h, h, h, (), pair=pair)
     assert found.second == second
     assert _sentence(SimpleNamespace(suggestion=found), None).endswith(said)
+
+
+@pytest.mark.parametrize(
+    ("partly", "said"),
+    [
+        ("", "no effect that was tried explains it, nor"),
+        ("churning", "no effect that was tried explains most of it (churning takes 20% off the misfit), nor"),
+    ],
+)
+def test_what_explains_a_part_is_named_as_that(partly, said):
+    judged = SimpleNamespace(error=SimpleNamespace(temperature_K=0.1, elongation_um=0.5), runs=[0.0, 0.0])
+    before, h = (SimpleNamespace(names=("churning",), judged=judged, refit=False, misfit=m) for m in (10.0, 8.0))
+    found = Suggestion("nothing_in_catalogue", (h,), (), before, before, before, (), far=True, partly=partly)
+    assert said in _sentence(SimpleNamespace(suggestion=found), None)

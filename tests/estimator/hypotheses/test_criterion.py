@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimator.accuracy.noise_floor import Error
-from estimator.hypotheses.criterion import clearly, proven
+from estimator.hypotheses.criterion import clearly, most, proven
 from estimator.hypotheses.panel import Explanation
 
 
@@ -29,3 +29,8 @@ def test_what_only_foretells_runs_left_out_better_is_not_proven(parameters, fitt
 
 def test_what_foretells_runs_left_out_no_better_is_not_proven():
     assert not proven(explanation(1.3, 0.8), explanation(1.2, 0.4, 1), 100)
+
+
+def test_most_of_a_misfit_is_half_of_it():
+    assert most(explanation(100.0, 0.8), explanation(49.0, 0.4))
+    assert not most(explanation(100.0, 0.8), explanation(51.0, 0.4))

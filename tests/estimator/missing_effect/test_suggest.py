@@ -14,6 +14,7 @@ from estimator.effects import CATALOGUE
 from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.ground import as_given
 from estimator.inputs.follower import REST, TEMPERATURE, followers
+from estimator.missing_effect import suggest as search_
 from estimator.missing_effect.improve import improve
 from estimator.missing_effect.suggest import suggest
 from estimator.missing_effect.suggestion import Suggestion
@@ -34,6 +35,17 @@ def test_the_planted_effect_is_the_verdict(searched):
     _, found = searched["channel_offset"]
     assert (found.verdict, found.found[0].names) == ("effect", ("channel_offset",))
     assert found.found[0].model["channel_offset.offset"] == pytest.approx(0.4, rel=0.3)
+
+
+def test_what_explains_too_little_is_not_what_is_missing_while_the_model_stays_far_off(searched, monkeypatch):
+    """By readings that are taken for exact, of an effect of which more is asked than it does."""
+    runs, found = searched["channel_offset"]
+    assert not found.partly
+    monkeypatch.setattr(search_, "FAR", 0.1)
+    monkeypatch.setattr(search_, "most", lambda before, after: after.misfit < 1e-3 * before.misfit)
+    partly = search(found.as_given.ground.model, runs.rig, runs.recordings)
+    assert (partly.verdict, partly.partly) == ("nothing_in_catalogue", "channel_offset")
+    assert partly.found[0].names == ("channel_offset",)
 
 
 @pytest.mark.study
