@@ -69,7 +69,7 @@ class Judge:
         """
         value = np.where(seen.muted | ~np.isfinite(seen.sd), np.nan, seen.value)
         seen = replace(seen, value=value, astray=seen.astray | self._neighbours.elsewhere)
-        jumps = self._jumps.compare(seen, self.well)
+        jumps = self._jumps.compare(seen, self.well, self._neighbours.warm)
         repeats = self._standstill.compare(np.where(np.isfinite(seen.value), seen.reading, np.nan))
         progress = self._recovery.compare(seen.time_s, jumps, repeats.count, self.fault)
         ticks = self._quiet(seen, jumps, repeats.count, progress)

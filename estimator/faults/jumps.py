@@ -5,7 +5,9 @@
     scatter     sd of a reading by the differences of successive innovations, larger where their predicted sd is
     moved       |by what the model alone has left its own mean of the last 16 s|
 
-The level takes what a model has always been wrong by; what has moved, what it may have become wrong by since.
+The level takes what a model has always been wrong by; what has moved, what it may have become wrong by since. After a
+silence the limit is 10 sd of what is expected, the same share of what the model alone has moved by meanwhile, and what
+heat that the model lacks may have done.
 """
 
 from __future__ import annotations
@@ -26,12 +28,16 @@ SUDDEN = 0.7  # of the limit, from the last reading that was well: less is no ju
 ASTRAY = 3.0  # times the limit, while heat is in the wrong place
 OUTLYING = 3.0  # a scatter so many times that of the median thermometer is no scatter any more
 MEANS = [0, 1, 4, 6]  # of what is known of a channel: level, scatter^2, sd, mean of the model alone
-UNKNOWN_SD = 10.0  # the limit where no level is known; and after a gap, in which the model may have gone astray
+UNKNOWN_SD = 10.0  # the limit where no level is known; and after a silence, in which the model may have gone astray
+HEAT_K, HEAT_S = (
+    3.0,
+    900.0,
+)  # by as much, in that time: some 10 W that the model lacks; heat that lasts comes no further
 
 
 @dataclass(frozen=True)
 class Deviations:
-    """Of K ticks, (K, m): deviation, limit, whether it is beyond that, stress; what is learnt with each, (K, 7, m)."""
+    """Of K ticks, (K, m): deviation, limit, whether it is beyond that, stress; what is learnt with each, (K, 9, m)."""
 
     value: Array
     limit: Array
@@ -49,43 +55,52 @@ class Jumps:
         noise = np.where(self._modelled, noise, 1.0)
         self._ticks = np.where(heat, LEVEL_TICKS, LENGTHS)
         self._back = 1.0 / max(LEVEL_TICKS, MOVED_S / tick_s)
-        # rows: level, scatter^2, last value, count of readings, sd; read at the last tick, mean of the model alone
+        # rows: level, scatter^2, last value, count of readings, sd; read at the last tick, mean of the model alone; the
+        # model alone at the last reading whose level was known, and when that was
         self._unknown = np.array([0.0 * heat, noise**2, np.nan * heat, 0.0 * heat, noise])
-        self._state = np.vstack([self._unknown, 1.0 * heat, np.nan * heat])
+        self._state = np.vstack([self._unknown, 1.0 * heat, *np.full((3, len(heat)), np.nan)])
 
     @property
     def known(self) -> Array:
         """Which levels are known, (m,) bool."""
         return np.asarray(self._state[3] >= self._ticks)
 
-    def compare(self, seen: Seen, well: Array) -> Deviations:
-        """Readings against levels as they would be learnt at each tick, of channels that are well (m,); none is yet."""
+    def compare(self, seen: Seen, well: Array, warm: Array) -> Deviations:
+        """Readings against levels as they would be learnt at each tick, of channels that are well (m,); none is yet.
+
+        warm  (m,) bool, where there is heat that the model lacks already
+        """
         trail = self._learnt(seen, well)
-        level, variance, last, count, usual_sd, read, path = trail[:-1].transpose(1, 0, 2)
+        level, variance, last, count, usual_sd, read, path, *before = trail[:-1].transpose(1, 0, 2)
         scatter = np.sqrt(variance)
         usual = np.median(scatter[:, self._heat], axis=1)[:, None] if self._heat.any() else np.inf
         scatter = np.where(self._heat, np.minimum(scatter, OUTLYING * usual), scatter)
         moved = np.nan_to_num(np.abs(seen.alone - path))
         known = count >= self._ticks
         sd = np.where(np.isfinite(seen.sd), seen.sd, 0.0)
+        unknown = UNKNOWN_SD * seen.sd + np.where(self._heat, _silent(seen, warm, *before), 0.0)
         limit = np.where(
             known,
             SCATTERS * scatter * np.maximum(sd / usual_sd, 1.0) + SHARE * (moved + np.abs(level)),
-            UNKNOWN_SD * seen.sd,
+            unknown,
         )
-        limit = np.where(self._heat & (read == 0.0), np.maximum(limit, UNKNOWN_SD * seen.sd), limit)
+        limit = np.where(self._heat & (read == 0.0), np.maximum(limit, unknown), limit)
         limit = np.where(seen.astray[:, None], ASTRAY * limit, limit)
         value = seen.value - np.where(known, level, 0.0)
         sudden = np.isnan(last) | (np.abs(seen.value - last) > SUDDEN * limit)
         return Deviations(value, limit, (np.abs(value) > limit) & sudden, count, trail[1:])
 
     def _learnt(self, seen: Seen, well: Array) -> Array:
-        """State before and after each of the ticks, (K + 1, 7, m)."""
+        """State before and after each of the ticks, (K + 1, 9, m)."""
         now = np.isfinite(seen.value) & self._modelled & well
         trail = np.empty((len(now) + 1, *self._state.shape))
         trail[0] = self._state
         trail[1:, 3] = self._state[3] + np.cumsum(now, axis=0)
         trail[1:, 5] = np.isfinite(seen.value)
+        for row, each in ((7, seen.alone), (8, np.broadcast_to(seen.time_s[:, None], now.shape))):
+            trail[:, row] = held(
+                np.where((trail[1:, 5] > 0) & (trail[1:, 3] >= self._ticks), each, np.nan), self._state[row]
+            )
         trail[:, 2] = last = held(np.where(now, seen.value, np.nan), self._state[2])
         gain = np.where(now, 1.0 / np.minimum(trail[:-1, 3] + 1.0, self._ticks), 0.0)
         difference = np.where(now & np.isfinite(last[:-1]), seen.value - last[:-1], 0.0)
@@ -109,3 +124,9 @@ class Jumps:
     def forget(self, which: Array) -> None:
         """Learn the levels of these channels (m,) anew."""
         self._state[:5, which] = self._unknown[:, which]
+
+
+def _silent(seen: Seen, warm: Array, alone: Array, time_s: Array) -> Array:
+    """How far the model may be wrong since the last readings, (K, m) K, when it alone was at `alone`; 0: before any."""
+    share = np.where(warm, 1.0, np.minimum((seen.time_s[:, None] - time_s) / HEAT_S, 1.0))
+    return np.nan_to_num(SHARE * np.abs(seen.alone - alone) + HEAT_K * share)

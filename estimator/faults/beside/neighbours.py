@@ -86,7 +86,7 @@ class Neighbours:
 
     def add(self, seen: Seen, used: Array) -> Added:
         """Take ticks up to the first at which a channel is found to drift, or may drift, or no longer, or lengths part,
-        or heat is found to stand elsewhere, or no longer.
+        or heat is found to stand elsewhere, or to be missing somewhere, or no longer.
 
         used  (K, m) which readings are believed
         """
@@ -108,13 +108,17 @@ class Neighbours:
             share[some], shift_mm[some], lacks_K[some] = self._machine.share, self._machine.shift_mm, self.lacks_K
             departs_K[some] = self.departs_K
             block.ticks, k = block.ticks + some.stop - some.start, some.stop
-            found, before = None, (self.elsewhere, *self.may_drift_K)
+            found, before = None, (self.elsewhere, *self.may_drift_K, *self.warm)
             if block.ticks == self._length:
                 found = self._close(block, float(seen.time_s[k - 1]))
                 share[k - 1], shift_mm[k - 1] = self._machine.share, self._machine.shift_mm
                 lacks_K[k - 1], departs_K[k - 1] = self.lacks_K, self.departs_K
                 block = self._block
-            if found is not None or apart or not np.array_equal(before, (self.elsewhere, *self.may_drift_K)):
+            if (
+                found is not None
+                or apart
+                or not np.array_equal(before, (self.elsewhere, *self.may_drift_K, *self.warm))
+            ):
                 return Added(k, found, share[:k], shift_mm[:k], lacks_K[:k], departs_K[:k], apart)
         return Added(K, None, share, shift_mm, lacks_K, departs_K)
 
@@ -122,6 +126,11 @@ class Neighbours:
     def elsewhere(self) -> bool:
         """Whether the nut's heat stands elsewhere than the position says."""
         return self._machine.shift_mm != 0.0
+
+    @property
+    def warm(self) -> Array:
+        """Thermometers, (m,) bool, at which there may be heat that the model lacks."""
+        return self._windows.warm
 
     @property
     def departs_K(self) -> Array:

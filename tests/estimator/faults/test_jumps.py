@@ -23,9 +23,9 @@ def test_a_model_that_stays_where_it_began_has_not_moved_and_all_at_once_is_tick
     value = 0.02 * np.random.default_rng(0).standard_normal((TICKS, CHANNELS))
     heat, well = np.ones(CHANNELS, dtype=bool), np.ones(CHANNELS, dtype=bool)
     whole, apart = (Jumps(np.full(CHANNELS, 0.02), heat, 1.0) for _ in range(2))
-    together = whole.compare(seen(value), well)
+    together = whole.compare(seen(value), well, ~well)
     assert (together.limit[10:] < 0.3).all()
     for k in range(TICKS):
-        one = apart.compare(seen(value[k : k + 1]), well)
+        one = apart.compare(seen(value[k : k + 1]), well, ~well)
         np.testing.assert_allclose(one.limit[0], together.limit[k], rtol=1e-12)
         apart.learn(one, 1, well)

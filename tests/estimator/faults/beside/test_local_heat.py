@@ -92,6 +92,30 @@ def test_the_sd_holds_what_is_not_known_of_it(track, chips):
     assert (track.unsure_um[begins:first] < 0.5).all()
 
 
+def test_while_the_telemeter_is_silent_it_goes_on_and_nobody_has_jumped(paper, tmp_path):
+    """Hot chips of 6 W: T05 and T06 are 0.9 and 0.6 K further when they are read again than they should be."""
+    run = simulate("CS-20", seed=5, seconds=SECONDS, plant={"parked_chips": 4.0})
+    recording = read_recording(write(run, tmp_path / "silent.log"), paper[0])
+    recording.channels[700:1100, paper[0].is_thermometer] = np.nan
+    track = replay(*paper[::-1], recording)
+    assert track.innovation[1100, ONE] > 0.8
+    assert not (track.fault[1100:] != Fault.NONE).any()
+
+
+def test_where_heat_is_missing_already_a_short_silence_is_enough(track, chips, paper):
+    """It draws its place towards the model, without which the readings would hold it: as if it had jumped."""
+    k = int(np.flatnonzero(track.lacks_K[:, ONE])[0]) + 100
+    recording = chips[0].rows(slice(0, k + 60))
+    readings = recording.channels.copy()
+    readings[k : k + 15, paper[0].is_thermometer] = np.nan
+    readings[k + 15 :, ONE] += 0.5
+    silent = replay(*paper[::-1], replace(recording, channels=readings))
+    assert not (silent.fault != Fault.NONE).any()
+    readings[k + 15 :, ONE] += 3.0
+    silent = replay(*paper[::-1], replace(recording, channels=readings))
+    assert silent.fault[-1, ONE] == Fault.JUMPED
+
+
 def test_its_zero_is_what_it_was_and_live_says_so_as_well(track, chips, paper):
     """Before that the zero had taken what is heat now; from that tick on the estimate has it."""
     rig, model = paper
