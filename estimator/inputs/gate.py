@@ -38,24 +38,25 @@ class Level:
 
     def jumped(self, readings: Sequence[float], at_first: Sequence[bool]) -> list[bool]:
         """Which of the next readings, NaN: none, are refused, and would be `at_first`; the others are learnt."""
-        return [self._refused(now, unlike) for now, unlike in zip(readings, at_first, strict=True)]
-
-    def _refused(self, now: float, unlike: bool) -> bool:
-        if not math.isfinite(now):
-            self._missed += 1
-            return False
-        gone, self._missed = self._missed > self._forgets, 0
-        if gone or math.isnan(self._value):
-            if not unlike:
-                self._value = self._last = now
-            return unlike
-        limit, change = max(SCATTERS * math.sqrt(self._variance), self._least), now - self._last
-        if abs(now - self._value) > limit and abs(change) > 0.7 * limit:
-            return True
-        self._variance += (change * change / 2.0 - self._variance) / TICKS
-        self._value += (now - self._value) / TICKS
-        self._last = now
-        return False
+        value, last, variance, missed = self._value, self._last, self._variance, self._missed
+        refused = [False] * len(readings)
+        for k, now in enumerate(readings):
+            if not -math.inf < now < math.inf:
+                missed += 1
+                continue
+            if missed > self._forgets or value != value:
+                refused[k] = at_first[k]
+                value, last = (value, last) if at_first[k] else (now, now)
+            else:
+                limit, change = max(SCATTERS * math.sqrt(variance), self._least), now - last
+                refused[k] = abs(now - value) > limit and abs(change) > 0.7 * limit
+                if not refused[k]:
+                    variance += (change * change / 2.0 - variance) / TICKS
+                    value += (now - value) / TICKS
+                    last = now
+            missed = 0
+        self._value, self._last, self._variance, self._missed = value, last, variance, missed
+        return refused
 
 
 class InputGate:
