@@ -1,4 +1,4 @@
-"""The batch engine against plain numpy: the joint Gaussian of all states, and a filter that solves for all channels of a tick together."""
+"""The batch engine against plain numpy: the joint Gaussian of all states, and a filter with all channels at once."""
 
 from __future__ import annotations
 
