@@ -114,13 +114,15 @@ class Change:
     rough: Array
     heat: Array
 
-    def of(self, some: Array, scales: Array) -> Unexplained:
-        """What some of them leave of each other unexplained."""
-        both = (..., some[:, None], some)
-        return unexplained(self.value[..., some], self.model[both], self.scatter[both], scales)
+    def of(self, some: Array, scales: Array, over: Sequence[int] = ()) -> Unexplained:
+        """What some of them leave of each other unexplained; `over` some of several windows."""
+        both, scatter = (..., some[:, None], some), self.scatter[some[:, None], some]
+        if not over:
+            return unexplained(self.value[some], self.model[both], scatter, scales)
+        return unexplained(self.value[over][:, some], self.model[over][both], scatter, scales)
 
-    def over(self, which: int | Sequence[int]) -> Change:
-        """One window or some of several."""
+    def over(self, which: int) -> Change:
+        """One of several windows."""
         return Change(self.value[which], self.model[which], self.scatter, self.rough[which], self.heat[which])
 
     def furthest(self, at: Array, scales: Array) -> tuple[int, int]:

@@ -116,19 +116,23 @@ class Windows:
 
     def _at(self, change: Change) -> Array:
         """The thermometers of which one change is known, in order of place, if these are enough."""
-        at = self._order[np.isfinite((change.value + self._x)[self._order])]
+        return self._enough(np.isfinite(change.value + self._x))
+
+    def _enough(self, known: Array) -> Array:
+        """Those that are `known` (m,), in order of place, if these are enough."""
+        at = self._order[known[self._order]]
         return at if len(at) >= FEWEST else at[:0]
 
     def _off(self, changes: Change) -> Iterator[tuple[int, Change, Array]]:
         """Of several changes those in which any may be beyond its limit, by number: most never are, and the rest is not
         asked. All that are known of the same thermometers at once."""
-        alike: dict[tuple[int, ...], list[int]] = {}
-        for w in range(len(changes.value)):
-            alike.setdefault(tuple(self._at(changes.over(w)).tolist()), []).append(w)
-        for known, which in alike.items():
-            at, some = np.array(known, dtype=int), changes.over(which)
-            first = some.of(at, AS_IT_IS)
-            off = np.abs(first.value) > SUSPECT * first.sd + ROUGH * some.rough[:, at]
+        alike: dict[bytes, list[int]] = {}
+        for w, known in enumerate(np.isfinite(changes.value + self._x)):
+            alike.setdefault(known.tobytes(), []).append(w)
+        for same, which in alike.items():
+            at = self._enough(np.frombuffer(same, dtype=bool))
+            first = changes.of(at, AS_IT_IS, which)
+            off = np.abs(first.value) > SUSPECT * first.sd + ROUGH * changes.rough[which][:, at]
             yield from ((which[k], changes.over(which[k]), at) for k in np.flatnonzero(off.any(axis=1)).tolist())
 
     def departures(self, past: Sequence[Means]) -> Iterator[Departure]:
