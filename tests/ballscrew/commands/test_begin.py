@@ -1,7 +1,5 @@
 """Help and errors come at once: nothing that takes long to import is loaded before it is needed."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """The batch engine against plain numpy: the joint Gaussian of all states, and a filter with all channels at once."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
