@@ -69,7 +69,7 @@ class InputGate:
         self._names, self._start = list(rig.inputs), start
         self._slow, p = np.array([slow(name, rig) for name in self._names], dtype=bool), len(self._names)
         least_K, forgets = LEAST_K + LEAST_K_S * rig.tick_s, UNTOLD_S / rig.tick_s
-        self._levels = [Level(least_K, forgets) for _ in self._names]
+        self._levels = {int(i): Level(least_K, forgets) for i in np.flatnonzero(self._slow)}
         self.fault = np.zeros(p, dtype=np.int8)
         self._standstill = Standstill(np.ones(p, dtype=bool))
 
@@ -79,8 +79,9 @@ class InputGate:
         readings = np.where(self._slow, given, np.nan)
         repeats = self._standstill.compare(readings)
         self._standstill.learn(repeats, len(given))
-        columns = zip(self._levels, readings.T.tolist(), far(given, self._start).T.tolist(), strict=True)
-        jumped = np.array([level.jumped(*column) for level, *column in columns], dtype=bool).reshape(given.T.shape).T
+        jumped = np.zeros(given.shape, dtype=bool)
+        for i, level in self._levels.items():
+            jumped[:, i] = level.jumped(given[:, i].tolist(), far(given[:, i], self._start).tolist())
         stuck = repeats.count >= STUCK
         fault = np.where(jumped, Fault.JUMPED, np.where(stuck, Fault.STUCK, Fault.NONE)).astype(np.int8)
         self.fault = fault[-1] if len(fault) else self.fault
