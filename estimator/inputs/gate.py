@@ -69,7 +69,7 @@ class InputGate:
         self._names, self._start = list(rig.inputs), start
         self._slow, p = np.array([slow(name, rig) for name in self._names], dtype=bool), len(self._names)
         least_K, forgets = LEAST_K + LEAST_K_S * rig.tick_s, UNTOLD_S / rig.tick_s
-        self._levels = {int(i): Level(least_K, forgets) for i in np.flatnonzero(self._slow)}
+        self._levels = [Level(least_K, forgets) for _ in range(self._slow.sum())]
         self.fault = np.zeros(p, dtype=np.int8)
         self._standstill = Standstill(np.ones(p, dtype=bool))
 
@@ -79,9 +79,9 @@ class InputGate:
         readings = np.where(self._slow, given, np.nan)
         repeats = self._standstill.compare(readings)
         self._standstill.learn(repeats, len(given))
-        jumped = np.zeros(given.shape, dtype=bool)
-        for i, level in self._levels.items():
-            jumped[:, i] = level.jumped(given[:, i].tolist(), far(given[:, i], self._start).tolist())
+        some, jumped = given[:, self._slow], np.zeros(given.shape, dtype=bool)
+        columns = zip(self._levels, some.T.tolist(), far(some, self._start).T.tolist(), strict=True)
+        jumped[:, self._slow] = np.array([level.jumped(*column) for level, *column in columns]).reshape(some.T.shape).T
         stuck = repeats.count >= STUCK
         fault = np.where(jumped, Fault.JUMPED, np.where(stuck, Fault.STUCK, Fault.NONE)).astype(np.int8)
         self.fault = fault[-1] if len(fault) else self.fault
