@@ -71,7 +71,7 @@ def main() -> None:
     """Entry point: exit 0 done, 1 an input could not be used, 2 wrong usage, rig or model, 130 Ctrl-C."""
     debug = "--debug" in sys.argv
     atexit.register(gc.freeze)  # to take apart what is left costs a third of a second, on a busy machine three
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads cost more than they save on 30 states
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads take twice as long on 30 states; numpy reads it once
     try:
         status = root.main(all_named(json_apart(sys.argv[1:])), standalone_mode=False)
     except click.ClickException as error:

@@ -1,7 +1,5 @@
 """What several test files share: rigs, drives without measurements, and recordings made by a model itself."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

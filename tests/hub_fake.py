@@ -1,7 +1,5 @@
 """A hub for the length of a test."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """A rig on a bus that is not there: frames of the virtual rig as a receiver hands them on, and faults to put in."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable, Iterable
 

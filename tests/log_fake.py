@@ -1,7 +1,5 @@
 """Small synthetic logs for tests: whole scans of the paper's rig, then broken on purpose."""
 
-from __future__ import annotations
-
 import math
 import random
 from functools import cache

@@ -1,7 +1,5 @@
 """Processes that tests start, and how long tests wait for what happens in other processes and threads."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import sys

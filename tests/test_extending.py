@@ -1,7 +1,5 @@
 """docs/extending.md says how to extend the program: every block of it is run."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

@@ -1,7 +1,5 @@
 """Imports go one way: the application uses everything, drivers and views only what the estimator measures and says."""
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """What is installed: one version of each package, and one that the ranges of pyproject.toml allow."""
 
-from __future__ import annotations
-
 import tomllib
 
 from packaging.requirements import Requirement

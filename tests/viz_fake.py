@@ -1,7 +1,5 @@
 """A small synthetic run for the views: an explicit heat balance on 49 cells, thermometers, displacement readings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

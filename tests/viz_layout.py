@@ -1,7 +1,5 @@
 """Where views and labels stand in a window of some size, as the viewer does it, in points; no viewer needed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

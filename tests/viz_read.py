@@ -1,7 +1,5 @@
 """Reading a saved file back with the reader of its format."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from pathlib import Path
 

@@ -78,5 +78,6 @@ def _variance(trial: Trial, posed: Posed) -> Array:
     sd = batch.compared(blind).sd
     doubt, T = trial.doubt(posed), len(sd)
     ahead = trial.ahead(posed, doubt)
-    parts = (ahead.rows(slice(k, min(k + TICKS, T))).readings @ doubt.known.root for k in range(0, T, TICKS))
-    return np.asarray(sd**2 + np.concatenate([(part**2).sum(axis=-1) for part in parts]))
+    parts = (ahead.rows(slice(k, min(k + TICKS, T))).readings for k in range(0, T, TICKS))
+    known = [doubt.known.doubtful(part, np.zeros(len(part))) for part in parts]
+    return np.asarray(sd**2 + np.concatenate([np.vecdot(part, part) for part in known]))

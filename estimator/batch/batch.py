@@ -55,7 +55,7 @@ def compared(system: System, spread: Array | bool = True) -> Chunk:
     """
     states = States(np.empty((len(system.y) + 1, len(system.x0))), system.start.P)
     states.x[0] = system.x0
-    return _compared(system, slice(0, len(system.y)), system.data.use, states, spread)
+    return _compared(system, slice(0, len(system.y)), system.data.use, states, spread, gains=False)
 
 
 def chunks_of(system: System) -> list[slice]:
@@ -65,16 +65,17 @@ def chunks_of(system: System) -> list[slice]:
 
 def filtered(system: System, ticks: slice, use: Array, start: tuple[Array, Array], spread: bool = True) -> Chunk:
     """Filter some ticks from x (n,), P (n, n) on, fusing the readings to `use` (K, m); `spread` as in `passes`."""
-    return _compared(system, ticks, use, _states(len(use), *start), spread)
+    return _compared(system, ticks, use, _states(len(use), *start), spread, gains=True)
 
 
-def _compared(system: System, ticks: slice, use: Array, states: States, spread: Array | bool) -> Chunk:
-    K, m = use.shape
-    out = Compared(np.empty((K, m)), np.full((K, m), np.nan), np.empty(K), np.empty(K))
+def _compared(system: System, ticks: slice, use: Array, states: States, spread: Array | bool, gains: bool) -> Chunk:
+    (K, m), n = use.shape, len(system.x0)
+    gain = np.empty((K if gains else 0, n, m))
+    out = Compared(np.empty((K, m)), np.full((K, m), np.nan), gain, np.empty(K), np.empty(K))
     wanted = np.require(np.broadcast_to(spread, use.shape), bool, ["C", "W"])
     kernels.compare(system.model, _part(system.data, ticks)._replace(use=use), states, wanted, out)
     P = states.P[1:] if len(states.P) > 1 else states.P
-    return Chunk(ticks, states.x[1:], P, out.predicted, out.sd, use, out.nis, out.loglike)
+    return Chunk(ticks, states.x[1:], P, out.predicted, out.sd, use, gain, out.nis, out.loglike)
 
 
 def loglike(system: System) -> float:
@@ -100,8 +101,7 @@ def smoothed_reading(system: System, channel: int) -> tuple[Array, Array]:
     reading, none = np.empty((2, T, 1)), np.empty((0, n, n))
 
     def room(ticks: slice) -> Smooth:
-        x, var = np.empty((2, ticks.stop - ticks.start, n))
-        return Smooth(x, var, none, reading[0, ticks], reading[1, ticks])
+        return Smooth(np.empty((ticks.stop - ticks.start, n)), none[:, 0], none, reading[0, ticks], reading[1, ticks])
 
     _smooth(system, [channel], room)
     return reading[0, :, 0], reading[1, :, 0]

@@ -89,7 +89,7 @@ class Unled:
             return Led.nowhere(len(chunk.x), self._led.doubt.shape[1])
         system, doubt = self._system, self.doubt.beside()
         own = batch.filtered(system, chunk.ticks, chunk.fused & self._heat, self.last, spread=False)
-        growth = doubt.slopes(moves, gains(system, own))[1]
+        growth = doubt.slopes(moves, own.gain)[1]
         um, var = self._state.led(system.grown[chunk.ticks], chunk.x, (own.x, own.P))
         led = Led(um, var, growth, *self._led.worsened(own.nis / own.fused.sum(axis=1).clip(1), self._tick_s))
         self._found = own, doubt, led
@@ -140,11 +140,3 @@ def _as_judged(system: System, chunk: Chunk, judgement: Judgement, start: tuple[
         return chunk
     before = (chunk.x[-2], chunk.P[-2]) if len(chunk.x) > 1 else start
     return chunk.with_last(batch.filtered(system, slice(last, last + 1), use[None], before))
-
-
-def gains(system: System, chunk: Chunk) -> Array:
-    """What the filter has updated with, (K, size, m); it follows from what was found: K = P H' R^-1."""
-    at = chunk.ticks
-    PH = chunk.P @ system.H.T + chunk.P[:, :, system.column, None] * (system.grown[at, None, None] * system.spans)
-    inverse = np.divide(1.0, system.R[at], out=np.zeros_like(system.R[at]), where=chunk.fused)
-    return np.asarray(PH * inverse[:, None, :])

@@ -4,8 +4,8 @@ Of n states the first d move, the others are constants, which may walk. W is the
 columns. Each tick is
 
     predict   x <- W x + b         P <- W P W' + Q
-    fuse      one channel after the other, h its row of H:
-              s = 1 / sqrt(h P h' + R)     e = s (y - h x)     w = s P h'     x <- x + w e     P <- P - w w'
+    fuse      L L' = H P H' + R     e = L^-1 (y - H x)     W = L^-1 H P     x <- x + W' e     P <- P - W' W
+              K = W' L^-1
 
 and the way back, for the derivative r of the log-likelihood by the state and N, minus the expectation of its second,
 with H, y and R of the channels fused,
@@ -35,7 +35,6 @@ from estimator.record import Array
 from estimator.state import moves
 
 LOG_2PI = float(np.log(2.0 * np.pi))
-VECTOR = 8  # numbers that the processor works on at once: rows of P are filled up to whole vectors
 ROOM = (1e-200, 1e200)
 HOW: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
@@ -84,11 +83,20 @@ class Carry(NamedTuple):
 
 
 class Now(NamedTuple):
-    """The state at one tick: x (w,) and P (n, w), filled up with zeros from n to w; room for one row, and to carry."""
+    """The state at one tick, x (n,) and P (n, n), and H (m, n) and H' there; room for what _fuse finds, unused channels
+    with rows of the identity: H P, W (m, n), W', H P H', L (m, m), e (m,), W'W; to carry."""
 
     x: Array
     P: Array
-    w: Array
+    H: Array
+    H_T: Array
+    HP: Array
+    W: Array
+    W_T: Array
+    HPH: Array
+    L: Array
+    e: Array
+    WW: Array
     carry: Carry
 
 
@@ -105,16 +113,18 @@ class Backwards(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """Of each tick: predicted reading and its sd (K, m); nis and log-likelihood (K,)."""
+    """Of each tick: predicted reading and its sd (K, m); gain (K, n, m), or (0, n, m) where it is not wanted; nis and
+    log-likelihood (K,)."""
 
     predicted: Array
     sd: Array
+    gain: Array
     nis: Array
     loglike: Array
 
 
 class Smooth(NamedTuple):
-    """Smoothed x and var (K, n), cov (K or 0, n, n); reading H x of some channels and its variance, (K, k)."""
+    """Smoothed x (K, n), var (K or 0, n), cov (K or 0, n, n); reading H x of some channels and its variance, (K, k)."""
 
     x: Array
     var: Array
@@ -201,14 +211,14 @@ def _room(d: int, n: int) -> Carry:
 @part
 def _begin(model: Model, states: States) -> Now:
     """The state before the first tick."""
-    n = states.x.shape[1]
-    width = -(-n // VECTOR) * VECTOR
-    now = Now(np.zeros(width), np.zeros((n, width)), np.zeros(width), _room(model.F.shape[1], n))
-    for i in range(n):
-        now.x[i] = states.x[0, i]
-        for j in range(n):
-            now.P[i, j] = states.P[0, i, j]
-    return now
+    (m, n), d = model.H.shape, model.F.shape[1]
+    HP, W, H_T, W_T = np.empty((m, n)), np.empty((m, n)), np.empty((n, m)), np.empty((n, m))
+    room = _room(d, n)
+    for o in range(m):
+        for i in range(n):
+            H_T[i, o] = model.H[o, i]
+    x, P, HPH, L = states.x[0].copy(), states.P[0].copy(), np.empty((m, m)), np.empty((m, m))
+    return Now(x, P, model.H.copy(), H_T, HP, W, W_T, HPH, L, np.empty(m), np.empty((n, n)), room)
 
 
 @part
@@ -239,40 +249,106 @@ def _predict(model: Model, data: Data, t: int, now: Now) -> None:
 
 
 @part
-def _fuse(model: Model, H: Array, data: Data, t: int, now: Now) -> tuple[int, float, float]:
+def _look(model: Model, data: Data, t: int, now: Now) -> None:
+    """H of the tick, H P and H P H'."""
+    _vary(model, now.H, data.grown[t])
+    for o in range(len(now.H)):
+        if model.spans[o] != 0.0:
+            now.H_T[model.column, o] = now.H[o, model.column]
+    np.dot(now.H, now.P, now.HP)
+    np.dot(now.HP, now.H_T, now.HPH)
+
+
+@part
+def _whiten(model: Model, data: Data, t: int, o: int, now: Now) -> float:
+    """Row o of L, W and e, of a channel that is used, after those before it; its part of the determinant."""
+    L, W, f = now.L, now.W, data.R[t, o] + now.HPH[o, o]
+    e = data.y[t, o] - _row_dot(model, now.H, o, now.x)
+    for i in range(W.shape[1]):
+        W[o, i] = now.HP[o, i]
+    for p in range(o):
+        left = now.HPH[o, p] if data.use[t, p] else 0.0
+        for k in range(p):
+            left -= L[o, k] * L[p, k]
+        left /= L[p, p]
+        L[o, p] = left
+        f -= left * left
+        e -= left * now.e[p]
+        for i in range(W.shape[1]):
+            W[o, i] -= left * W[p, i]
+    s = 1.0 / np.sqrt(f)
+    L[o, o], now.e[o] = np.sqrt(f), s * e
+    for i in range(W.shape[1]):
+        W[o, i] *= s
+    return f
+
+
+@part
+def _unused(o: int, now: Now) -> None:
+    """Row o of L, W and e, of a channel that is not used."""
+    for p in range(o):
+        now.L[o, p] = 0.0
+    now.L[o, o], now.e[o] = 1.0, 0.0
+    for i in range(now.W.shape[1]):
+        now.W[o, i] = 0.0
+
+
+@part
+def _fuse(model: Model, data: Data, t: int, now: Now) -> tuple[int, float, float]:
     """Update x and P by what is to be used at tick t: count, e'e, and the log-determinant of the innovations."""
-    x, P, w, count, squares, logarithm = now.x, now.P, now.w, 0, 0.0, 0.0
+    W, count, squares, logarithm = now.W, 0, 0.0, 0.0
     product = 1.0  # one logarithm for many channels, as long as their product has room
-    for o in range(len(H)):
+    for o in range(len(W)):
         if not data.use[t, o]:
+            _unused(o, now)
             continue
-        _row_times(model, H, o, P, w)
-        f = data.R[t, o] + _row_dot(model, H, o, w)
-        s = 1.0 / np.sqrt(f)
-        e = s * (data.y[t, o] - _row_dot(model, H, o, x))
-        for i in range(len(w)):
-            w[i] *= s
-            x[i] += w[i] * e
-        for i in range(len(P)):
-            for j in range(len(w)):
-                P[i, j] -= w[i] * w[j]
-        squares += e * e
+        product *= _whiten(model, data, t, o, now)
+        squares += now.e[o] * now.e[o]
         count += 1
-        product *= f
         if not ROOM[0] < product < ROOM[1]:
             logarithm += np.log(product)
             product = 1.0
+    if count:
+        _update(now)
     return count, squares, logarithm + np.log(product)
+
+
+@part
+def _update(now: Now) -> None:
+    """x <- x + W' e and P <- P - W' W."""
+    x, P, W, n = now.x, now.P, now.W, len(now.x)
+    for o in range(len(W)):
+        for i in range(n):
+            x[i] += W[o, i] * now.e[o]
+            now.W_T[i, o] = W[o, i]
+    np.dot(now.W_T, W, now.WW)
+    for i in range(n):
+        for j in range(n):
+            P[i, j] -= now.WW[i, j]
+
+
+@part
+def _gain(now: Now, out: Array) -> None:
+    """K = W' L^-1, (n, m); W is used up."""
+    L, W = now.L, now.W
+    for o in range(len(W) - 1, -1, -1):
+        for k in range(o + 1, len(W)):
+            if L[k, o] != 0.0:
+                for i in range(W.shape[1]):
+                    W[o, i] -= L[k, o] * W[k, i]
+        for i in range(W.shape[1]):
+            W[o, i] /= L[o, o]
+            out[i, o] = W[o, i]
 
 
 @kernel
 def forward(model: Model, data: Data, states: States) -> float:
     """Filter; the log-likelihood of these ticks."""
-    H, now, ticks, result = model.H.copy(), _begin(model, states), len(data.y), 0.0
+    now, ticks, result = _begin(model, states), len(data.y), 0.0
     for t in range(ticks):
-        _vary(model, H, data.grown[t])
         _predict(model, data, t, now)
-        count, squares, logarithm = _fuse(model, H, data, t, now)
+        _look(model, data, t, now)
+        count, squares, logarithm = _fuse(model, data, t, now)
         _keep(now, states, t + 1, ticks)
         result -= 0.5 * (squares + logarithm + count * LOG_2PI)
     return result
@@ -280,18 +356,18 @@ def forward(model: Model, data: Data, states: States) -> float:
 
 @kernel
 def compare(model: Model, data: Data, states: States, spread: Array, out: Compared) -> None:
-    """Filter with every reading, used or not, compared first; sds, which cost as much again, where `spread` (K, m)."""
-    H, now, ticks = model.H.copy(), _begin(model, states), len(data.y)
+    """Filter with every reading, used or not, compared first, with its sd where `spread` (K, m)."""
+    now, ticks = _begin(model, states), len(data.y)
     for t in range(ticks):
-        _vary(model, H, data.grown[t])
         _predict(model, data, t, now)
-        for o in range(len(H)):
-            out.predicted[t, o] = _row_dot(model, H, o, now.x)
-            if not spread[t, o]:
-                continue
-            _row_times(model, H, o, now.P, now.w)
-            out.sd[t, o] = np.sqrt(max(_row_dot(model, H, o, now.w), 0.0) + data.R[t, o])
-        count, squares, logarithm = _fuse(model, H, data, t, now)
+        _look(model, data, t, now)
+        for o in range(len(now.H)):
+            out.predicted[t, o] = _row_dot(model, now.H, o, now.x)
+            if spread[t, o]:
+                out.sd[t, o] = np.sqrt(max(now.HPH[o, o], 0.0) + data.R[t, o])
+        count, squares, logarithm = _fuse(model, data, t, now)
+        if len(out.gain):
+            _gain(now, out.gain[t])
         _keep(now, states, t + 1, ticks)
         out.nis[t] = squares if count else np.nan
         out.loglike[t] = -0.5 * (squares + logarithm + count * LOG_2PI)
@@ -394,7 +470,8 @@ def smooth(model: Model, data: Data, channels: Array, states: States, r: Array, 
         P = states.P[t + 1]
         _vary(model, H, data.grown[t])
         _smooth_mean(states, t + 1, r, out.x[t])
-        _smooth_covariance(P, N, out.var[t], out.cov[t] if len(out.cov) else P[:0])
+        if len(out.var):
+            _smooth_covariance(P, N, out.var[t], out.cov[t] if len(out.cov) else P[:0])
         for k, o in enumerate(channels):
             Ph = np.dot(P, H[o])
             out.reading[t, k] = np.dot(H[o], out.x[t])

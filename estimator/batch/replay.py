@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.batch import batch
-from estimator.batch.judged import Judged, gains
-from estimator.batch.system import Chunk, System
+from estimator.batch.judged import Judged
+from estimator.batch.system import System
 from estimator.batch.trial import Posed, Trial, with_elongation
 from estimator.faults.fault import Fault
 from estimator.model import Model
@@ -20,7 +20,6 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.state.doubt import Doubt
 from estimator.state.gate import Mute, unmuted
-from estimator.state.moves import Doubtful, Moves
 from estimator.state.report import Estimates, Reporter
 from estimator.state.run import Run, begin
 from estimator.state.state import State
@@ -135,7 +134,7 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
     for k in range(0, last - chunk.ticks.start, ROWS):
         at = slice(chunk.ticks.start + k, min(chunk.ticks.start + k + ROWS, last))
         some = slice(k, k + at.stop - at.start)
-        doubtful = _doubtful(posed, chunk.rows(some), part.moves.rows(some), doubt, judgement.off_share[some])
+        doubtful = doubt.behind(part.moves.rows(some), chunk.gain[some], judgement.off_share[some])
         x, P = chunk.x[some].copy(), chunk.P[some].copy()
         if at.stop == chunk.ticks.stop:
             x[-1], P[-1] = part.after
@@ -165,8 +164,3 @@ def _estimates(trial: Trial, posed: Posed, part: Judged, doubt: Doubt) -> Iterat
         yield at, estimates.suspecting(posed.state, part.unled[some], led_var)
     if judgement.apart:
         doubt.become(part.doubt)
-
-
-def _doubtful(posed: Posed, chunk: Chunk, moves: Moves, doubt: Doubt, off_share: Array) -> Doubtful:
-    """What some ticks are off by, next in order of time."""
-    return doubt.behind(moves, gains(posed.system, chunk), off_share)

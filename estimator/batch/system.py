@@ -87,6 +87,7 @@ class Chunk:
     predicted  (K, m)  H x before any channel of the tick is used
     sd         (K, m)  of a reading around it, inf: no model, NaN: not asked for
     fused      (K, m)
+    gain       (K, n, m) what was updated with, 0: not fused; none where it was not asked for
     nis        (K,)    e' S^-1 e of the channels fused, NaN: none
     loglike    (K,)    what the tick adds to the log-likelihood
     """
@@ -97,6 +98,7 @@ class Chunk:
     predicted: Array
     sd: Array
     fused: Array
+    gain: Array
     nis: Array
     loglike: Array
 

@@ -26,24 +26,28 @@ def under_bearing(rig: Rig, support: str, seat: SimpleNamespace | None = None) -
           gives a row for each
     """
     screw, bearing = rig.the_screw(), rig.the_support(support)
-    if seat is None:
-        return _as_in_rig_file(screw, bearing)
-    at_mm, half_mm = bearing.at_mm + seat.shift, bearing.width_mm / 2 * seat.width
-    return _share(screw, np.squeeze(at_mm - half_mm), np.squeeze(at_mm + half_mm))
+    shift, width = (0.0, 1.0) if seat is None else (seat.shift, seat.width)
+    return _share(screw, bearing, _frozen(shift), _frozen(width))
+
+
+Frozen = tuple[bytes, str, tuple[int, ...]]
+
+
+def _frozen(value: Any) -> Frozen:
+    """A number or a column as something that is found again."""
+    array = np.asarray(value)
+    return array.tobytes(), array.dtype.char, array.shape
 
 
 @lru_cache
-def _as_in_rig_file(screw: Screw, bearing: Support) -> Array:
-    """The share of a bearing that stays where it is: asked for at every tick."""
-    half_mm = bearing.width_mm / 2
-    share = _share(screw, bearing.at_mm - half_mm, bearing.at_mm + half_mm)
+def _share(screw: Screw, bearing: Support, *seat: Frozen) -> Array:
+    """The share of a bearing by shift and width: asked for at every tick."""
+    shift, width = (np.frombuffer(number, kind).reshape(shape) for number, kind, shape in seat)
+    at_mm, half_mm = bearing.at_mm + shift, bearing.width_mm / 2 * width
+    under = screw.overlap(np.squeeze(at_mm - half_mm), np.squeeze(at_mm + half_mm))
+    share = np.asarray(under / under.sum(axis=-1, keepdims=True))
     share.flags.writeable = False
     return share
-
-
-def _share(screw: Screw, from_mm: Any, to_mm: Any) -> Array:
-    width = screw.overlap(from_mm, to_mm)
-    return np.asarray(width / width.sum(axis=-1, keepdims=True))
 
 
 def seat_of(p: SimpleNamespace, support: str) -> SimpleNamespace | None:

@@ -16,6 +16,7 @@ thermometer that the likeliest of them explains worst is not heard: one may be b
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -57,9 +58,12 @@ class Known:
         """
         if not self.whole.any():
             return np.zeros(len(led), dtype=bool)
+        far = np.abs(led.um) > LED_UM
+        if not far.any():
+            return np.asarray(far)
         place_um = 0.0 if self.shift is None else place_mm * led.doubt[:, self.shift]
         sd_um = led.worse * np.sqrt(self.elongation_var(led, np.full(len(led), share)) + place_um**2)
-        return np.abs(led.um) > np.maximum(LED_SDS * sd_um, LED_UM)
+        return np.asarray(far & (np.abs(led.um) > LED_SDS * sd_um))
 
     def elongation_var(self, led: Led, share: Array) -> Array:
         """Of the elongation by thermometers alone, (K,) um^2, where parameters are off by shares (K,)."""
@@ -70,11 +74,20 @@ class Known:
 
         Per standard normal error: of the fit, and where any share is not 0, of each parameter beside it
         """
-        doubt = moved @ self.root
-        if not share.any():
-            return np.asarray(doubt)
-        at, by = np.flatnonzero(self.whole), share.reshape(-1, *[1] * (moved.ndim - 1))
-        return np.concatenate([doubt, moved[..., at] * self.whole[at] * by], axis=-1)
+        at, q, p = np.flatnonzero(self.whole * share.any()), self._together, len(self.whole)
+        doubt = np.empty((*moved.shape[:-1], p + len(at)))
+        np.matmul(moved[..., :q], self.root[:q, :q], out=doubt[..., :q])
+        np.multiply(moved[..., q:], np.diagonal(self.root)[q:], out=doubt[..., q:p])
+        if len(at):
+            by = share.reshape(-1, *[1] * (moved.ndim - 1))
+            np.multiply(moved[..., at] * self.whole[at], by, out=doubt[..., p:])
+        return doubt
+
+    @cached_property
+    def _together(self) -> int:
+        """How many parameters, from the first one on, a fit has left unknown together; each other one by itself."""
+        alone = self.root - np.diag(np.diagonal(self.root)) == 0.0
+        return int(np.flatnonzero(~(alone.all(axis=0) & alone.all(axis=1))).max(initial=-1)) + 1
 
 
 @dataclass
@@ -217,7 +230,8 @@ class Machine:
         y, D = (each[heard] for each in now.less(self._last, r))
         PD = self._P @ D.T
         root = np.linalg.cholesky(D @ PD + np.diag((now.variance * (1.0 - r**2))[heard]))
-        K, e = np.linalg.solve(root, PD.mT), np.linalg.solve(root, (y - self._d @ D.T)[..., None])
+        white = np.linalg.inv(root)  # to solve for as many columns as there are parameters takes three times as long
+        K, e = white @ PD.mT, white @ (y - self._d @ D.T)[..., None]
         self._d, self._P = self._d + (K.mT @ e)[..., 0], self._P - K.mT @ K
         self._log -= np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1) + 0.5 * (e[..., 0] ** 2).sum(axis=1)
         self._last.y[heard], self._last.moved[heard], self._age_s[heard] = now.y[heard], now.moved[heard], 0.0

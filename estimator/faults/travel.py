@@ -23,6 +23,7 @@ one move between two: which of both, nobody can say.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterator
 from statistics import median
@@ -121,23 +122,23 @@ class Travel:
         """One tick."""
         self._follow(sample)
         self._now_s = sample.time_s
-        silent = self._given and np.isnan(sample.omega)
+        silent = self._given and math.isnan(sample.omega)
         self._silent = min(self._silent + 1, LONG_SILENCE) if silent else max(self._silent - 1, 0)
         if self.why:
             self._wrong, self._wrong_s = self.why, sample.time_s
 
     def _follow(self, sample: Sample) -> None:
         """What position and speed say."""
-        if np.isfinite(sample.pace) and sample.apart_s < QUICK / 2 * self._tick_s:
+        if math.isfinite(sample.pace) and sample.apart_s < QUICK / 2 * self._tick_s:
             self._keep_pace(sample)
-        if not self._given or np.isnan(sample.apart_s):
+        if not self._given or math.isnan(sample.apart_s):
             return
         place = sample.inputs["position"]
         path, moved = self._lead * sample.omega * (self._tick_s + sample.apart_s), place - self._last
         before, self._before, self._last = self._before, path, place
         self._learn(sample, turned=path > 0 and before > 0)
-        self._untold = self._untold + 1 if np.isnan(place) and path > 0 else 0
-        if not np.isfinite(path + moved):
+        self._untold = self._untold + 1 if math.isnan(place) and path > 0 else 0
+        if not math.isfinite(path + moved):
             return
         usual = (1.0 + SLACK) * max(path, before) + abs(path - before) + SLACK_MM
         slow = self._slow(sample.apart_s)
@@ -145,7 +146,7 @@ class Travel:
         self._rest(moved, turns=path > 0 or not slow)
         slips = abs(moved) > most
         self._slips = self._slips + 1 if slips else 0
-        told = np.isfinite(sample.slip_mm)
+        told = math.isfinite(sample.slip_mm)
         if sample.slip_mm if told else slips:
             by, least = (sample.slip_mm, SLACK_MM) if told else (moved, most)
             offset = self._offset + by
@@ -167,7 +168,8 @@ class Travel:
 
     def _learn(self, sample: Sample, turned: bool) -> None:
         """How fast the axis has been, and how often its speed is read while it turns."""
-        self._fastest = np.fmax(self._fastest, abs(self._rad_s * sample.inputs["speed"]))
+        speed = abs(self._rad_s * sample.inputs["speed"])
+        self._fastest = speed if speed > self._fastest else self._fastest  # NaN is none
         if turned:
             self._turned, self._apart_s = self._turned + 1, min(self._apart_s, sample.apart_s)
 

@@ -23,7 +23,6 @@ import numpy as np
 import scipy
 
 from estimator.batch import batch
-from estimator.batch.judged import gains
 from estimator.batch.trial import Posed, Trial
 from estimator.batch.trials import Trials
 from estimator.inputs.phase import phases
@@ -123,7 +122,7 @@ def _followed(trial: Trial, posed: Posed, doubt: Doubt, at: int) -> tuple[Array,
     ahead, q, um, g, shown = trial.ahead(posed, doubt), len(doubt.paths), [], [], np.zeros(len(doubt.paths), dtype=bool)
     for chunk in batch.passes(posed.system, spread=False):
         moves = ahead.rows(chunk.ticks)
-        grows = doubt.slopes(moves, gains(posed.system, chunk))[1]
+        grows = doubt.slopes(moves, chunk.gain)[1]
         grows[:, :q] += moves.readings[:, at, :q] - moves.elongation
         um.append((posed.state.elongation(moves.grown_um) * chunk.x).sum(axis=1))
         g.append(grows)

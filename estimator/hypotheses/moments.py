@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -94,19 +95,20 @@ def moments_of(trial: Trial, model: Model, columns: Sequence[Column], own: Model
     """
     posed = trial.pose(model)
     found = slopes_beside(own, trial, posed, columns) if own else slopes_of(trial, posed, columns)
-    stack = np.array([*(slope.reading for slope in found), open_loop_misfit(trial, posed)])
-    lengths = np.array([*(slope.length for slope in found), grown(trial, posed, model).um - posed.run.grown])
+    readings = [*(slope.reading for slope in found), open_loop_misfit(trial, posed)]
+    lengths = [*(slope.length[:, None] for slope in found), (grown(trial, posed, model).um - posed.run.grown)[:, None]]
     since, heat = trial.rest.time_s - trial.rest.time_s[0], trial.rig.is_thermometer
     starts = np.flatnonzero(np.diff(since // BLOCK_S, prepend=-1.0))
     (heats, heat_count), (reads, read_count), (grows, grown_count) = (
-        _by_block(rows, starts) for rows in (stack[:, :, heat], stack[:, :, ~heat], lengths[:, :, None])
+        _by_block(*rows, starts) for rows in ((readings, heat), (readings, ~heat), (lengths, np.ones(1, dtype=bool)))
     )
     return Moments(heats, reads, grows, heat_count, read_count, grown_count, max(1.0, float(since[-1]) / BLOCK_S))
 
 
-def _by_block(rows: Array, starts: Array) -> tuple[Array, int]:
-    """Products of rows (k + 1, T, channels) summed over each block of ticks, where the last is known; how many are."""
-    known = np.isfinite(rows[-1])
-    ends = [*starts[1:], len(known)]
-    parts = [rows[:, a:b][:, known[a:b]] for a, b in zip(starts, ends, strict=True)]
-    return np.array([part @ part.T for part in parts]), int(known.sum())
+def _by_block(columns: Sequence[Array], some: Array, starts: Array) -> tuple[Array, int]:
+    """Products of columns (T, channels), `some` of the channels, summed over each block of ticks, where the last one is
+    known; how many are."""
+    at = np.flatnonzero(np.isfinite(columns[-1]) & some)
+    rows = np.array([np.take(column, at) for column in columns])
+    ends = np.searchsorted(at, [*(starts * len(some)), columns[-1].size])
+    return np.array([part @ part.T for part in (rows[:, a:b] for a, b in pairwise(ends))]), len(at)

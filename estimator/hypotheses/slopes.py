@@ -56,17 +56,18 @@ def slopes_beside(own: Model, trial: Trial, posed: Posed, columns: Sequence[Colu
     """The same, but those of the parameters of another model, which is near, at its values."""
     mine = [i for i, column in enumerate(columns) if column.path in own.values]
     rest = [i for i, column in enumerate(columns) if column.path not in own.values]
-    known = _own_slopes(trial, own, [columns[i].path for i in mine])
+    known = _own_slopes(trial, own, posed, [columns[i].path for i in mine])
     found = dict(zip([*mine, *rest], [*known, *slopes_of(trial, posed, [columns[i] for i in rest])], strict=True))
     return [found[i] for i in range(len(columns))]
 
 
-def _own_slopes(trial: Trial, model: Model, paths: Sequence[str]) -> list[Slope]:
-    """Slopes of a model's parameters at its own values, kept by the trial."""
+def _own_slopes(trial: Trial, model: Model, posed: Posed, paths: Sequence[str]) -> list[Slope]:
+    """Slopes of a model's parameters at its own values, kept by the trial; it may be the one that is posed."""
     point = (*map(type, model.effects.values()), *(value.value for value in model.values.values()))
     kept = trial.slopes.pop(point, {})
     if missing := [path for path in paths if path not in kept]:
-        found = slopes_of(trial, trial.pose(model), [Column(model, path) for path in missing])
+        here = posed if posed.forcing.model is model else trial.pose(model)
+        found = slopes_of(trial, here, [Column(model, path) for path in missing])
         kept.update(zip(missing, found, strict=True))
     trial.slopes[point] = kept
     for oldest in list(trial.slopes)[:-POINTS]:

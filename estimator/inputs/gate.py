@@ -38,24 +38,25 @@ class Level:
 
     def jumped(self, readings: Sequence[float], at_first: Sequence[bool]) -> list[bool]:
         """Which of the next readings, NaN: none, are refused, and would be `at_first`; the others are learnt."""
-        return [self._refused(now, unlike) for now, unlike in zip(readings, at_first, strict=True)]
-
-    def _refused(self, now: float, unlike: bool) -> bool:
-        if not math.isfinite(now):
-            self._missed += 1
-            return False
-        gone, self._missed = self._missed > self._forgets, 0
-        if gone or math.isnan(self._value):
-            if not unlike:
-                self._value = self._last = now
-            return unlike
-        limit, change = max(SCATTERS * math.sqrt(self._variance), self._least), now - self._last
-        if abs(now - self._value) > limit and abs(change) > 0.7 * limit:
-            return True
-        self._variance += (change * change / 2.0 - self._variance) / TICKS
-        self._value += (now - self._value) / TICKS
-        self._last = now
-        return False
+        value, last, variance, missed = self._value, self._last, self._variance, self._missed
+        refused = [False] * len(readings)
+        for k, now in enumerate(readings):
+            if not -math.inf < now < math.inf:
+                missed += 1
+                continue
+            if missed > self._forgets or value != value:
+                refused[k] = at_first[k]
+                value, last = (value, last) if at_first[k] else (now, now)
+            else:
+                limit, change = max(SCATTERS * math.sqrt(variance), self._least), now - last
+                refused[k] = abs(now - value) > limit and abs(change) > 0.7 * limit
+                if not refused[k]:
+                    variance += (change * change / 2.0 - variance) / TICKS
+                    value += (now - value) / TICKS
+                    last = now
+            missed = 0
+        self._value, self._last, self._variance, self._missed = value, last, variance, missed
+        return refused
 
 
 class InputGate:
@@ -68,7 +69,7 @@ class InputGate:
         self._names, self._start = list(rig.inputs), start
         self._slow, p = np.array([slow(name, rig) for name in self._names], dtype=bool), len(self._names)
         least_K, forgets = LEAST_K + LEAST_K_S * rig.tick_s, UNTOLD_S / rig.tick_s
-        self._levels = [Level(least_K, forgets) for _ in self._names]
+        self._levels = [Level(least_K, forgets) for _ in range(self._slow.sum())]
         self.fault = np.zeros(p, dtype=np.int8)
         self._standstill = Standstill(np.ones(p, dtype=bool))
 
@@ -78,8 +79,9 @@ class InputGate:
         readings = np.where(self._slow, given, np.nan)
         repeats = self._standstill.compare(readings)
         self._standstill.learn(repeats, len(given))
-        columns = zip(self._levels, readings.T.tolist(), far(given, self._start).T.tolist(), strict=True)
-        jumped = np.array([level.jumped(*column) for level, *column in columns], dtype=bool).reshape(given.T.shape).T
+        some, jumped = given[:, self._slow], np.zeros(given.shape, dtype=bool)
+        columns = zip(self._levels, some.T.tolist(), far(some, self._start).T.tolist(), strict=True)
+        jumped[:, self._slow] = np.array([level.jumped(*column) for level, *column in columns]).reshape(some.T.shape).T
         stuck = repeats.count >= STUCK
         fault = np.where(jumped, Fault.JUMPED, np.where(stuck, Fault.STUCK, Fault.NONE)).astype(np.int8)
         self.fault = fault[-1] if len(fault) else self.fault

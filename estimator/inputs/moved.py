@@ -24,6 +24,7 @@ def moved(coverage: Array, rig: Rig, share: Any = 1.0, shift_mm: Any = 0.0) -> A
     left = np.floor(place.real).astype(int)
     t = place - left
     weights = (t * (2 * t - t * t - 1), 2 + t * t * (3 * t - 5), t * (1 + 4 * t - 3 * t * t), t * t * (t - 1))
-    told = sum(coverage[:, np.clip(left + k - 1, 0, screw.cells - 1)] * w / 2 for k, w in enumerate(weights))
+    cells = [np.clip(left + k - 1, 0, screw.cells - 1) for k in range(4)]
+    told = sum(np.take(coverage, at, axis=1) * (w / 2) for at, w in zip(cells, weights, strict=True))
     total, now = coverage.sum(axis=1, keepdims=True), told.sum(axis=1, keepdims=True)
     return np.asarray(told * np.divide(total, now, out=np.ones_like(now), where=now.real > 0))

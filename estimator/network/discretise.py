@@ -53,10 +53,16 @@ class Modes:
     def along(self, mass: Array, conductance: Array) -> tuple[Array, Array]:
         """How F and J move with mass and conductance, (n, n) each."""
         S, (of_F, of_J) = self._shapes, self._slopes
-        to_mass = S.T @ mass @ S
-        to_A = to_mass * self._rates - S.T @ conductance @ S
-        F, J = to_A * of_F, to_A * of_J - _psi(-self._rates, self._dt)[:, None] * to_mass
-        return S @ F @ S.T @ self._mass, S @ J @ S.T
+        to_A, to_J = -(S.T @ conductance @ S), 0.0
+        if mass.any():
+            to_mass = S.T @ mass @ S
+            to_A, to_J = to_A + to_mass * self._rates, _psi(-self._rates, self._dt)[:, None] * to_mass
+        return S @ (to_A * of_F) @ self._inverse, S @ (to_A * of_J - to_J) @ S.T
+
+    @cached_property
+    def _inverse(self) -> Array:
+        """Of the shapes, (n, n)."""
+        return np.asarray(self._shapes.T @ self._mass)
 
     @cached_property
     def _slopes(self) -> tuple[Array, Array]:

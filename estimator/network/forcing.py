@@ -110,6 +110,7 @@ class Forcing:
         self._keep = keep
         self._solved: dict[int, Solved] = {}
         self._latest: Forcing | None = None
+        self._asked: dict[tuple[int, ...], Inputs] = like._asked if like else {}  # of those regimes that were last
         self._sound = Sound(model, rig)
         self.nothing: Inputs = like.nothing if like else nothing(rig)
         checked = like is not None and not model.use and _kinds(like.model) == _kinds(model)
@@ -195,9 +196,12 @@ class Forcing:
 
     def regime_inputs(self, which: Sequence[int] | None = None) -> Inputs:
         """Speed and coverage of some regimes met so far, or of all; every other input is zero."""
-        which = range(self.regimes) if which is None else which
-        omega = np.array([self._regimes.omega[r] for r in which])[:, None]
-        return no_inputs(self.rig, omega, np.array([self._regimes.coverage[r] for r in which]))
+        which = tuple(range(self.regimes) if which is None else which)
+        if which not in self._asked:
+            self._asked.clear()
+            omega = np.array([self._regimes.omega[r] for r in which])[:, None]
+            self._asked[which] = no_inputs(self.rig, omega, np.array([self._regimes.coverage[r] for r in which]))
+        return self._asked[which]
 
     def _solve(self, needed: Sequence[int]) -> None:
         """Assemble and discretise all regimes met and not solved; those that are needed, where not all are kept."""

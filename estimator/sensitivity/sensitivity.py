@@ -64,16 +64,16 @@ def pushed(posed: Posed, moved: Sequence[Tangent]) -> Array:
     out = np.zeros((len(moved), *posed.heat.shape))
     for r in np.unique(regime):
         at = _rows_of(regime, r)
-        heat, J, given = posed.heat[at], forcing.transition(r).J, (posed.outside[at], before[at])
+        J, outside, given = forcing.transition(r).J, posed.outside[at], np.hstack([posed.heat[at], before[at]])
         for b, each, conducted, shifted in zip(out, moved, conducts, shifts, strict=True):
             put = each.heat[at]
             if shifted:
-                put = put + given[0] @ each.network.inflow[r].T + each.outside[at] @ forcing.inflow(r).T
+                put = put + outside @ each.network.inflow[r].T + each.outside[at] @ forcing.inflow(r).T
             if shifted or put.any():
                 b[at] = put @ J.T
             if conducted:
                 of_F, of_J = forcing.modes_of(r).along(each.network.mass, each.network.conductance[r])
-                b[at] += heat @ of_J.T + given[1] @ of_F.T
+                b[at] += given @ np.hstack([of_J, of_F]).T
     return out
 
 

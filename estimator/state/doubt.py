@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -71,7 +70,7 @@ class Doubt:
         self._Z = self._Z0 = np.ascontiguousarray(x0[run.state.temperatures])
         self._spot = np.einsum("mn,np->mp", run.forcing.readings.rows, self._Z) + self._start @ self._rows
         self._lagged, self._S = self._spot, np.zeros((size, len(together)))
-        self._slopes: dict[int, RegimeSlopes] = {}
+        self._slopes: dict[int, Array] = {}
 
     def by(self, run: Run) -> Doubt:
         """The same of the run by another model, of the parameters that it has too."""
@@ -145,36 +144,37 @@ class Doubt:
     def _pushes(self, drive: Drive, ticks: Ticks, course: Course) -> tuple[Array, Array, Array, Array]:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
         forcing, (heat, outside, offset) = self._run.forcing, self._own_pushes(drive, ticks)
-        states, ends = np.empty_like(heat), np.flatnonzero(outside.any(axis=(1, 2)))
-        for r, of in self._regime_slopes(sorted(set(ticks.regime.tolist()))):
-            at, some = ticks.regime == r, self._in_regimes
-            put = heat[:, at]
-            put[some] += ticks.outside[at] @ of.inflow.mT
+        B, ends = np.empty((*ticks.heat.shape, len(self._moved))), np.flatnonzero(outside.any(axis=(1, 2)))
+        given = np.hstack([course.z[:-1], ticks.heat, ticks.outside])
+        for r, slopes in self._regime_slopes(sorted(set(ticks.regime.tolist()))):
+            at = ticks.regime == r
+            put, moved = heat[:, at], np.zeros((at.sum(), *B.shape[1:]))
             put[ends] += outside[ends][:, at] @ forcing.inflow(r).T
-            put = put @ forcing.transition(r).J.T
-            put[some] += course.z[:-1][at] @ of.F.mT + ticks.heat[at] @ of.J.mT
-            states[:, at] = put
-        B, own_spot = states.transpose(1, 2, 0), np.tensordot(course.z[1:], self._rows, axes=(1, 1))
+            moved[:, :, self._in_regimes] = (given[at] @ slopes).reshape(*moved.shape[:2], -1)
+            moved[:, :, self._in_ticks] += (put @ forcing.transition(r).J.T).transpose(1, 2, 0)
+            B[at] = moved
+        own_spot = np.tensordot(course.z[1:], self._rows, axes=(1, 1))
         pushed = (course.lagged - course.spot)[:-1, :, None] * self._keep
         pushed += np.diff(course.spot, axis=0)[:, :, None] * self._ramp
         return B, offset, own_spot, pushed
 
     def _own_pushes(self, drive: Drive, ticks: Ticks) -> tuple[Array, Array, Array]:
-        """How what the model makes of K ticks moves: heat (q, K, n), outside (q, K, boundaries), offset (K, m, q)."""
-        K, q = len(ticks.regime), len(self._moved)
-        heat, outside = np.zeros((q, *ticks.heat.shape)), np.zeros((q, *ticks.outside.shape))
-        offset, alone = np.zeros((K, len(self._zeros), q)), self._in_ticks
+        """How what the model makes of K ticks moves with those of q parameters that move it, of r: heat (q, K, n),
+        outside (q, K, boundaries), offset (K, m, r)."""
+        K, some = len(ticks.regime), self._in_ticks
+        heat, outside = np.zeros((len(some), *ticks.heat.shape)), np.zeros((len(some), *ticks.outside.shape))
+        offset, alone = np.zeros((K, len(self._zeros), len(self._moved))), some
         if K == 1:  # a run of ticks is asked by each parameter, one tick by all of them: half of what a tick costs
-            heat[self._by_rows, 0], rows = self._apart.tick(drive)
+            heat[[some.index(i) for i in self._by_rows], 0], rows = self._apart.tick(drive)
             offset[0][:, self._by_rows] = rows.T
             alone = [i for i in alone if i not in self._by_rows]
         for i in alone:
-            own = self._moved[i].ticks(drive)
-            heat[i], outside[i], offset[:, :, i] = own.heat, own.outside, own.offset
+            own, k = self._moved[i].ticks(drive), some.index(i)
+            heat[k], outside[k], offset[:, :, i] = own.heat, own.outside, own.offset
         return heat, outside, offset
 
-    def _regime_slopes(self, met: Sequence[int]) -> Iterator[tuple[int, RegimeSlopes]]:
-        """How a tick of each of these regimes moves with each parameter; those not met yet are worked out together."""
+    def _regime_slopes(self, met: Sequence[int]) -> Iterator[tuple[int, Array]]:
+        """`regime_slopes` of each of these regimes; of those not met yet they are worked out together."""
         for first in range(0, len(met), REMEMBERED):
             some = met[first : first + REMEMBERED]
             new = [regime for regime in some if regime not in self._slopes]
@@ -186,27 +186,19 @@ class Doubt:
             yield from ((regime, self._slopes[regime]) for regime in some)
 
 
-@dataclass(frozen=True)
-class RegimeSlopes:
-    """Derivatives of one regime by q parameters that may move it: F and J (q, n, n), inflow (q, n, boundaries)."""
-
-    F: Array
-    J: Array
-    inflow: Array
-
-
-def regime_slopes(moved: Sequence[Moved], run: Run, regimes: Sequence[int]) -> list[RegimeSlopes]:
-    """How a tick of each of some regimes moves with each of these parameters."""
+def regime_slopes(moved: Sequence[Moved], run: Run, regimes: Sequence[int]) -> list[Array]:
+    """How a tick of each of some regimes moves the states (n,) with each of q parameters, by states, heat and
+    boundaries (n + n + boundaries,) of the tick: matrices (n + n + boundaries, n q)."""
     q, n, boundaries = len(moved), run.state.n, run.forcing.place.boundaries
-    shapes = (q, n, n), (q, n, n), (q, n, boundaries)
-    found = [RegimeSlopes(*map(np.zeros, shapes)) for _ in regimes]
+    found = np.zeros((len(regimes), 2 * n + boundaries, n, q))
     for i, each in enumerate(moved) if regimes else ():
         network = each.network(regimes)
         for of, regime, inflow, conductance in zip(found, regimes, network.inflow, network.conductance, strict=True):
-            of.inflow[i] = inflow
+            of[2 * n :, :, i] = inflow.T @ run.forcing.transition(regime).J.T
             if np.any(network.mass) or np.any(conductance):
-                of.F[i], of.J[i] = run.forcing.modes_of(regime).along(network.mass, conductance)
-    return found
+                F, J = run.forcing.modes_of(regime).along(network.mass, conductance)
+                of[:n, :, i], of[n : 2 * n, :, i] = F.T, J.T
+    return [of.reshape(len(of), n * q) for of in found]
 
 
 def shifting(model: Model, rig: Rig) -> Model | None:

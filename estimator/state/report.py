@@ -171,6 +171,8 @@ class Reporter:
 
     def table_errors(self, at_mm: Array, estimates: Estimates) -> TableErrors:
         """The error at the table, were it at places (p,) mm, of the ticks that were tracked last."""
+        if not len(at_mm):
+            return TableErrors.waiting(at_mm, len(estimates.x))
         return TableErrors(at_mm, *self._table_error(at_mm, estimates, *self._temperatures(estimates)))
 
     def _temperatures(self, estimates: Estimates) -> tuple[Array, Array]:

@@ -133,7 +133,7 @@ def _first_start(recording: Recording, rig: Rig, mute: Mute, since: int) -> tupl
 
 def variances(rows: Array, P: Array) -> Array:
     """Diagonal of rows P rows', (..., m) of P (..., n, n), never below 0."""
-    return np.maximum(((rows @ P) * rows).sum(axis=-1), 0.0)
+    return np.asarray(np.maximum(np.vecdot(rows @ P, rows), 0.0))
 
 
 def _variance(readings: Readings) -> Array:

@@ -132,7 +132,7 @@ class State:
         weights = self.elongation(grown_um)
         weights[:, self.start] = 0.0
         um = (weights * (x - unled[0])).sum(axis=1)
-        return um, np.einsum("ks,kst,kt->k", weights, unled[1], weights)
+        return um, np.vecdot((weights[:, None] @ unled[1])[:, 0], weights)
 
     def judged(self, x: Array, P: Array, judgement: Judgement) -> tuple[Array, Array]:
         """x and P after what a tick's judgement says of readings that were fused before, or will be."""

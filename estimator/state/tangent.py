@@ -6,17 +6,19 @@ Trapp 1998). No effect writes a derivative.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from estimator.inputs.inputs import Inputs
 from estimator.model import Model
 from estimator.network import assemble
 from estimator.network.assemble import Network
 from estimator.network.forcing import Drive, Forcing
 from estimator.record import Array
+from estimator.rig import Rig
 from estimator.state.open_loop import lag_filter
 from estimator.state.run import Run
 from estimator.terms import OF_READINGS, OF_TICKS, Chain, Heat, Link, Shift, Store, Term
@@ -86,17 +88,16 @@ class Moved:
         if not (self.in_regimes or self._scatters or self._is_own):
             return Network.none(place, self._forcing.regimes if which is None else len(which))
         u = self._model.inputs(self._forcing.regime_inputs(which), rig)
-        terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
-        moves = assemble.network_of(terms, place, len(u))
+        moves = assemble.network_of(moving(self._model, self._effects, u, rig), place, len(u))
         return Network(**{key: slope(value) for key, value in vars(moves).items()})
 
     def ticks(self, drive: Drive) -> TicksTangent:
         """Derivatives of what the model makes of some ticks."""
         rig, place = self._forcing.rig, self._forcing.place
-        u = self._model.inputs(drive.inputs, rig)
         if not self.in_ticks:
-            return TicksTangent.none(len(u), place.size, place.boundaries, len(rig.names))
-        terms = [term for name in self.effects_in_ticks for term in self._model.terms_of(name, u, rig)]
+            return TicksTangent.none(len(drive.inputs), place.size, place.boundaries, len(rig.names))
+        u = self._model.inputs(drive.inputs, rig)
+        terms = moving(self._model, self.effects_in_ticks, u, rig)
         outside = np.zeros((len(u), place.boundaries))
         if Shift in self._kinds:
             outside = slope(assemble.outside(list(self._model.terms(u, rig)), u, place))
@@ -191,9 +192,15 @@ class MovedApart:
         """Derivatives of heat (q, n) and offset (q, m), a row for each."""
         rig, place = self._forcing.rig, self._forcing.place
         u = self._model.inputs(drive.inputs, rig)
-        terms = [term for name in self._effects for term in self._model.terms_of(name, u, rig)]
+        terms = moving(self._model, self._effects, u, rig)
         heat = assemble.heat(terms, place, self._rows, drive.spread)
         return slope(heat), slope(assemble.offsets(terms, rig, self._rows))
+
+
+def moving(model: Model, effects: Iterable[str], u: Inputs, rig: Rig) -> list[Term]:
+    """Terms of some effects of a model with a complex step that move: of sums over terms the others are no part."""
+    said = (term for name in effects for term in model.terms_of(name, u, rig))
+    return [term for term in said if any(map(assemble.is_complex, assemble.values(term)))]
 
 
 def slope(value: Array) -> Array:

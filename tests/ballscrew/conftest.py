@@ -1,7 +1,5 @@
 """A rig folder as commands find it."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

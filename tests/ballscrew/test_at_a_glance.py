@@ -1,7 +1,5 @@
 """What is asked of a review first is answered from the review's own figures."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rigs that are no ball screw: the commands that look for what is missing, on a heated rod and on two heaters."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import re

@@ -1,7 +1,5 @@
 """The public face: its names, each there, none loaded before it is used; and the example of the README runs."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The tutorial: its notebook runs, and finds what was planted."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

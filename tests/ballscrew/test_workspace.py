@@ -1,7 +1,5 @@
 """What a command works on: rig folders, models, recordings."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

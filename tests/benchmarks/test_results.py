@@ -1,7 +1,5 @@
 """What studies measured is kept side by side."""
 
-from __future__ import annotations
-
 from benchmarks import __main__ as studies
 
 

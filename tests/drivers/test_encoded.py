@@ -1,7 +1,5 @@
 """The rig in software on the bus of another rig: what its own reader reads back is what was measured."""
 
-from __future__ import annotations
-
 import shutil
 from dataclasses import replace
 from pathlib import Path

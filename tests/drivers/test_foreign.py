@@ -1,7 +1,5 @@
 """Files that are none of ours."""
 
-from __future__ import annotations
-
 import gzip
 import zipfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Broken parts of a plant's DBC, in messages that the rig does not name, and in one that it does."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from dataclasses import replace

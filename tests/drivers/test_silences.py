@@ -1,7 +1,5 @@
 """What a recording does not have for long."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

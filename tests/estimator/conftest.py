@@ -1,7 +1,5 @@
 """The small bar with a speed, and recordings that a model of it has lived."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ The screw's expansion coefficient is off by what its tolerance allows, drawn ane
 once: that they give the numbers of the filter, tick by tick, is tested beside the replay (batch/test_replay.py).
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

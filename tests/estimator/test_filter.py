@@ -1,7 +1,5 @@
 """The filter on whole runs with gaps, spikes and silence; that it says the same tick by tick: batch/test_replay.py."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

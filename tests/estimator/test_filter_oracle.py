@@ -1,7 +1,5 @@
 """The filter against one large normal distribution of all states, noises and readings, conditioned by brute force."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Models: composed, kept as TOML, and refused in one line when they say something wrong."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What counts as worse than a kept figure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

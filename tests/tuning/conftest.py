@@ -1,7 +1,5 @@
 """Which rig folder is judged: the paper's, or the one of --rig-folder PATH."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The kept figures: one file that a person can read."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

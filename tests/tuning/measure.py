@@ -7,8 +7,6 @@ horizons     one_step, ahead, open_loop: rms of `thermometers`, K, and `displace
 truth        band_um, cooldown_max_um, truth_in_2sd of the filter's `elongation`, where a truth file is
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Iterator, Sequence

@@ -3,8 +3,6 @@
 python -m tests.tuning.renew --reason WHY [--rig-folder PATH] [RECORDING ...]
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The tuning tests bite: a model that was spoilt is found out, by the figure that shows it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

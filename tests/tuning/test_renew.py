@@ -1,7 +1,5 @@
 """Keeping figures: of an own rig folder, with a reason, in a file that reads back the same."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Did the filter get worse on recordings? Better never fails. docs/tuning.md says what the figures mean."""
 
-from __future__ import annotations
-
 import pytest
 
 from .compare import table, worse

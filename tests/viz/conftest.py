@@ -1,7 +1,5 @@
 """What all tests of views share: the patience of tests in place of the views' own."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """Every axis has labels, every legend its names, and no label hides another, in three sizes of window."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from pathlib import Path
 

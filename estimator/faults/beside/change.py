@@ -21,7 +21,7 @@ others tell which, as soon as that heat would have come to them: with h what it 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -106,22 +106,24 @@ class Tested:
 @dataclass(frozen=True)
 class Change:
     """Of reading less model alone over a window, or some, (..., m) K, NaN: not known; what explains it (..., m, m), and
-    scatter (m, m); rough (..., m) K; heat (..., m, h, m) K, what heat at each or beside it does to all."""
+    scatter (m, m); rough (..., m) K; heat (m, h, m) K, what heat at each or beside it does to all in one window."""
 
     value: Array
     model: Array
     scatter: Array
     rough: Array
-    heat: Array
+    heat: Array = field(default_factory=lambda: np.empty((0, 0, 0)))
 
-    def of(self, some: Array, scales: Array) -> Unexplained:
-        """What some of them leave of each other unexplained."""
-        both = (..., some[:, None], some)
-        return unexplained(self.value[..., some], self.model[both], self.scatter[both], scales)
+    def of(self, some: Array, scales: Array, over: Sequence[int] = ()) -> Unexplained:
+        """What some of them leave of each other unexplained; `over` some of several windows."""
+        both, scatter = (..., some[:, None], some), self.scatter[some[:, None], some]
+        if not over:
+            return unexplained(self.value[some], self.model[both], scatter, scales)
+        return unexplained(self.value[over][:, some], self.model[over][both], scatter, scales)
 
-    def over(self, which: int | Sequence[int]) -> Change:
-        """One window or some of several."""
-        return Change(self.value[which], self.model[which], self.scatter, self.rough[which], self.heat[which])
+    def over(self, which: int, heat: Array) -> Change:
+        """One of several windows, with what heat does in it."""
+        return Change(self.value[which], self.model[which], self.scatter, self.rough[which], heat)
 
     def furthest(self, at: Array, scales: Array) -> tuple[int, int]:
         """The two next to each other of those `at` that are off most, the one that is off more without the other first.

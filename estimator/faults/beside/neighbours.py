@@ -114,11 +114,7 @@ class Neighbours:
                 share[k - 1], shift_mm[k - 1] = self._machine.share, self._machine.shift_mm
                 lacks_K[k - 1], departs_K[k - 1] = self.lacks_K, self.departs_K
                 block = self._block
-            if (
-                found is not None
-                or apart
-                or not np.array_equal(before, (self.elsewhere, *self.may_drift_K, *self.warm))
-            ):
+            if found is not None or apart or before != (self.elsewhere, *self.may_drift_K, *self.warm):
                 return Added(k, found, share[:k], shift_mm[:k], lacks_K[:k], departs_K[:k], apart)
         return Added(K, None, share, shift_mm, lacks_K, departs_K)
 
@@ -174,7 +170,7 @@ class Neighbours:
         self._alone, self._block = alone, Block()
         if len(self._last) < MEAN:
             return None
-        difference, doubt = (np.mean(each, axis=0) for each in zip(*self._last, strict=True))
+        difference, doubt = (sum(each) / MEAN for each in zip(*self._last, strict=True))
         self._blocks += 1
         self._past.append(Means(self._blocks, difference, doubt, self._rough_K))
         found, warm = self._windows.departures(self._past), self._windows.warm

@@ -100,7 +100,7 @@ class Windows:
 
     def change(self, before: Means, now: Means) -> tuple[Change, Array]:
         """The change between two times, and of which thermometers it is known: of enough of them, or of none."""
-        change = self._changes([before], now).over(0)
+        change = self._changes([before], now).over(0, self._heat(before, now))
         return change, self._at(change)
 
     def _changes(self, before: Sequence[Means], now: Means) -> Change:
@@ -114,27 +114,35 @@ class Windows:
         if self.known.shift is not None:
             moved = np.concatenate([moved, self.place_mm * doubt[..., [self.known.shift]]], axis=-1)
         model = moved @ moved.mT + (blocks / TWO_MINUTES)[:, None, None] * self._unknown
-        heat = np.array([self._heats(int(each)) for each in blocks])
-        heat[:, ~self.warm, BEGINS:] = 0.0
-        return Change(difference, model, self._scatter, rough, heat)
+        return Change(difference, model, self._scatter, rough)
+
+    def _heat(self, before: Means, now: Means) -> Array:
+        """What heat does between two times, (m, h, m) K."""
+        heat = self._heats(now.block - before.block).copy()
+        heat[~self.warm, BEGINS:] = 0.0
+        return heat
 
     def _at(self, change: Change) -> Array:
         """The thermometers of which one change is known, in order of place, if these are enough."""
-        at = self._order[np.isfinite((change.value + self._x)[self._order])]
+        return self._enough(np.isfinite(change.value + self._x))
+
+    def _enough(self, known: Array) -> Array:
+        """Those that are `known` (m,), in order of place, if these are enough."""
+        at = self._order[known[self._order]]
         return at if len(at) >= FEWEST else at[:0]
 
-    def _off(self, changes: Change) -> Iterator[tuple[int, Change, Array]]:
-        """Of several changes those in which any may be beyond its limit, by number: most never are, and the rest is not
-        asked. All that are known of the same thermometers at once."""
-        alike: dict[tuple[int, ...], list[int]] = {}
-        for w in range(len(changes.value)):
-            alike.setdefault(tuple(self._at(changes.over(w)).tolist()), []).append(w)
-        for known, which in alike.items():
-            at, some = np.array(known, dtype=int), changes.over(which)
-            first = some.of(at, AS_IT_IS)
+    def _off(self, changes: Change) -> Iterator[tuple[int, Array]]:
+        """Of several changes those in which any may be beyond its limit, by number, with the thermometers that are
+        known: most never are, and the rest is not asked. All that are known of the same thermometers at once."""
+        alike: dict[bytes, list[int]] = {}
+        for w, known in enumerate(np.isfinite(changes.value + self._x)):
+            alike.setdefault(known.tobytes(), []).append(w)
+        for same, which in alike.items():
+            at = self._enough(np.frombuffer(same, dtype=bool))
+            first = changes.of(at, AS_IT_IS, which)
             self._depart(first, at, np.array(which) < RECENT)
-            off = np.abs(first.value) > SUSPECT * first.sd + self._details(some.rough[:, at])
-            yield from ((which[k], changes.over(which[k]), at) for k in np.flatnonzero(off.any(axis=1)).tolist())
+            off = np.abs(first.value) > SUSPECT * first.sd + self._details(changes.rough[which][:, at])
+            yield from ((which[k], at) for k in np.flatnonzero(off.any(axis=1)).tolist())
 
     def _depart(self, first: Unexplained, at: Array, recent: Array) -> None:
         """How far those `at` depart over those of some windows that are recent."""
@@ -149,7 +157,11 @@ class Windows:
         self._beside *= KEPT
         self._scale = np.maximum(1.0, KEPT_SCALE * self._scale)
         before = [past[-1 - blocks] for blocks in WINDOWS if len(past) > blocks]
-        for w, change, at in self._off(self._changes(before, past[-1])) if before else ():
+        if not before:
+            return
+        changes = self._changes(before, past[-1])
+        for w, at in self._off(changes):
+            change = changes.over(w, self._heat(before[w], past[-1]))
             scales = np.maximum(SCALES, self._scale[w])
             two = change.furthest(at, scales)
             rest = self._rest(change, at[~np.isin(at, two)], scales)

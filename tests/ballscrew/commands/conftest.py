@@ -1,7 +1,5 @@
 """A working directory with effects of one's own, and commands that end well, or with one line."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

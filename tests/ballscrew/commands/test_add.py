@@ -1,7 +1,5 @@
 """`ballscrew add`: an effect of the catalogue or of one's own in a model file."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """Help and errors come at once: nothing that takes long to import is loaded before it is needed."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 
@@ -26,3 +24,9 @@ def test_no_command_loads_what_is_slow_to_say_what_it_does_nor_for_a_dbc():
     words = [" ".join(COMMANDS), " ".join(SLOW), DBC]
     done = subprocess.run([sys.executable, "-c", program, *words], capture_output=True, text=True, check=True)
     assert done.stdout.split("\n") == [*COMMANDS, ""]
+
+
+def test_numpy_is_not_there_before_it_is_told_how_many_threads_to_take():
+    program = "import sys, ballscrew.cli; print('numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"

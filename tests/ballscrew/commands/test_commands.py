@@ -1,7 +1,5 @@
 """The command line: what it prints, what it writes, and how it ends."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import signal

@@ -1,7 +1,5 @@
 """`ballscrew effects`: the catalogue, and the battery on one's own."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`ballscrew diagnose` tells what began within a run, in words and for programs."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Export: every frame comes back from every format, as far as the format holds it; and what is said of the rest."""
 
-from __future__ import annotations
-
 import json
 import random
 from importlib.util import find_spec

@@ -1,7 +1,5 @@
 """`ballscrew fit` and `show`: the model that is written, the table, the JSON; and the truth stays closed."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import tomllib

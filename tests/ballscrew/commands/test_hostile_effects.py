@@ -1,7 +1,5 @@
 """A model with an effect of one's own that is wrong: each command ends with one line that names it, and exit 1 or 2."""
 
-from __future__ import annotations
-
 import shutil
 import warnings
 from pathlib import Path

@@ -1,7 +1,5 @@
 """ballscrew improve: what it prints, writes and draws, with a search that knows its answer; and the views of others."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import replace

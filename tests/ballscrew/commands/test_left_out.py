@@ -1,7 +1,5 @@
 """Offline commands name the channels that they leave out: a rod whose thermometers fail, on purpose and with times."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

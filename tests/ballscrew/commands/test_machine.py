@@ -1,7 +1,5 @@
 """Review and compare say in one line whose machine a model is not, and which command comes next."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from pathlib import Path

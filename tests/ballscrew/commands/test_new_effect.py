@@ -1,7 +1,5 @@
 """`ballscrew new-effect`: an effect of one's own that passes as it is written."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

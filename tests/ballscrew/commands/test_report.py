@@ -1,7 +1,5 @@
 """ballscrew report: the page, and that it says what review says."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

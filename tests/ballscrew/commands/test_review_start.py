@@ -1,7 +1,5 @@
 """Review says of each recording whether it begins with a cold screw."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

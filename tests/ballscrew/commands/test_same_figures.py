@@ -1,7 +1,5 @@
 """A figure has one value, whichever command prints it: of a recording whose truth is not known."""
 
-from __future__ import annotations
-
 import json
 import shutil
 

@@ -1,7 +1,5 @@
 """The example of a service starts a command that there is."""
 
-from __future__ import annotations
-
 import shlex
 
 import click

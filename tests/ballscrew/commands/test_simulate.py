@@ -1,7 +1,5 @@
 """`ballscrew simulate`: a recording, its truth and the machine's constants beside it."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

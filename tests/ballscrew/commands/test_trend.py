@@ -1,7 +1,5 @@
 """ballscrew trend: a table, sentences, and JSON as programs read it."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

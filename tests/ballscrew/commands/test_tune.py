@@ -1,7 +1,5 @@
 """ballscrew tune: what it prints, writes and draws; and the innovations that it draws."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from unittest import mock

@@ -1,7 +1,5 @@
 """ballscrew warm compiles all that is compiled."""
 
-from __future__ import annotations
-
 import json
 
 from estimator.batch import batch

@@ -1,7 +1,5 @@
 """`ballscrew check`: none on what ships, and for each thing that is wrong a line with its place and its fix."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -1,7 +1,5 @@
 """A job that kills its worker, in a file of its own: a worker imports nothing else."""
 
-from __future__ import annotations
-
 import os
 import signal
 from pathlib import Path

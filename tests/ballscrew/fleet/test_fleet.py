@@ -1,7 +1,5 @@
 """A plant: a row a rig, the same with any number of workers, and with one that is killed."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from functools import partial

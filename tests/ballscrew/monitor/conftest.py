@@ -1,7 +1,5 @@
 """A session with a bus, views and a publisher that are not there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """What is written for a person or a program that takes nothing holds up nobody."""
 
-from __future__ import annotations
-
 import os
 from functools import partial
 from threading import Event

@@ -1,7 +1,5 @@
 """Drives and stops as they come: told when they have lasted, from when they began."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A session ends: with its bus, with a backlog, and not by a defect of ours."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """What has changed is asked in a process of its own, and said in one line."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from itertools import islice

@@ -1,7 +1,5 @@
 """What is read at a glance: values of now in full, grey where they are not of now, and whether to rely on them."""
 
-from __future__ import annotations
-
 import io
 from dataclasses import replace
 

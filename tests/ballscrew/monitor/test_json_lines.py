@@ -1,7 +1,5 @@
 """A line a tick for programs: on a full disk, and to a reader that stalls."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

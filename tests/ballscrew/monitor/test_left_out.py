@@ -1,7 +1,5 @@
 """An effect of one's own that makes no number of some ticks: said once, never sent, and the monitor goes on."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

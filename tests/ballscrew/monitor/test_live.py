@@ -1,7 +1,5 @@
 """ballscrew live as people run it: a process of its own on a bus, stopped by a signal, killed, started twice."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

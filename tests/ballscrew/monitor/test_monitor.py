@@ -1,7 +1,5 @@
 """The monitor and every fault that a bus and its sensors can have: what it says, and what it goes on to estimate."""
 
-from __future__ import annotations
-
 import copy
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """A monitor that is started again goes on where the one before ended, and the zero is not lost."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The loop of live with a bus, views and a publisher that are not there: who hears what, and when."""
 
-from __future__ import annotations
-
 import io
 
 import numpy as np

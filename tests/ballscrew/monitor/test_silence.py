@@ -1,7 +1,5 @@
 """A silent bus, and frames whose stamps are no news of the rig: the model goes on alone, and is taken back."""
 
-from __future__ import annotations
-
 import pytest
 
 from ballscrew.monitor.monitor import Monitor

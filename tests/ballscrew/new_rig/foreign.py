@@ -1,7 +1,5 @@
 """A foreign bus: the project's frames under other ids, messages and German names; and CSVs as a lab has them."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

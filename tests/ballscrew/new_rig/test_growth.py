@@ -1,7 +1,5 @@
 """A growth in a CSV that repeats its last reading: told from one that is read in every row, by `init` and `check`."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`ballscrew init` from lab CSVs: a rod, two bodies, a screw whose columns are named in German."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

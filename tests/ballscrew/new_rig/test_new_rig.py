@@ -1,7 +1,5 @@
 """`ballscrew init`: from recordings of a rig that nobody has described to a folder that reviews."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

@@ -1,7 +1,5 @@
 """A composed effect is put behind what a file of one's own has, or the file is refused before anything is searched."""
 
-from __future__ import annotations
-
 import ast
 import shlex
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The page about effects: its catalogue, checks, followers and terms are those of the code, and its example passes."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Code of a user's own that never ends ends the command; Ctrl-C stays what it was."""
 
-from __future__ import annotations
-
 import _thread
 import signal
 from collections.abc import Iterator

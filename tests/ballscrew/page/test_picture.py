@@ -1,7 +1,5 @@
 """Drawings: what is drawn of long curves, and that a gap stays one."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ballscrew.page.curves import COLD, WARM, colours

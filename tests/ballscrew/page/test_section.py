@@ -1,7 +1,5 @@
 """What a page is made of: whatever names hold, it stays text."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from html.parser import HTMLParser
 

@@ -1,7 +1,5 @@
 """What the views of a review say of validity and alarms is what the monitor says of the same frames."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A value and how well it is known, as a person reads it."""
 
-from __future__ import annotations
-
 import pytest
 
 from ballscrew.report.sections import with_sd

@@ -1,7 +1,5 @@
 """The sentences of a trend: what is odd of dates is named, and nothing is said to be steady that nobody has seen."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

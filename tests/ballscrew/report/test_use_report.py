@@ -1,7 +1,5 @@
 """What was used of recordings, in a table and for programs."""
 
-from __future__ import annotations
-
 from ballscrew.report.use_report import channel_json, left_out
 from estimator.faults.fault import Suspicion
 from estimator.faults.use import ChannelUse, Use

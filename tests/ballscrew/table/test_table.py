@@ -1,7 +1,5 @@
 """What `review --table` writes is what review found, in the units it says, without pandas."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

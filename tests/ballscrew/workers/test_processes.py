@@ -1,7 +1,5 @@
 """Recordings shared out among processes: the same numbers, errors that arrive, and processes that are lost."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The law that a model knows is the law that the rig has."""
 
-from __future__ import annotations
-
 from itertools import count
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A hub on a port that is free, and python-can's clients of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 

@@ -1,7 +1,5 @@
 """How old frames are: what waited in buffers is told from what a clock did."""
 
-from __future__ import annotations
-
 import pytest
 
 from drivers.bus.age import Age

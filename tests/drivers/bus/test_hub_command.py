@@ -1,7 +1,5 @@
 """`ballscrew hub`: it serves, and ends on Ctrl-C and SIGTERM."""
 
-from __future__ import annotations
-
 import re
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """SocketCAN's buffer: enlarged, and its losses counted. There may be no CAN here: another socket overflows as well."""
 
-from __future__ import annotations
-
 import socket
 import struct
 import sys

@@ -1,7 +1,5 @@
 """Messages that should have come: three of their cycles are a time-out, but at least two and a half ticks."""
 
-from __future__ import annotations
-
 import pytest
 
 from drivers.bus.missing import Missing

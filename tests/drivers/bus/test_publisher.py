@@ -1,7 +1,5 @@
 """What we send: decoded with cantools it says what the estimate says, and nothing else is ever sent."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 

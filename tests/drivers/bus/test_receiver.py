@@ -1,7 +1,5 @@
 """The receiver and everything that a bus can do to it: it never ends, and says how long it was without frames."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The rig's time on a bus that runs faster: by the scans, not by stamps that a busy machine gives late."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

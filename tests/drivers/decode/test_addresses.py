@@ -1,7 +1,5 @@
 """J1939: the same parameter group from another address."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Logs of several buses: which is the rig's, and whose clock counts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a DBC says is what other libraries read in it; one that does not fit the rig is named."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import cantools

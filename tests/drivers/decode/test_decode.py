@@ -1,7 +1,5 @@
 """Decoding: checksums, counters and scans; what makes a value unusable; another DBC without code."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import can

@@ -1,7 +1,5 @@
 """The drive in ticks: mean speed, and the exact cover of a moving nut."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a state beside a reading says: that it is wrong, or only which reading it is."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

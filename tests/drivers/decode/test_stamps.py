@@ -1,7 +1,5 @@
 """Clocks that were not set, stand still or jump, and scan numbers that start again."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

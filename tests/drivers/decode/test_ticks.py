@@ -1,7 +1,5 @@
 """Ticks: the live road and the whole file give the same, however the log is broken; and what the breaks become."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

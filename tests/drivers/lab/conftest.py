@@ -1,7 +1,5 @@
 """A heated rod with the CSVs of its logger, and what other ways to write the same numbers are compared with."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import datetime, timedelta

@@ -1,7 +1,5 @@
 """Lab CSVs as loggers and spreadsheets write them: the same numbers, written in another way, are the same recording."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Frames of a bus as a CSV."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Lab CSVs and truth files."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Rows whose times go back, stand still, begin again or come twice."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """An MF4 of decoded signals is the recording that its numbers are as a CSV."""
 
-from __future__ import annotations
-
 import gc
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Times as loggers and spreadsheets write them: as text, as numbers, in two columns."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Units in names, in cells and in lines of their own: what is read in another is converted, or said."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Logs that are parts of one recording are read as if they had never been cut."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

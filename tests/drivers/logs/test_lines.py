@@ -1,7 +1,5 @@
 """Dialects of Vector's .asc."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

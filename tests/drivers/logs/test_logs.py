@@ -1,7 +1,5 @@
 """Logs of every format: round trips, and what each kind of bad file becomes."""
 
-from __future__ import annotations
-
 import os
 import random
 import sys

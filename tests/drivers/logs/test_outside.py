@@ -1,7 +1,5 @@
 """The reader in a process of its own is ended where it loops, inflates or dies."""
 
-from __future__ import annotations
-
 import re
 import struct
 import zlib

@@ -1,7 +1,5 @@
 """A recorder and its disk: full, gone, without locks; and a process that is killed."""
 
-from __future__ import annotations
-
 import errno
 import json
 import subprocess

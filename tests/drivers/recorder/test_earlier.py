@@ -1,7 +1,5 @@
 """Which recording a monitor that is started again goes on with: the one that has just ended, of this rig and bus."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The recorder: its text, its files, and what is left of them when the disk, the process or a colleague gives out."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Bands, lines and the estimates that need no model."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Ten blind minutes: against a plain loop with the filter, and honest on recordings that the model itself lived."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

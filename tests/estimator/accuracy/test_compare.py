@@ -1,7 +1,5 @@
 """Models beside each other: the right errors in the right places."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

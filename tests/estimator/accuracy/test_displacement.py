@@ -1,7 +1,5 @@
 """What a reading of the displacement has beside growth, and the level of many."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

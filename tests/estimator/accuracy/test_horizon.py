@@ -1,7 +1,5 @@
 """Errors one tick ahead, minutes ahead and open loop, against plain loops with the filter."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Whose machine a model is: by its own recordings, another's, and its own with a thermometer that fails."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

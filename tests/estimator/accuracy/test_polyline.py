@@ -1,7 +1,5 @@
 """The polyline through the thermometers: eq. (1) by hand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Quality figures on readings whose statistics are known."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The elongation from readings: one zero for all drives, another for each rest, joined by what the model leaves."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Alarms: how often they are false, what they find, and when they end."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whether to rely on the estimate: a reason that comes and goes does not make it flicker."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

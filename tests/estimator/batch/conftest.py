@@ -1,7 +1,5 @@
 """Recordings that a model has lived, and what a replay and the filter say of them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

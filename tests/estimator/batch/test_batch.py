@@ -1,6 +1,4 @@
-"""The batch engine against plain numpy: the joint Gaussian of all states, and a filter without padding."""
-
-from __future__ import annotations
+"""The batch engine against plain numpy: the joint Gaussian of all states, and a filter with all channels at once."""
 
 from dataclasses import replace
 
@@ -128,7 +126,7 @@ def chunked(request, monkeypatch):
 def collected(s: System) -> dict[str, np.ndarray]:
     chunks = list(passes(s))
     assert [c.ticks.start for c in chunks[1:]] == [c.ticks.stop for c in chunks[:-1]]
-    names = ("x", "P", "predicted", "sd", "fused", "nis", "loglike")
+    names = ("x", "P", "predicted", "sd", "fused", "gain", "nis", "loglike")
     return {name: np.concatenate([getattr(c, name) for c in chunks]) for name in names}
 
 
@@ -164,6 +162,8 @@ def test_predictions_compare_every_channel_whether_used_or_not(system):
         e, S = (system.y[t] - H @ x)[use], (H @ P @ H.T)[np.ix_(use, use)] + np.diag(system.R[t, use])
         expected = e @ np.linalg.solve(S, e) if use.any() else np.nan
         assert found["nis"][t] == pytest.approx(expected, abs=1e-9, nan_ok=True)
+        assert found["gain"][t][:, use] == pytest.approx(P @ H[use].T @ np.linalg.inv(S), abs=1e-9)
+        assert not found["gain"][t][:, ~use].any()
     assert np.isnan(found["nis"][[0, 5, 6, -1]]).all()
     assert np.isinf(found["sd"][:, 2]).all()
 

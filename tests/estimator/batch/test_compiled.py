@@ -1,7 +1,5 @@
 """What is compiled is kept, where that can be written, and works where it cannot."""
 
-from __future__ import annotations
-
 import os
 import runpy
 import shutil

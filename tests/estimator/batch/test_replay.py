@@ -1,7 +1,5 @@
 """The replay of a whole recording gives the numbers of the filter that takes it a tick at a time."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

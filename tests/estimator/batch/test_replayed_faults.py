@@ -1,7 +1,5 @@
 """The replay refuses, leaves out and begins anew as the filter does."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

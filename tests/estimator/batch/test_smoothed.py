@@ -1,7 +1,5 @@
 """After the fact: the smoother beside the filter."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What is asked of an own effect before it is used: structure and numbers that depend on nothing that they may not."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The battery bites: an effect that is wrong in one way fails the check of that, and says how."""
 
-from __future__ import annotations
-
 from itertools import count
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The battery on rigs without a screw, and on those of the examples."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Every effect of the catalogue: the battery, and what each of the shipped model's says about heat and readings."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What the effects that heat or cool beside the shipped model's say: friction's habits, places, surroundings."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the effects that act on readings alone say: thermometers one by one and together, the probes' length."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

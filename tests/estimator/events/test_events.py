@@ -1,7 +1,5 @@
 """What begins within a run is told: when, where, how much; and where nothing begins nothing is."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A run that nothing is wrong with, for what is put into it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

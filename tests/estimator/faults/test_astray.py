@@ -1,7 +1,5 @@
 """While the position is wrong, and heat with it, no channel that is well is accused."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A position that is told with another zero is found by the thermometers, and no healthy one is accused for it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One bad thermometer never becomes an estimate: each failure by its name, live as after the fact; no healthy one."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import replace
 

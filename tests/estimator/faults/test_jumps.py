@@ -1,7 +1,5 @@
 """What a channel's innovation is compared with, learnt tick by tick."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.faults.fault import Led, Seen

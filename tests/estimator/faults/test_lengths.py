@@ -1,7 +1,5 @@
 """A length that grows as no screw does beside its thermometers: left out, named, and what it taught is forgotten."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """By which share the parameters are off: against one big normal distribution, and machines that are not the model's."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

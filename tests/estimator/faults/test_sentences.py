@@ -1,7 +1,5 @@
 """What is said of readings that were not used."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from estimator.faults.sentences import sentences

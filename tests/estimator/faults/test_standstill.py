@@ -1,7 +1,5 @@
 """Standing still: told of fine sensors, never of coarse ones, in whatever portions the readings come."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

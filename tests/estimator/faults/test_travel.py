@@ -1,7 +1,5 @@
 """Position against speed: what a drive cannot do is said within a few ticks, what it does never."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

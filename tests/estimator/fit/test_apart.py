@@ -1,7 +1,5 @@
 """Parameters that some recordings cannot tell from others are found, and left where they were."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a fit hears of the nut's and the brackets' thermometers."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What only the displacement shows: probes, bar and expansion are found, at rest too, and nothing else is moved."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

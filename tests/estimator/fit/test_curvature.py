@@ -1,7 +1,5 @@
 """Steps of a search: by how misfits move, and by how they did not."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy

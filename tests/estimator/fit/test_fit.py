@@ -1,7 +1,5 @@
 """Fitting: parameters of a simulated recording are found again, from inputs and readings alone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from unittest import mock
 

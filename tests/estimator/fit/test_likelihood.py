@@ -1,7 +1,5 @@
 """The most likely noise levels: their slope, their curvature, and the way to them."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np

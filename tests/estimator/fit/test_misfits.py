@@ -1,7 +1,5 @@
 """What misfits weigh in a fit: what lasts as a block, what is quick by its own scatter, bodies by their thermometer."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

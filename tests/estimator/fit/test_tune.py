@@ -1,7 +1,5 @@
 """Tuning finds the noise of simulated recordings, touches nothing else, and says when noise stands in for physics."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 from unittest import mock

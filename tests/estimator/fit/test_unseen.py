@@ -1,7 +1,5 @@
 """Thermometers that are not seen: as the filter without them predicts, and honest where a model lived the recording."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Steps of a fit in full: where heat grows without bound there is none."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Moments and panel: what others predict of a recording left out, against least squares written out."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Candidates on a rig, and the screen that ranks them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Slopes of a model's own parameters are kept at a few points, and are those of the model at that point."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

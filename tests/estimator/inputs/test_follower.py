@@ -1,7 +1,5 @@
 """What may be followed: the formula that a generated file has and the function that a search uses are the same."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

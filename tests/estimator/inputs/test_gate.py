@@ -1,7 +1,5 @@
 """The gate of the inputs: what jumps is held, what is slow by nature passes, in whatever portions ticks come."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

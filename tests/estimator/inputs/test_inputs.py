@@ -1,7 +1,5 @@
 """Inputs: gaps are held, temperatures of a steady rig zeroed, and pieces are the whole."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What motion leaves behind: pieces are the whole, and freshness is the solution of its equation."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the machine was doing: every tick in one phase, the hour of cooling after a stop, the speed of each drive."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.inputs.phase import AT_REST, PHASES, cooling, phase_of, speed_of, stops, turns

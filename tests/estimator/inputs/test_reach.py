@@ -1,7 +1,5 @@
 """Which temperatures can drive heat at a place."""
 
-from __future__ import annotations
-
 import pytest
 
 from estimator.inputs.follower import known_followers

@@ -1,7 +1,5 @@
 """What began within one run is told, and is taken for no effect and no wrong input."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """No verdict hangs on a constant: each may be a third more or less."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """What reaches the table of what a model lacks: little while thermometers read, more while nothing is read."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

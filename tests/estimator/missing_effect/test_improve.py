@@ -1,7 +1,5 @@
 """Effects added one at a time, on recordings that a model with two more has lived."""
 
-from __future__ import annotations
-
 import pytest
 
 from estimator.batch.trials import slow_trials_of

@@ -1,7 +1,5 @@
 """Finding what is missing, on recordings that a model with one effect more has lived."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

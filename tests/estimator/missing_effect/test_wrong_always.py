@@ -1,7 +1,5 @@
 """An input that is wrong in all recordings is named with its size."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A run whose input is wrong is named, on recordings that a model has lived."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

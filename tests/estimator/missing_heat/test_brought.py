@@ -1,7 +1,5 @@
 """What effects bring by place and time is the heat that their terms say."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Whether a model is adequate, and what a failure is called: heat, a reading, or nothing."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What a series follows: chance does not speak, and what is there is named."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The heat that repairs an open-loop run: found where, when and as large as it was, and honestly sure."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

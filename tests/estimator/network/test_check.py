@@ -1,7 +1,5 @@
 """A model that does not fit its rig says so in one line: model, effect, what is wrong, what was meant."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

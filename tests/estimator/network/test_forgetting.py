@@ -1,7 +1,5 @@
 """What is forgotten of the regimes met: the one used longest ago, however old or new it is."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from unittest import mock
 

@@ -1,7 +1,5 @@
 """Growth of a screw that one bearing holds, or two, against a chain of springs solved as such."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

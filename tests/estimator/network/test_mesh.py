@@ -1,7 +1,5 @@
 """What the reduced mesh and the regimes cost: against 500 cells, and against a regime of its own for every tick."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from unittest import mock
 

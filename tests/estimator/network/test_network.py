@@ -1,7 +1,5 @@
 """Terms into matrices, and matrices into one tick: heat is kept, and the discretisation is exact."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whatever an effect of one's own yields: numbers that are right, or one line with effect, term and tick."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 import warnings

@@ -1,7 +1,5 @@
 """The run that settles what is open: it is made, and the search asked again."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Runs that could be made stay inside what was seen; and how the surroundings would go on them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a verdict leaves open, for each of them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Whatever is written into rig.toml: a rig that works, or one line that names the file and the place."""
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import json

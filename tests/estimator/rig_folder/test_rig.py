@@ -1,7 +1,5 @@
 """The rig: the paper's geometry, shares of cells, and rig files that say something wrong."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

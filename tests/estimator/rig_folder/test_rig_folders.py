@@ -1,7 +1,5 @@
 """Rig folders: every example works from its files alone; what does not fit says so in one line."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

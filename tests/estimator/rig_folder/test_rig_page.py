@@ -1,7 +1,5 @@
 """The page about rig folders: every key is there with its default, and its blocks are the example files."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 import tomllib

@@ -1,7 +1,5 @@
 """A rig without a screw, described by a folder: two heaters."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

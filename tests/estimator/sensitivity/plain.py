@@ -1,7 +1,5 @@
 """A likelihood in complex numbers that shares with the engine the terms only."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is known of parameters beforehand: distances from it are white."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

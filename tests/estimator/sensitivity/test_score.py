@@ -1,7 +1,5 @@
 """The score against the complex step of a likelihood that shares with it the terms only, and against differences."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

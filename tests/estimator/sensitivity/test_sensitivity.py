@@ -1,7 +1,5 @@
 """How the open-loop run moves with each parameter, against differences."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What doubtful parameters add to the uncertainty: against a rig that is so, tick by tick and in batch."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The model alone: what a reading shows that was taken before the tick's close."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What is known before the first reading: a smooth profile at the level of the thermometers, and the bodies."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Derivatives of one tick by many parameters, asked once: those that each gives alone, for all of the catalogue."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

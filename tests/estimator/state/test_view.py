@@ -1,7 +1,5 @@
 """The error at the table: of a screw that both bearings hold, against what the virtual rig's springs do; with a bed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whether a run begins with a cold screw, and what it has grown already where it does not."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A drift is told of values that change, at the right run, and rarely of values that do not."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Of a machine that wears the right parameter is told, with the run; of one that does not, none."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast

@@ -1,7 +1,5 @@
 """What no catalogue has becomes an effect with its exponent, time and width as they are."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is in no catalogue, and what recordings cannot tell from it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

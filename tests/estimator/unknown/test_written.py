@@ -1,7 +1,5 @@
 """Everything unknown that a search can find is written as an effect that passes all checks and says the same."""
 
-from __future__ import annotations
-
 import ast
 from collections import defaultdict
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What is in the views of one or two models: read back with the reader of the format, no viewer needed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path

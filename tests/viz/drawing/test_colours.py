@@ -1,7 +1,5 @@
 """Colours that stand in one view are apart for all eyes: 20 in CIEDE2000 at least, also without red or green cones."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cache
 from itertools import combinations, pairwise

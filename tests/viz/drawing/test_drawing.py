@@ -1,7 +1,5 @@
 """The small parts of the views: ranges, colours, windows, pages, the viewer's surroundings."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

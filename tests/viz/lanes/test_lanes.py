@@ -1,7 +1,5 @@
 """Lanes read back from a saved file, against what the review itself has noted of each tick."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

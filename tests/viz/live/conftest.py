@@ -1,7 +1,5 @@
 """A run that live views were shown tick by tick, and the same saved afterwards."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Live views of rigs that lack something, and of runs of which nothing is known yet."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

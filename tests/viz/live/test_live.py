@@ -1,7 +1,5 @@
 """Live views show what a file keeps that is saved afterwards."""
 
-from __future__ import annotations
-
 import uuid
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Live views stop nobody: what cannot get out waits, is told, and is given up in time."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

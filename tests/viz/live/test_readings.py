@@ -1,7 +1,5 @@
 """The dial at rest in live views: joined to the drive before it, by readings and the model alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What live views send of some ticks: pictures, lanes and words when they change."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

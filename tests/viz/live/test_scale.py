@@ -1,7 +1,5 @@
 """Ranges and colours that hold while a run goes on."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Who can reach live views, and what cannot be served is said."""
 
-from __future__ import annotations
-
 import socket
 import sys
 import urllib.error

@@ -1,7 +1,5 @@
 """A run that was filtered, and the file that it is saved to."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The error at the table over the stroke and over time, and what the filter leaves of it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Thermometers that are broken, or may drift, in the views of a recording."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

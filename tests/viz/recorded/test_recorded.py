@@ -1,7 +1,5 @@
 """What is in a saved file: read back with the reader of the format, no viewer needed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """How sure the filter is: its error within two sd, the share inside, and readings used, not used, and at rest."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

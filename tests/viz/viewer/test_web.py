@@ -1,7 +1,5 @@
 """The page for a browser: under a policy that lets nothing out, with nothing else served beside it."""
 
-from __future__ import annotations
-
 import socket
 import struct
 import threading

@@ -1,7 +1,5 @@
 """The drift of an axis: heatings and coolings, and the ranges in them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

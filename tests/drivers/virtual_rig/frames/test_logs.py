@@ -1,7 +1,5 @@
 """What the virtual rig writes is what is read: two roads that share no code."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What thermometers leave unexplained: against the conditional normal distribution, written out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

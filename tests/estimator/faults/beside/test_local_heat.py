@@ -1,7 +1,5 @@
 """Heat that the model lacks and a thermometer that drifts look alike, until the heat comes to the next ones."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which thermometers that drift may be right: heat moves neighbours to one side, a sensor's fault moves it alone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A thermometer that may drift: used with a zero that is not known, named, and the sd holds what it has led to."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import replace
 from functools import cache
