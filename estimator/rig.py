@@ -111,6 +111,11 @@ class Rig:
         return np.array([channel.is_thermometer for channel in self.channels.values()], dtype=bool)
 
     @cached_property
+    def x_mm(self) -> Vector:
+        """Where along the screw each channel reads, (m,) mm; NaN: nowhere there."""
+        return np.array([np.nan if one.at_mm is None else one.at_mm for one in self.channels.values()], dtype=float)
+
+    @cached_property
     def seats(self) -> Vector:
         """Share of each cell inside a bearing, (cells,); nothing without a screw."""
         screw = self.screw

@@ -44,7 +44,7 @@ class Judge:
         """
         m, self._heat, self._begun_s, self._begun_with = len(noise), rig.is_thermometer, begun_s, begun_with
         self._modelled = np.isfinite(noise)
-        self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s), Standstill(self._heat)
+        self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s, rig.x_mm), Standstill(self._heat)
         self._neighbours = Neighbours(rig, noise, known)
         self._suspects, self._recovery = Suspects(m, begun_with), Recovery(m)
         self.fault, self.since_s = np.zeros(m, dtype=np.int8), np.full(m, np.nan)

@@ -7,7 +7,7 @@
 
 The level takes what a model has always been wrong by; what has moved, what it may have become wrong by since. After a
 silence the limit is 10 sd of what is expected, the same share of what the model alone has moved by meanwhile, and what
-heat that the model lacks may have done.
+heat that the model lacks may have done; but where none was seen before, the next thermometers must show it too.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ HEAT_K, HEAT_S = (
     3.0,
     900.0,
 )  # by as much, in that time: some 10 W that the model lacks; heat that lasts comes no further
+SPREAD = 3.0  # times what one of the next thermometers shows of it
 
 
 @dataclass(frozen=True)
@@ -49,11 +50,13 @@ class Deviations:
 class Jumps:
     """What is known of each channel's innovation, learnt from those that are well."""
 
-    def __init__(self, noise: Array, heat: Array, tick_s: float) -> None:
-        """noise (m,) sd of a reading, inf: no model; heat (m,) bool, which channels are thermometers."""
+    def __init__(self, noise: Array, heat: Array, tick_s: float, x_mm: Array) -> None:
+        """noise (m,) sd of a reading, inf: no model; heat (m,) bool, which channels are thermometers; x_mm (m,) their
+        places, NaN: beside the screw."""
         self._modelled, self._heat = np.isfinite(noise), heat
         noise = np.where(self._modelled, noise, 1.0)
         self._ticks = np.where(heat, LEVEL_TICKS, LENGTHS)
+        self._nearest = _nearest(x_mm)
         self._back = 1.0 / max(LEVEL_TICKS, MOVED_S / tick_s)
         # rows: level, scatter^2, last value, count of readings, sd; read at the last tick, mean of the model alone; the
         # model alone at the last reading whose level was known, and when that was
@@ -78,7 +81,9 @@ class Jumps:
         moved = np.nan_to_num(np.abs(seen.alone - path))
         known = count >= self._ticks
         sd = np.where(np.isfinite(seen.sd), seen.sd, 0.0)
-        unknown = UNKNOWN_SD * seen.sd + np.where(self._heat, _silent(seen, warm, *before), 0.0)
+        off = np.append(np.nan_to_num(np.abs(seen.value)), np.zeros((len(seen.value), 1)), axis=1)
+        shown = np.where(warm, np.inf, SPREAD * off[:, self._nearest].max(axis=2))
+        unknown = UNKNOWN_SD * seen.sd + np.where(self._heat, np.minimum(_silent(seen, warm, *before), shown), 0.0)
         limit = np.where(
             known,
             SCATTERS * scatter * np.maximum(sd / usual_sd, 1.0) + SHARE * (moved + np.abs(level)),
@@ -130,3 +135,10 @@ def _silent(seen: Seen, warm: Array, alone: Array, time_s: Array) -> Array:
     """How far the model may be wrong since the last readings, (K, m) K, when it alone was at `alone`; 0: before any."""
     share = np.where(warm, 1.0, np.minimum((seen.time_s[:, None] - time_s) / HEAT_S, 1.0))
     return np.nan_to_num(SHARE * np.abs(seen.alone - alone) + HEAT_K * share)
+
+
+def _nearest(x_mm: Array) -> Array:
+    """The next thermometers to both sides of each, (m, 2); m: none."""
+    away = x_mm - x_mm[:, None]
+    sides = np.stack([np.where(side * away > 0, side * away, np.inf) for side in (-1, 1)], axis=1)
+    return np.where(np.isfinite(sides.min(axis=2)), np.argmin(sides, axis=2), len(x_mm))

@@ -70,9 +70,7 @@ class Neighbours:
         """noise (m,): sd of a reading of each channel; known: how well the model's parameters are."""
         self._heat, self._tick_s, m = rig.is_thermometer, rig.tick_s, len(noise)
         self._length = max(1, round(BLOCK_S / rig.tick_s))
-        places = [np.nan if channel.at_mm is None else channel.at_mm for channel in rig.channels.values()]
-        x_mm = np.array(places, dtype=float)  # NaN: no neighbours
-        self._windows = Windows(x_mm, noise**2 / (MEAN * self._length), known, rig.screw)
+        self._windows = Windows(rig.x_mm, noise**2 / (MEAN * self._length), known, rig.screw)
         self._machine = Machine(known, self._heat, rig.tick_s)
         self._last: deque[tuple[Array, Array]] = deque(maxlen=MEAN)
         self._past: deque[Means] = deque(maxlen=WINDOWS[-1] + 1)

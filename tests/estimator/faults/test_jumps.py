@@ -1,6 +1,9 @@
 """What a channel's innovation is compared with, learnt tick by tick."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from estimator.faults.fault import Led, Seen
 from estimator.faults.jumps import Jumps
@@ -20,10 +23,24 @@ def test_a_model_that_stays_where_it_began_has_not_moved_and_all_at_once_is_tick
     """Or a jump in the first minute would be within its limit."""
     value = 0.02 * np.random.default_rng(0).standard_normal((TICKS, CHANNELS))
     heat, well = np.ones(CHANNELS, dtype=bool), np.ones(CHANNELS, dtype=bool)
-    whole, apart = (Jumps(np.full(CHANNELS, 0.02), heat, 1.0) for _ in range(2))
+    whole, apart = (Jumps(np.full(CHANNELS, 0.02), heat, 1.0, 100.0 * np.arange(CHANNELS)) for _ in range(2))
     together = whole.compare(seen(value), well, ~well)
     assert (together.limit[10:] < 0.3).all()
     for k in range(TICKS):
         one = apart.compare(seen(value[k : k + 1]), well, ~well)
         np.testing.assert_allclose(one.limit[0], together.limit[k], rtol=1e-12)
         apart.learn(one, 1, well)
+
+
+@pytest.mark.parametrize(
+    ("off_K", "beside_K", "beyond"), [(0.15, 0.0, False), (1.0, 0.1, True), (1.0, 0.4, False), (3.0, 2.0, True)]
+)
+def test_after_a_silence_one_is_off_as_far_as_the_next_one_shows_of_it(off_K, beside_K, beyond):
+    """After ten minutes: by 2 K at most, of which the next one shows a third; 0.3 K are within the model's sd."""
+    heat = well = np.ones(CHANNELS, dtype=bool)
+    jumps = Jumps(np.full(CHANNELS, 0.02), heat, 1.0, np.array([300.0, 0.0, 100.0, 200.0]))
+    jumps.learn(jumps.compare(seen(np.zeros((TICKS, CHANNELS))), well, ~well), TICKS, well)
+    jumps.forget(heat)  # as the judge does of what was silent
+    after = seen(np.array([[off_K, 0.0, 0.0, beside_K]]))
+    found = jumps.compare(replace(after, time_s=np.array([TICKS + 600.0])), well, ~well)
+    assert found.beyond[0].tolist() == [beyond, False, False, False]
