@@ -26,14 +26,16 @@ class Sample:
     inputs    value of each input of the rig, in the rig file's unit: the last one of the tick
     omega     rad/s, mean of |speed| over the tick
     coverage  (cells,) share of the tick in which the nut covers each cell of the screw; while the screw turns, of the
-              angle turned in the tick
+              angle turned in the tick: where friction heats
     unevenness  mean of speed^2 over the square of the mean speed, 1: even. Friction that is not proportional to speed
               makes another heat in short strokes, whose ends count more
     apart_s  longest time from one reading of the speed to the next, of those that ended in the tick, s; 0: short beside
              a tick, inf: too long to know what was between, NaN: none was read
     pace     how far the position moved as a share of what the speed says, below 0: against it; NaN: it did not turn,
              or was not read
-    slip_mm  by how much the position jumped from one frame to the next, 0: not; NaN: frames are too few to tell
+    slip_mm   by how much the position jumped from one frame to the next, 0: not; NaN: frames are too few to tell
+    stay      (cells,) the coverage by time alone, waits at the ends of strokes included: where the nut conducts and
+              keeps the air off; None: the same
     """
 
     time_s: float
@@ -46,6 +48,7 @@ class Sample:
     apart_s: float = 0.0
     pace: float = math.nan
     slip_mm: float = math.nan
+    stay: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,7 @@ class Recording:
     apart_s: Array = field(default_factory=lambda: np.zeros(1))
     pace: Array = field(default_factory=lambda: np.full(1, np.nan))
     slip_mm: Array = field(default_factory=lambda: np.full(1, np.nan))
+    stay: Array = field(default_factory=lambda: np.empty(0))
     began_s: float | None = None
     part_of: str = ""
 
@@ -78,6 +82,8 @@ class Recording:
         for name, usual in (("unevenness", 1.0), ("apart_s", 0.0), ("pace", math.nan), ("slip_mm", math.nan)):
             if len(getattr(self, name)) != len(self.time_s):
                 object.__setattr__(self, name, np.full(len(self.time_s), usual))
+        if self.stay.shape != self.coverage.shape:
+            object.__setattr__(self, "stay", self.coverage)
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -101,6 +107,7 @@ class Recording:
             apart_s=self.apart_s[which],
             pace=self.pace[which],
             slip_mm=self.slip_mm[which],
+            stay=self.stay[which],
         )
 
     def sample(self, k: int) -> Sample:
@@ -109,6 +116,7 @@ class Recording:
         return Sample(
             float(self.time_s[k]), self.channels[k], self.ages_s[k], inputs, float(self.omega[k]), self.coverage[k],
             float(self.unevenness[k]), float(self.apart_s[k]), float(self.pace[k]), float(self.slip_mm[k]),
+            self.stay[k],
         )  # fmt: skip
 
     def __iter__(self) -> Iterator[Sample]:
@@ -132,6 +140,7 @@ def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
         apart_s=np.array([s.apart_s for s in rows]),
         pace=np.array([s.pace for s in rows]),
         slip_mm=np.array([s.slip_mm for s in rows]),
+        stay=np.array([s.coverage if s.stay is None else s.stay for s in rows]),
         **about,  # type: ignore[arg-type]
     )
 

@@ -24,7 +24,7 @@ _STANDS = 1e-3  # cells: a shorter way is a stand
 
 
 class Drive(NamedTuple):
-    """Of each tick, as in Recording: (rows,) rad/s, (rows, cells), (rows,), (rows,) s, (rows,), (rows,) mm."""
+    """Of each tick, as in Recording: rows of rad/s, cells, a number, s, a number, mm, cells."""
 
     omega: Array
     coverage: Array
@@ -32,6 +32,7 @@ class Drive(NamedTuple):
     apart_s: Array
     pace: Array
     slip_mm: Array
+    stay: Array
 
 
 class DriveCondenser:
@@ -55,10 +56,10 @@ class DriveCondenser:
         now    (n,) s       position  (n,) mm, NaN where unknown
         speed  (n,) rad/s   row       (n,) tick of each frame, rising
         """
-        cover = np.zeros((rows, self.screw.cells if self.screw else 0))
+        cover = stay = np.zeros((rows, self.screw.cells if self.screw else 0))
         if not self.turns:
             none = np.full(rows, np.nan)
-            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), none, none)
+            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), none, none, stay)
         columns = zip(self._last, (now, position, speed), strict=True)
         now, position, speed = (np.concatenate(([last], column)) for last, column in columns)
         row = np.concatenate(([self._row], row))
@@ -80,9 +81,10 @@ class DriveCondenser:
         if self.nut:
             weight = np.where(angle[into] > 0, turned, passed)
             cover = self._cover(position, joined, weight, into, latest)
-        omega[silent] = cover[silent] = np.nan
+            stay = self._cover(position, joined, passed, into, latest)
+        omega[silent] = cover[silent] = stay[silent] = np.nan
         self._last, self._row = (float(now[-1]), float(position[-1]), float(speed[-1])), int(row[-1]) - rows
-        return Drive(omega, cover, uneven, apart, pace, slip_mm)
+        return Drive(omega, cover, uneven, apart, pace, slip_mm, stay)
 
     def _pace(self, position: Array, speed: Array, joined: Index, turned: Array, row: Index, rows: int) -> Array:
         """How far the position moves as a share of what the speed says, where that does not turn, (rows,).

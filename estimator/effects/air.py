@@ -30,7 +30,7 @@ class StillAir(Effect):
 class RotatingConvection(Effect):
     """Extra heat the surface loses to the air because the screw turns.
 
-    q = h |omega / omega_ref|^m A (T - T_air)
+    q = h |omega / omega_ref|^m A (T - T_air), the mean over a minute of motion, waits included
     """
 
     trace = "Everywhere; too warm while driving and right at rest, the more the faster it turns."
@@ -38,7 +38,7 @@ class RotatingConvection(Effect):
     m = Param(0.67, "1", lo=0.3, hi=1.2, sd=0.08, source="rotating cylinder, Nu ~ Re^(2/3)")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        h = p.h * rig.the_screw().relative_speed(u.omega) ** p.m
+        h = p.h * u.speed_law(rig.the_screw(), p.m)
         yield Link(SCREW, "ambient", h * rig.the_screw().surface, over=u.bare)
 
 

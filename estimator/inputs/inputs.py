@@ -32,6 +32,7 @@ class Inputs:
     rises     their changes since they were first seen; 0 before that
     motion    time since the start, and what the motion so far leaves behind
     unevenness  mean of speed^2 over the square of the mean speed, within each tick
+    stay      (ticks, cells) the coverage by time alone: what conductances go by; the coverage where nothing is said
     fault     (ticks, p) in the order of Rig.inputs: why an input is held, a Fault each
     """
 
@@ -43,9 +44,12 @@ class Inputs:
     unevenness: Array | float = 1.0
     seats: Array | float = 0.0
     fault: Array = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int8))
+    stay: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         """No effect may write into what others read."""
+        if self.stay.shape != self.coverage.shape:
+            object.__setattr__(self, "stay", self.coverage)
         for key in ("omega", "coverage"):
             object.__setattr__(self, key, _read_only(getattr(self, key)))
         for key in ("values", "rises"):
@@ -83,8 +87,8 @@ class Inputs:
         """Some of the ticks."""
         values, rises = ({name: column[at] for name, column in each.items()} for each in (self.values, self.rises))
         uneven = self.unevenness[at] if isinstance(self.unevenness, np.ndarray) else self.unevenness
-        motion = self.motion.rows(at)
-        return Inputs(self.omega[at], self.coverage[at], values, rises, motion, uneven, self.seats, self.fault[at])
+        cover, stay, motion = self.coverage[at], self.stay[at], self.motion.rows(at)
+        return Inputs(self.omega[at], cover, values, rises, motion, uneven, self.seats, self.fault[at], stay)
 
     def rise(self, name: str) -> Array:
         """Change of an input since the start, (ticks, 1); 0 where the rig has no such input or it was never seen."""
@@ -103,7 +107,7 @@ class InputReader:
         self._zero = np.array([start.zero_K.get(name, 0.0) for name in rig.inputs])
         self._unseen = np.array([start.level_C if each.unit == "degC" else 0.0 for each in rig.inputs.values()])
         self._last, self._first = np.full((2, len(rig.inputs)), np.nan)
-        self._coverage = np.zeros(rig.screw.cells if rig.screw else 0)
+        self._coverage = self._stay = np.zeros(rig.screw.cells if rig.screw else 0)
 
     def read(self, chunk: Recording) -> Inputs:
         """Inputs of the next ticks; call in order of time."""
@@ -116,16 +120,13 @@ class InputReader:
         values = self._by_name(np.where(known, columns, self._unseen))
         rises = self._by_name(np.where(known, columns - self._first, 0.0))
         values[START] = np.full((len(chunk), 1), self._start.level_C)
-        coverage = np.asarray(chunk.coverage, dtype=float)
-        gaps = np.flatnonzero(np.isnan(chunk.omega) | np.isnan(coverage).any(axis=1))
-        coverage = coverage.copy() if len(gaps) else coverage  # most of what a long recording is
-        for k in gaps:
-            coverage[k] = coverage[k - 1] if k else self._coverage
-        self._coverage = coverage[-1].copy()
+        gaps = np.flatnonzero(np.isnan(chunk.omega) | np.isnan(chunk.coverage).any(axis=1))
+        coverage, stay = _carried(chunk.coverage, gaps, self._coverage), _carried(chunk.stay, gaps, self._stay)
+        self._coverage, self._stay = coverage[-1].copy(), stay[-1].copy()
         omega = np.nan_to_num(chunk.omega)
         uneven = np.where(np.isfinite(chunk.unevenness), chunk.unevenness, 1.0)
         motion = self._motion.read(omega)
-        return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], self._rig.seats, fault)
+        return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], self._rig.seats, fault, stay)
 
     def _by_name(self, columns: Array) -> dict[str, Array]:
         """Columns (ticks, p) in the order of Rig.inputs, each (ticks, 1)."""
@@ -137,10 +138,18 @@ def nothing(rig: Rig) -> Inputs:
     return no_inputs(rig, np.zeros((1, 1)), np.zeros((1, rig.screw.cells if rig.screw else 0)))
 
 
-def no_inputs(rig: Rig, omega: Array, coverage: Array) -> Inputs:
-    """Speeds (ticks, 1) and coverage (ticks, cells), with every other input at zero."""
+def no_inputs(rig: Rig, omega: Array, coverage: Array, unevenness: Array | float = 1.0) -> Inputs:
+    """Speeds and their unevenness (ticks, 1) and coverage (ticks, cells), with every other input at zero."""
     none = {name: np.zeros_like(omega) for name in (*rig.inputs, START)}
-    return Inputs(omega, coverage, none, none, Motion.none(len(omega)), seats=rig.seats)
+    return Inputs(omega, coverage, none, none, Motion.none(len(omega)), unevenness, rig.seats)
+
+
+def _carried(cover: Array, gaps: Array, before: Array) -> Array:
+    """Cover (K, cells) of which some rows are not known: there as in the row before, in the first one as `before`."""
+    cover = np.array(cover, dtype=float, copy=bool(len(gaps)) or None)  # it is most of what a long recording is
+    for k in gaps:
+        cover[k] = cover[k - 1] if k else before
+    return cover
 
 
 def _read_only(array: Array) -> Array:

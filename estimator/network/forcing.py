@@ -141,7 +141,7 @@ class Forcing:
     @property
     def regimes(self) -> int:
         """How many have been met so far."""
-        return len(self._regimes.omega)
+        return len(self._regimes.met)
 
     @property
     def modes(self) -> list[Modes]:
@@ -160,9 +160,11 @@ class Forcing:
         """Inputs and regimes of a chunk, whatever the model; call in order of time."""
         u, regime, astray = self._reader.read(chunk), [], []
         unseen = self._untold.unseen(chunk)
-        for sample, w, coverage, lost in zip(chunk, u.omega[:, 0], u.coverage, unseen, strict=True):
+        uneven = np.broadcast_to(u.unevenness, u.omega.shape)[:, 0]
+        for k, sample in enumerate(chunk):
             self._travel.step(sample)
-            regime.append(self._regimes.index(float(w), coverage, bool(lost or self._travel.why)))
+            lost = bool(unseen[k] or self._travel.why)
+            regime.append(self._regimes.index(float(u.omega[k, 0]), u.stay[k], lost, float(uneven[k])))
             astray.append(self._travel.astray)
         return Drive(u, np.array(regime), np.array(astray))
 
@@ -196,8 +198,9 @@ class Forcing:
     def regime_inputs(self, which: Sequence[int] | None = None) -> Inputs:
         """Speed and coverage of some regimes met so far, or of all; every other input is zero."""
         which = range(self.regimes) if which is None else which
-        omega = np.array([self._regimes.omega[r] for r in which])[:, None]
-        return no_inputs(self.rig, omega, np.array([self._regimes.coverage[r] for r in which]))
+        met = [self._regimes.met[r] for r in which]
+        omega, uneven = np.array([[each.omega, each.unevenness] for each in met]).T[:, :, None]
+        return no_inputs(self.rig, omega, np.array([each.coverage for each in met]), uneven)
 
     def _solve(self, needed: Sequence[int]) -> None:
         """Assemble and discretise all regimes met and not solved; those that are needed, where not all are kept."""
@@ -212,7 +215,7 @@ class Forcing:
         for i, regime in enumerate(missing):
             modes = Modes(network, i, self.rig.tick_s)
             move = modes.transition()
-            if self._regimes.unknown[regime]:
+            if self._regimes.met[regime].unknown:
                 move = replace(move, Q=move.Q + unknown_heat(self.place, self.rig.tick_s))
             self._solved[regime] = Solved(modes, move, network.inflow[i])
 

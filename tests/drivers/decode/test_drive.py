@@ -60,6 +60,7 @@ def test_a_tick_is_what_the_table_did(tmp_path: Path, hertz: int, error: float) 
         centre = RIG.nut.centre(place)
         box = RIG.screw.overlap(centre - RIG.nut.length_mm / 2, centre + RIG.nut.length_mm / 2)
         np.testing.assert_allclose(record.coverage[k], np.average(box, axis=0, weights=np.abs(rpm)), atol=error)
+        np.testing.assert_allclose(record.stay[k], box.mean(axis=0), atol=2 * error)  # it turns between frames
         assert record.omega[k] == pytest.approx(np.abs(rpm).mean() * 2 * np.pi / 60, rel=error)
         assert record.unevenness[k] == pytest.approx((rpm**2).mean() / np.abs(rpm).mean() ** 2, rel=2 * error)
     np.testing.assert_allclose(record.coverage.sum(axis=1) * RIG.screw.length, 0.175, rtol=1e-9)
