@@ -56,7 +56,8 @@ class DriveCondenser:
         now    (n,) s       position  (n,) mm, NaN where unknown
         speed  (n,) rad/s   row       (n,) tick of each frame, rising
         """
-        cover = stay = np.zeros((rows, self.screw.cells if self.screw else 0))
+        cover = np.zeros((rows, self.screw.cells if self.screw else 0))
+        stay = cover.astype(np.float32)  # the mean of a minute is taken of it
         if not self.turns:
             none = np.full(rows, np.nan)
             return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), none, none, stay)
@@ -81,7 +82,7 @@ class DriveCondenser:
         if self.nut:
             weight = np.where(angle[into] > 0, turned, passed)
             cover = self._cover(position, joined, weight, into, latest)
-            stay = self._cover(position, joined, passed, into, latest)
+            stay = self._cover(position, joined, passed, into, latest).astype(np.float32)
         omega[silent] = cover[silent] = stay[silent] = np.nan
         self._last, self._row = (float(now[-1]), float(position[-1]), float(speed[-1])), int(row[-1]) - rows
         return Drive(omega, cover, uneven, apart, pace, slip_mm, stay)

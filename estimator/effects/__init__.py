@@ -22,6 +22,7 @@ MOUNTING: tuple[type[Effect], ...] = (held.HeldEnds,)
 HEAT: tuple[type[Effect], ...] = (
     air.RotatingConvection,
     nut.NutBody,
+    nut.NutBalls,
     bearings.AnchorSeat,
     bearings.FreeSeat,
     bearings.AnchorHousing,

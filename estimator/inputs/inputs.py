@@ -32,7 +32,6 @@ class Inputs:
     rises     their changes since they were first seen; 0 before that
     motion    time since the start, and what the motion so far leaves behind
     unevenness  mean of speed^2 over the square of the mean speed, within each tick
-    stay      (ticks, cells) the coverage by time alone: what conductances go by; the coverage where nothing is said
     fault     (ticks, p) in the order of Rig.inputs: why an input is held, a Fault each
     """
 
@@ -44,12 +43,9 @@ class Inputs:
     unevenness: Array | float = 1.0
     seats: Array | float = 0.0
     fault: Array = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int8))
-    stay: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         """No effect may write into what others read."""
-        if self.stay.shape != self.coverage.shape:
-            object.__setattr__(self, "stay", self.coverage)
         for key in ("omega", "coverage"):
             object.__setattr__(self, key, _read_only(getattr(self, key)))
         for key in ("values", "rises"):
@@ -87,8 +83,8 @@ class Inputs:
         """Some of the ticks."""
         values, rises = ({name: column[at] for name, column in each.items()} for each in (self.values, self.rises))
         uneven = self.unevenness[at] if isinstance(self.unevenness, np.ndarray) else self.unevenness
-        cover, stay, motion = self.coverage[at], self.stay[at], self.motion.rows(at)
-        return Inputs(self.omega[at], cover, values, rises, motion, uneven, self.seats, self.fault[at], stay)
+        motion = self.motion.rows(at)
+        return Inputs(self.omega[at], self.coverage[at], values, rises, motion, uneven, self.seats, self.fault[at])
 
     def rise(self, name: str) -> Array:
         """Change of an input since the start, (ticks, 1); 0 where the rig has no such input or it was never seen."""
@@ -120,13 +116,18 @@ class InputReader:
         values = self._by_name(np.where(known, columns, self._unseen))
         rises = self._by_name(np.where(known, columns - self._first, 0.0))
         values[START] = np.full((len(chunk), 1), self._start.level_C)
-        gaps = np.flatnonzero(np.isnan(chunk.omega) | np.isnan(chunk.coverage).any(axis=1))
-        coverage, stay = _carried(chunk.coverage, gaps, self._coverage), _carried(chunk.stay, gaps, self._stay)
-        self._coverage, self._stay = coverage[-1].copy(), stay[-1].copy()
+        coverage = _carried(chunk.coverage, chunk, self._coverage)
+        self._coverage = coverage[-1].copy()
         omega = np.nan_to_num(chunk.omega)
         uneven = np.where(np.isfinite(chunk.unevenness), chunk.unevenness, 1.0)
         motion = self._motion.read(omega)
-        return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], self._rig.seats, fault, stay)
+        return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], self._rig.seats, fault)
+
+    def stay(self, chunk: Recording) -> Array:
+        """Coverage by time alone, which conductances go by, (ticks, cells); call in order of time."""
+        stay = _carried(chunk.stay, chunk, self._stay)
+        self._stay = stay[-1].copy()
+        return stay
 
     def _by_name(self, columns: Array) -> dict[str, Array]:
         """Columns (ticks, p) in the order of Rig.inputs, each (ticks, 1)."""
@@ -144,9 +145,10 @@ def no_inputs(rig: Rig, omega: Array, coverage: Array, unevenness: Array | float
     return Inputs(omega, coverage, none, none, Motion.none(len(omega)), unevenness, rig.seats)
 
 
-def _carried(cover: Array, gaps: Array, before: Array) -> Array:
-    """Cover (K, cells) of which some rows are not known: there as in the row before, in the first one as `before`."""
-    cover = np.array(cover, dtype=float, copy=bool(len(gaps)) or None)  # it is most of what a long recording is
+def _carried(cover: Array, chunk: Recording, before: Array) -> Array:
+    """Cover (ticks, cells) with ticks in which it is not known as the one before, the first as `before`."""
+    gaps = np.flatnonzero(np.isnan(chunk.omega) | np.isnan(cover).any(axis=1))
+    cover = cover.copy() if len(gaps) else np.asarray(cover)  # most of what a long recording is
     for k in gaps:
         cover[k] = cover[k - 1] if k else before
     return cover

@@ -158,13 +158,13 @@ class Forcing:
 
     def read(self, chunk: Recording) -> Drive:
         """Inputs and regimes of a chunk, whatever the model; call in order of time."""
-        u, regime, astray = self._reader.read(chunk), [], []
+        u, stay, regime, astray = self._reader.read(chunk), self._reader.stay(chunk), [], []
         unseen = self._untold.unseen(chunk)
         uneven = np.broadcast_to(u.unevenness, u.omega.shape)[:, 0]
         for k, sample in enumerate(chunk):
             self._travel.step(sample)
             lost = bool(unseen[k] or self._travel.why)
-            regime.append(self._regimes.index(float(u.omega[k, 0]), u.stay[k], lost, float(uneven[k])))
+            regime.append(self._regimes.index(float(u.omega[k, 0]), stay[k], lost, float(uneven[k])))
             astray.append(self._travel.astray)
         return Drive(u, np.array(regime), np.array(astray))
 
