@@ -20,6 +20,7 @@ STRUCTURE: tuple[type[Effect], ...] = (
 )
 MOUNTING: tuple[type[Effect], ...] = (held.HeldEnds,)
 HEAT: tuple[type[Effect], ...] = (
+    air.FreeConvection,
     air.RotatingConvection,
     nut.NutBody,
     nut.NutBalls,

@@ -99,7 +99,7 @@ class InputReader:
 
     def __init__(self, rig: Rig, start: Start) -> None:
         self._rig, self._start = rig, start
-        self._motion, self.gate = MotionReader(rig.tick_s), InputGate(rig, start)
+        self._motion, self.gate = MotionReader(rig.tick_s, rig.screw), InputGate(rig, start)
         self._zero = np.array([start.zero_K.get(name, 0.0) for name in rig.inputs])
         self._unseen = np.array([start.level_C if each.unit == "degC" else 0.0 for each in rig.inputs.values()])
         self._last, self._first = np.full((2, len(rig.inputs)), np.nan)
