@@ -127,7 +127,7 @@ class Regimes:
             del self._recent[oldest]
             if self.forgets:
                 self.met[oldest] = self.met[oldest]._replace(coverage=NOTHING)
-        self.met.append(now._replace(coverage=np.array(now.coverage)))
+        self.met.append(now._replace(coverage=np.array(now.coverage, float)))
         return len(self.met) - 1
 
 

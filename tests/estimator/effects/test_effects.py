@@ -26,7 +26,7 @@ from tests.conftest import terms_of
 
 EFFECTS = list(CATALOGUE.values())
 WITHOUT_NULL = {"conduction", "displacement", "held_ends"}  # the bar, a channel, and how the bar is mounted
-ALWAYS = {"local_heat"}  # heats at rest, too
+ALWAYS = {"local_heat", "free_convection"}  # heats at rest, too
 
 
 @pytest.fixture(scope="module")
