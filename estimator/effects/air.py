@@ -35,12 +35,12 @@ class FreeConvection(Effect):
 
     q = h A w ((w / 4 K)^n - 1), h of still_air, w about how warm the motion so far has made the screw on the whole
 
-    as a heat of its own beside that of still_air, which is in proportion
+    as a heat of its own beside that of still_air, which is in proportion; fitted, and never searched for: n has no null
     """
 
     scales = ("still_air",)
     trace = "Everywhere alike at rest: too warm at first after a stop and too cold at last."
-    n = Param(0.12, "1", lo=-0.2, hi=0.5, null=0.0, sd=0.1, source="Nu ~ (Gr Pr)^(1/4) of what is half radiation")
+    n = Param(0.12, "1", lo=-0.2, hi=0.5, sd=0.1, source="Nu ~ (Gr Pr)^(1/4) of what is half radiation")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         w = u.motion.warmth

@@ -29,14 +29,14 @@ class NutBalls(Effect):
 
     q ~ 1 at gap b / 2 < |x - x_nut - shift| < b / 2, b = width L, else 0;   L the nut's length, x_nut its middle
 
-    gap  of two circuits: what is left free between them
+    gap  of two circuits: what is left free between them. Fitted, and never searched for: no parameter has a null
     """
 
     trace = "Thermometers that short strokes pass too warm and too cold side by side while driving."
     apart = True
-    shift = Param(0.0, "mm", lo=-40.0, hi=40.0, null=0.0, sd=3.0, source="mounting, and circuits off the middle")
-    width = Param(0.9, "1", lo=0.3, hi=1.1, null=1.0, sd=0.15, source="circuits end before seals and flange: 0.7 - 1")
-    gap = Param(0.15, "1", lo=0.0, hi=0.8, null=0.0, sd=0.2, source="one circuit: 0; two and their returns: 0.1 - 0.4")
+    shift = Param(0.0, "mm", lo=-40.0, hi=40.0, sd=3.0, source="mounting, and circuits off the middle")
+    width = Param(0.9, "1", lo=0.3, hi=1.1, sd=0.15, source="circuits end before seals and flange: 0.7 - 1")
+    gap = Param(0.15, "1", lo=0.0, hi=0.8, sd=0.2, source="one circuit: 0; two and their returns: 0.1 - 0.4")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         rig.the_nut()
