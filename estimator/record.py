@@ -29,6 +29,8 @@ class Sample:
               angle turned in the tick: where friction heats
     unevenness  mean of speed^2 over the square of the mean speed, 1: even. Friction that is not proportional to speed
               makes another heat in short strokes, whose ends count more
+    idle      share of the tick in which the screw stands, though it turns before or after: what grows less than in
+              proportion to speed is less by it
     apart_s  longest time from one reading of the speed to the next, of those that ended in the tick, s; 0: short beside
              a tick, inf: too long to know what was between, NaN: none was read
     pace     how far the position moved as a share of what the speed says, below 0: against it; NaN: it did not turn,
@@ -49,6 +51,7 @@ class Sample:
     pace: float = math.nan
     slip_mm: float = math.nan
     stay: Array | None = None
+    idle: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -75,13 +78,15 @@ class Recording:
     pace: Array = field(default_factory=lambda: np.full(1, np.nan))
     slip_mm: Array = field(default_factory=lambda: np.full(1, np.nan))
     stay: Array = field(default_factory=lambda: np.empty(0))
+    idle: Array = field(default_factory=lambda: np.zeros(1))
     began_s: float | None = None
     part_of: str = ""
 
     def __post_init__(self) -> None:
-        for name, usual in (("unevenness", 1.0), ("apart_s", 0.0), ("pace", math.nan), ("slip_mm", math.nan)):
+        usual = {"unevenness": 1.0, "idle": 0.0, "apart_s": 0.0, "pace": math.nan, "slip_mm": math.nan}
+        for name, usually in usual.items():
             if len(getattr(self, name)) != len(self.time_s):
-                object.__setattr__(self, name, np.full(len(self.time_s), usual))
+                object.__setattr__(self, name, np.full(len(self.time_s), usually))
         if self.stay.shape != self.coverage.shape:
             object.__setattr__(self, "stay", self.coverage)
 
@@ -108,6 +113,7 @@ class Recording:
             pace=self.pace[which],
             slip_mm=self.slip_mm[which],
             stay=self.stay[which],
+            idle=self.idle[which],
         )
 
     def sample(self, k: int) -> Sample:
@@ -116,7 +122,7 @@ class Recording:
         return Sample(
             float(self.time_s[k]), self.channels[k], self.ages_s[k], inputs, float(self.omega[k]), self.coverage[k],
             float(self.unevenness[k]), float(self.apart_s[k]), float(self.pace[k]), float(self.slip_mm[k]),
-            self.stay[k],
+            self.stay[k], float(self.idle[k]),
         )  # fmt: skip
 
     def __iter__(self) -> Iterator[Sample]:
@@ -141,6 +147,7 @@ def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
         pace=np.array([s.pace for s in rows]),
         slip_mm=np.array([s.slip_mm for s in rows]),
         stay=np.array([s.coverage if s.stay is None else s.stay for s in rows]),
+        idle=np.array([s.idle for s in rows]),
         **about,  # type: ignore[arg-type]
     )
 

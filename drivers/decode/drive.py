@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivers.frames import Array, Index, Tally
+from estimator.inputs.phase import turns
 from estimator.rig import Rig
 from estimator.screw import Screw
 
@@ -24,7 +25,7 @@ _STANDS = 1e-3  # cells: a shorter way is a stand
 
 
 class Drive(NamedTuple):
-    """Of each tick, as in Recording: rows of rad/s, cells, a number, s, a number, mm, cells."""
+    """Of each tick, as in Recording: rows of rad/s, cells, a number, s, a number, mm, cells, a number."""
 
     omega: Array
     coverage: Array
@@ -33,6 +34,7 @@ class Drive(NamedTuple):
     pace: Array
     slip_mm: Array
     stay: Array
+    idle: Array
 
 
 class DriveCondenser:
@@ -60,7 +62,7 @@ class DriveCondenser:
         stay = cover.astype(np.float32)  # the mean of a minute is taken of it
         if not self.turns:
             none = np.full(rows, np.nan)
-            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), none, none, stay)
+            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), none, none, stay, np.zeros(rows))
         columns = zip(self._last, (now, position, speed), strict=True)
         now, position, speed = (np.concatenate(([last], column)) for last, column in columns)
         row = np.concatenate(([self._row], row))
@@ -74,7 +76,9 @@ class DriveCondenser:
         passed, into = steps[joined], row[joined + 1]
         turned = _mean_speed(speed[joined], speed[joined + 1]) * passed
         squared = _mean_square(speed[joined], speed[joined + 1]) * passed
-        time, angle, squares = (np.bincount(into, amount, rows) for amount in (passed, turned, squared))
+        stood = passed * ~turns(turned / np.where(passed > 0.0, passed, 1.0))
+        time, angle, squares, still = (np.bincount(into, each, rows) for each in (passed, turned, squared, stood))
+        idle = np.divide(still, time, out=np.zeros(rows), where=angle > 0.0)
         omega = np.divide(angle, time, out=np.abs(speed[latest]), where=time > 0)
         uneven = np.divide(squares * time, angle**2, out=np.ones(rows), where=angle > 0)
         pace = self._pace(position, speed, joined, turned, into, rows)
@@ -85,7 +89,7 @@ class DriveCondenser:
             stay = self._cover(position, joined, passed, into, latest).astype(np.float32)
         omega[silent] = cover[silent] = stay[silent] = np.nan
         self._last, self._row = (float(now[-1]), float(position[-1]), float(speed[-1])), int(row[-1]) - rows
-        return Drive(omega, cover, uneven, apart, pace, slip_mm, stay)
+        return Drive(omega, cover, uneven, apart, pace, slip_mm, stay, idle)
 
     def _pace(self, position: Array, speed: Array, joined: Index, turned: Array, row: Index, rows: int) -> Array:
         """How far the position moves as a share of what the speed says, where that does not turn, (rows,).

@@ -59,7 +59,7 @@ class RotatingConvection(Effect):
     m = Param(0.67, "1", lo=0.3, hi=1.2, sd=0.08, source="rotating cylinder, Nu ~ Re^(2/3)")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        h = p.h * u.speed_law(rig.the_screw(), p.m)
+        h = p.h * u.air_law(rig.the_screw(), p.m)
         yield Link(SCREW, "ambient", h * rig.the_screw().surface, over=u.bare)
 
 

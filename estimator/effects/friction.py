@@ -58,7 +58,7 @@ class FrictionThinning(Effect):
     """
 
     scales = (
-        "nut_friction", "nut_balls", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing",
+        "nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing",
         *SEATS,
     )  # fmt: skip
     trace = "The curve bends early: less heat the warmer it is, whatever the time; worse for short strokes."
@@ -69,7 +69,7 @@ class FrictionThinning(Effect):
         w = rig.the_screw().relative_speed(u.omega)
         nut = needed(p, "nut_friction")
         turn = p.rate * w**nut.n
-        yield Link(SCREW, START, turn * nut.power * per_cell(rig), over=under_nut(p, u, rig))
+        yield Link(SCREW, START, turn * nut.power * per_cell(rig), over=u.coverage)
         if p.nut_body is not None:
             yield Link("nut", START, turn * nut.power_nut)
         for support in BEARINGS:

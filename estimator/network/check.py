@@ -28,7 +28,7 @@ def checked_terms(model: Model, u: Inputs, rig: Rig, sound: Sound | None = None)
             if word not in known:
                 raise model.error(name, f"{problem}; {nearest(word, known)}")
         if not _alike(terms, sound.of(name, other, forced=False)):
-            may = "parameters, u.omega, u.unevenness and u.coverage"
+            may = "parameters, u.omega, u.unevenness, u.idle and u.coverage"
             raise model.error(name, f"the g of a Link depends on an input; it may depend on {may} only")
     for name, problem in _together(by_effect, stored):
         raise model.error(name, problem)

@@ -160,11 +160,12 @@ class Forcing:
         """Inputs and regimes of a chunk, whatever the model; call in order of time."""
         u, stay, regime, astray = self._reader.read(chunk), self._reader.stay(chunk), [], []
         unseen = self._untold.unseen(chunk)
-        uneven = np.broadcast_to(u.unevenness, u.omega.shape)[:, 0]
+        speeds = np.hstack([np.broadcast_to(each, u.omega.shape) for each in (u.omega, u.unevenness, u.idle)])
         for k, sample in enumerate(chunk):
             self._travel.step(sample)
             lost = bool(unseen[k] or self._travel.why)
-            regime.append(self._regimes.index(float(u.omega[k, 0]), stay[k], lost, float(uneven[k])))
+            omega, *rest = speeds[k].tolist()
+            regime.append(self._regimes.index(omega, stay[k], lost, *rest))
             astray.append(self._travel.astray)
         return Drive(u, np.array(regime), np.array(astray))
 
@@ -199,8 +200,8 @@ class Forcing:
         """Speed and coverage of some regimes met so far, or of all; every other input is zero."""
         which = range(self.regimes) if which is None else which
         met = [self._regimes.met[r] for r in which]
-        omega, uneven = np.array([[each.omega, each.unevenness] for each in met]).T[:, :, None]
-        return no_inputs(self.rig, omega, np.array([each.coverage for each in met]), uneven)
+        omega, uneven, idle = np.array([[each.omega, each.unevenness, each.idle] for each in met]).T[:, :, None]
+        return no_inputs(self.rig, omega, np.array([each.coverage for each in met]), uneven, idle)
 
     def _solve(self, needed: Sequence[int]) -> None:
         """Assemble and discretise all regimes met and not solved; those that are needed, where not all are kept."""

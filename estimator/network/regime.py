@@ -1,10 +1,10 @@
 """Regimes: speeds and nut places that hold for a while, so that few transitions serve many ticks.
 
 The nut's coverage changes every tick; heat follows it tick by tick. The conductances (nut contact, convection) take
-means over the last minute of motion instead, of speed, its square, and the time that the nut is at a place; and the
-place where it is parked. A new regime begins when the speed has moved by 5 %, its unevenness by 15 % (the mean of the
-speed to the power of 0.67 by 5 %), the nut by 2 % of its length; what this costs is measured in the tests (below
-0.04 um).
+means over the last minute of motion instead, of speed, its square, the time that it waits, and that the nut is at a
+place; and the place where it is parked. A new regime begins when the speed has moved by 5 %, its unevenness by 15 %
+(the mean of the speed to the power of 0.67 by 5 %), the nut by 2 % of its length; what this costs is measured in the
+tests (below 0.04 um).
 
 The first strokes of a drive, and more so the longer ticks of a fit, begin regimes that lie as far off as these steps
 allow, always to the same side. So after a minute, then two, four, ... minutes a regime is held against the mean of that
@@ -43,12 +43,14 @@ class Regime(NamedTuple):
 
     omega       rad/s, mean speed
     unevenness  mean of speed^2 over the square of the mean speed
+    idle        share of the time in which the screw stands between its strokes
     coverage    (cells,) share of the time in which the nut covers each cell
     unknown     whether nothing is or has just been heard of the drive
     """
 
     omega: float
     unevenness: float
+    idle: float
     coverage: Array
     unknown: bool
 
@@ -58,8 +60,9 @@ class Regime(NamedTuple):
             return np.inf
         faster = abs(self.omega - other.omega) / (SPEED_STEP * (other.omega or 1.0))
         rougher = abs(self.unevenness - other.unevenness) / (UNEVEN_STEP * other.unevenness)
+        waits = abs(self.idle - other.idle) / UNEVEN_STEP
         moved = np.abs(self.coverage - other.coverage).sum() / 2 / max(other.coverage.sum(), 1.0)
-        return max(faster, rougher, float(moved) / COVERAGE_STEP)
+        return max(faster, rougher, waits, float(moved) / COVERAGE_STEP)
 
 
 @dataclass
@@ -82,17 +85,19 @@ class Regimes:
     _most: float = 1.0
     _unsettled_s: float = 0.0
 
-    def index(self, omega: float, coverage: Array, unknown: bool = False, unevenness: float = 1.0) -> int:
-        """Regime of the next tick, by speed (rad/s, with its unevenness) and coverage (cells,) by time; `unknown`:
-        nothing was heard of the drive."""
+    def index(
+        self, omega: float, coverage: Array, unknown: bool = False, unevenness: float = 1.0, idle: float = 0.0
+    ) -> int:
+        """Regime of the next tick, by speed (rad/s, with its unevenness and idle share) and coverage (cells,) by time;
+        `unknown`: nothing was heard of the drive."""
         self._unsettled_s = SETTLED_S if unknown else self._unsettled_s - self.tick_s
         unknown = self._unsettled_s > 0.0
         if turns(omega):
-            self._moved(np.concatenate([[1.0, omega, unevenness * omega**2], coverage]))
+            self._moved(np.concatenate([[1.0, omega, unevenness * omega**2, idle], coverage]))
             now = _mean(self._sum, unknown)
         else:
             self._moving.clear()
-            self._sum, now = 0.0, Regime(0.0, 1.0, coverage, unknown)
+            self._sum, now = 0.0, Regime(0.0, 1.0, 0.0, coverage, unknown)
         apart = self.met[self._current].apart(now) if self.met else np.inf
         if self._ticks == self._due and apart <= SETTLED:
             long = _mean(self._since, unknown)
@@ -132,6 +137,6 @@ class Regimes:
 
 
 def _mean(sums: Array | float, unknown: bool) -> Regime:
-    """From weighted sums of 1, speed, its square and coverage."""
-    weight, omega, square = np.asarray(sums)[:3]
-    return Regime(float(omega / weight), float(square * weight / omega**2), np.asarray(sums)[3:] / weight, unknown)
+    """From weighted sums of 1, speed, its square, the idle share and coverage."""
+    (weight, omega, square, idle), cover = np.asarray(sums)[:4].tolist(), np.asarray(sums)[4:]
+    return Regime(omega / weight, square * weight / omega**2, idle / weight, cover / weight, unknown)
