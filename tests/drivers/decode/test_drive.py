@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.decode import drive
-from drivers.decode.drive import covered
+from drivers.decode.drive import DriveCondenser, covered
+from drivers.frames import Tally
 from drivers.recordings import read_recording
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.screw import Screw
@@ -85,3 +86,13 @@ def test_a_rig_without_drive_or_screw(tmp_path: Path) -> None:
     assert record.coverage.shape == (3, 0)
     assert (record.omega == 0).all()
     assert (read_recording(path, replace(RIG, nut=None)).coverage == np.zeros((3, RIG.screw.cells))).all()
+
+
+def test_a_wait_between_strokes_is_idle_and_a_rest_is_not() -> None:
+    """0.4 s of each second the screw stands at the end of its stroke; then it stands for good."""
+    now = np.arange(0.0, 3.005, 0.01)
+    turns = (now % 1.0 < 0.595) & (now < 2.0)
+    speed, row = np.where(turns, 100.0, 0.0), np.minimum(np.ceil(now - 1e-9).astype(int), 3)
+    found = DriveCondenser(RIG, Tally(), 2).rows(now, np.full(len(now), 200.0), speed, row, 4)
+    np.testing.assert_allclose(found.idle[1:3], 0.4, atol=0.021)
+    assert found.idle[3] == 0.0
