@@ -41,8 +41,8 @@ class ByBalls:
 
     @property
     def is_complex(self) -> bool:
-        """Whether where the balls carry is."""
-        return any(isinstance(value, complex) for value in vars(self._balls).values())
+        """Whether where the balls carry is, or where the nut was."""
+        return np.iscomplexobj(self.cover) or any(isinstance(value, complex) for value in vars(self._balls).values())
 
     def onto(self, rows: Array) -> Array:
         """Projected on states that say `rows` (cells, n) of the cells, (ticks, n)."""
