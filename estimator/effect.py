@@ -73,10 +73,13 @@ class Effect:
     """Base of all effects: subclasses declare Params as class attributes, an equation in the docstring, and `terms`.
 
     scales  other effects of the model whose parameters this one uses, as p.NAME; None where the model lacks one
+    apart   its parameters are asked for one at a time, for each makes a cover of its own; and are known as well where
+            the machine may be another: else they would explain a table that stands elsewhere
     trace   what it leaves in the readings, in words
     """
 
     scales: ClassVar[tuple[str, ...]] = ()
+    apart: ClassVar[bool] = False
     trace: ClassVar[str] = ""
     params: ClassVar[dict[str, Param]] = {}
     name: ClassVar[str] = "effect"

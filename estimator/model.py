@@ -182,7 +182,10 @@ class Model:
         Not of the expansion coefficient, whose error is a state of the filter.
         """
         paths = tuple(path for path, value in self.values.items() if value.sd and path != EXPANSION)
-        whole = [max(abs(self[path]), self.param(path).sd or 0.0) for path in paths]
+        sizes = [max(abs(self[path]), self.param(path).sd or 0.0) for path in paths]
+        whole = [
+            size * (not self.effects[path.partition(".")[0]].apart) for path, size in zip(paths, sizes, strict=True)
+        ]
         return Doubts(paths, self.covariance(paths), np.array(whole, dtype=float))
 
     def covariance(self, paths: Sequence[str]) -> Array:

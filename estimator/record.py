@@ -27,14 +27,18 @@ class Sample:
     inputs    value of each input of the rig, in the rig file's unit: the last one of the tick
     omega     rad/s, mean of |speed| over the tick
     coverage  (cells,) share of the tick in which the nut covers each cell of the screw; while the screw turns, of the
-              angle turned in the tick
+              angle turned in the tick: where friction heats
     unevenness  mean of speed^2 over the square of the mean speed, 1: even. Friction that is not proportional to speed
               makes another heat in short strokes, whose ends count more
+    idle      share of the tick in which the screw stands, though it turns before or after: what grows less than in
+              proportion to speed is less by it
     apart_s  longest time from one reading of the speed to the next, of those that ended in the tick, s; 0: short beside
              a tick, inf: too long to know what was between, NaN: none was read
     pace     how far the position moved as a share of what the speed says, below 0: against it; NaN: it did not turn,
              or was not read
-    slip_mm  by how much the position jumped from one frame to the next, 0: not; NaN: frames are too few to tell
+    slip_mm   by how much the position jumped from one frame to the next, 0: not; NaN: frames are too few to tell
+    stay      (cells,) the coverage by time alone, waits at the ends of strokes included: where the nut conducts and
+              keeps the air off; None: the same
     """
 
     time_s: float
@@ -47,6 +51,8 @@ class Sample:
     apart_s: float = 0.0
     pace: float = math.nan
     slip_mm: float = math.nan
+    stay: Array | None = None
+    idle: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -72,13 +78,18 @@ class Recording:
     apart_s: Array = field(default_factory=lambda: np.zeros(1))
     pace: Array = field(default_factory=lambda: np.full(1, np.nan))
     slip_mm: Array = field(default_factory=lambda: np.full(1, np.nan))
+    stay: Array = field(default_factory=lambda: np.empty(0))
+    idle: Array = field(default_factory=lambda: np.zeros(1))
     began_s: float | None = None
     part_of: str = ""
 
     def __post_init__(self) -> None:
-        for name, usual in (("unevenness", 1.0), ("apart_s", 0.0), ("pace", math.nan), ("slip_mm", math.nan)):
+        usual = {"unevenness": 1.0, "idle": 0.0, "apart_s": 0.0, "pace": math.nan, "slip_mm": math.nan}
+        for name, usually in usual.items():
             if len(getattr(self, name)) != len(self.time_s):
-                object.__setattr__(self, name, np.full(len(self.time_s), usual))
+                object.__setattr__(self, name, np.full(len(self.time_s), usually))
+        if self.stay.shape != self.coverage.shape:
+            object.__setattr__(self, "stay", self.coverage)
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -102,6 +113,8 @@ class Recording:
             apart_s=self.apart_s[which],
             pace=self.pace[which],
             slip_mm=self.slip_mm[which],
+            stay=self.stay[which],
+            idle=self.idle[which],
         )
 
     def sample(self, k: int) -> Sample:
@@ -110,13 +123,15 @@ class Recording:
 
     def __iter__(self) -> Iterator[Sample]:
         """Tick after tick, numbers as Python has them: one by one an array hands them out ten times as slowly."""
-        series = self.time_s, self.omega, self.unevenness, self.apart_s, self.pace, self.slip_mm
+        series = self.time_s, self.omega, self.unevenness, self.apart_s, self.pace, self.slip_mm, self.idle
         names, columns = [*self.inputs], [column.tolist() for column in self.inputs.values()]
         values = zip(*columns, strict=True) if columns else repeat(())
-        for channels, ages_s, coverage, inputs, (time_s, omega, *rest) in zip(
-            self.channels, self.ages_s, self.coverage, values, zip(*(each.tolist() for each in series), strict=True)
-        ):
-            yield Sample(time_s, channels, ages_s, dict(zip(names, inputs, strict=True)), omega, coverage, *rest)
+        for channels, ages_s, coverage, stay, inputs, (time_s, omega, *rest, idle) in zip(
+            self.channels, self.ages_s, self.coverage, self.stay, values,
+            zip(*(each.tolist() for each in series), strict=True),
+        ):  # fmt: skip
+            inputs = dict(zip(names, inputs, strict=True))
+            yield Sample(time_s, channels, ages_s, inputs, omega, coverage, *rest, stay=stay, idle=idle)
 
 
 def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
@@ -136,6 +151,8 @@ def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
         apart_s=np.array([s.apart_s for s in rows]),
         pace=np.array([s.pace for s in rows]),
         slip_mm=np.array([s.slip_mm for s in rows]),
+        stay=np.array([s.coverage if s.stay is None else s.stay for s in rows]),
+        idle=np.array([s.idle for s in rows]),
         **about,  # type: ignore[arg-type]
     )
 

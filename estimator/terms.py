@@ -44,8 +44,8 @@ class Link:
     """Heat g over (T_a - T_b) W flows from a to b; g in W/K, per cell where a node is the screw.
 
     b     may be a measured input, or "start": the temperature at which the run started
-    over  share of g that each cell has, (cells,) or (ticks, cells): u.coverage or u.bare as they stand, which are
-          multiplied out for a few regimes instead of each tick
+    over  share of g that each cell has, (cells,) or (ticks, cells): u.coverage or u.bare as they stand, or what the
+          nut's balls cover, which are multiplied out for a few regimes instead of each tick
     """
 
     a: str

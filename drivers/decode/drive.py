@@ -21,10 +21,11 @@ SLIP_MM, SLIP = 5.0, 0.1  # least jump between two frames, beside the longest wa
 QUICK_S = 0.11  # from one frame to the next: in that no axis makes a stroke
 GOES_MM, HELD = 0.1, 0.1  # ways that count; share of them with no new position: it is told more seldom than the speed
 _STANDS = 1e-3  # cells: a shorter way is a stand
+_TURNS_RAD_S = 0.5  # a slower screw stands
 
 
 class Drive(NamedTuple):
-    """Of each tick, as in Recording: (rows,) rad/s, (rows, cells), (rows,), (rows,) s, (rows,), (rows,) mm."""
+    """Of each tick, as in Recording: rows of rad/s, cells, a number, s, a number, mm, cells, a number."""
 
     omega: Array
     coverage: Array
@@ -32,6 +33,8 @@ class Drive(NamedTuple):
     apart_s: Array
     pace: Array
     slip_mm: Array
+    stay: Array
+    idle: Array
 
 
 class DriveCondenser:
@@ -56,9 +59,10 @@ class DriveCondenser:
         speed  (n,) rad/s   row       (n,) tick of each frame, rising
         """
         cover = np.zeros((rows, self.screw.cells if self.screw else 0))
+        stay = cover.astype(np.float32)  # the mean of a minute is taken of it
         if not self.turns:
             none = np.full(rows, np.nan)
-            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), none, none)
+            return Drive(np.zeros(rows), cover, np.ones(rows), np.zeros(rows), none, none, stay, np.zeros(rows))
         columns = zip(self._last, (now, position, speed), strict=True)
         now, position, speed = (np.concatenate(([last], column)) for last, column in columns)
         row = np.concatenate(([self._row], row))
@@ -72,7 +76,9 @@ class DriveCondenser:
         passed, into = steps[joined], row[joined + 1]
         turned = _mean_speed(speed[joined], speed[joined + 1]) * passed
         squared = _mean_square(speed[joined], speed[joined + 1]) * passed
-        time, angle, squares = (np.bincount(into, amount, rows) for amount in (passed, turned, squared))
+        stood = np.where(turned > _TURNS_RAD_S * passed, 0.0, passed)
+        time, angle, squares, still = (np.bincount(into, each, rows) for each in (passed, turned, squared, stood))
+        idle = np.divide(still, time, out=np.zeros(rows), where=angle > 0.0)
         omega = np.divide(angle, time, out=np.abs(speed[latest]), where=time > 0)
         uneven = np.divide(squares * time, angle**2, out=np.ones(rows), where=angle > 0)
         pace = self._pace(position, speed, joined, turned, into, rows)
@@ -80,9 +86,10 @@ class DriveCondenser:
         if self.nut:
             weight = np.where(angle[into] > 0, turned, passed)
             cover = self._cover(position, joined, weight, into, latest)
-        omega[silent] = cover[silent] = np.nan
+            stay = self._cover(position, joined, passed, into, latest).astype(np.float32)
+        omega[silent] = cover[silent] = stay[silent] = np.nan
         self._last, self._row = (float(now[-1]), float(position[-1]), float(speed[-1])), int(row[-1]) - rows
-        return Drive(omega, cover, uneven, apart, pace, slip_mm)
+        return Drive(omega, cover, uneven, apart, pace, slip_mm, stay, idle)
 
     def _pace(self, position: Array, speed: Array, joined: Index, turned: Array, row: Index, rows: int) -> Array:
         """How far the position moves as a share of what the speed says, where that does not turn, (rows,).

@@ -21,9 +21,9 @@ def serves(rig: Rig) -> int:
 def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
     """Every `ticks` ticks in one, with the rig that has this tick.
 
-    Speed and inputs are means; coverage is the mean weighted by the angle turned, so that the heat of constant torque
-    stays where and as large as it was; a channel keeps its last reading and that reading's age, and so does the direct
-    reading of the displacement.
+    Speed, inputs and stay are means; coverage is the mean weighted by the angle turned, so that the heat of constant
+    torque stays where and as large as it was; a channel keeps its last reading and that reading's age, and so does the
+    direct reading of the displacement.
     """
     groups = len(recording) // ticks
     if groups == 0:
@@ -42,6 +42,8 @@ def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
             omega=_mean(omega),
             apart_s=np.full(groups, np.nan),  # where the table is at the end of a tick is no longer told
             unevenness=_unevenness(recording, groups, ticks),
+            stay=_mean(_grouped(recording.stay, groups, ticks)),
+            idle=_idle(_grouped(recording.idle, groups, ticks), omega),
             coverage=np.einsum("gt,gtc->gc", turned, coverage) / turned.sum(axis=1)[:, None],
         ),
         replace(rig, tick_s=rig.tick_s * ticks),
@@ -64,6 +66,12 @@ def _unevenness(recording: Recording, groups: int, ticks: int) -> Array:
     mean = np.nan_to_num(_mean(_grouped(recording.omega, groups, ticks)))
     square = _grouped(squares, groups, ticks).mean(axis=1)
     return np.divide(square, mean**2, out=np.ones_like(mean), where=mean > 0)
+
+
+def _idle(idle: Array, omega: Array) -> Array:
+    """Share of each longer tick in which the screw stands, (groups,), from (groups, ticks); 0 where it never turns."""
+    moves = omega > 0.0
+    return np.where(moves.any(axis=1), np.where(moves, idle, 1.0).mean(axis=1), 0.0)
 
 
 def _mean(column: Array) -> Array:

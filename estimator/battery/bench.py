@@ -78,7 +78,7 @@ class Bench:
         made["heat"] = assemble.heat(terms, place, len(u))
         made["offsets"] = assemble.offsets(terms, self.rig, len(u))
         made["outside"] = assemble.outside(terms, u, place)
-        return {name: np.asarray(value, np.result_type(value, float)) for name, value in made.items()}
+        return {name: np.asarray(v, np.result_type(np.asarray(v), float)) for name, v in made.items()}
 
 
 def _of_term(term: Term) -> Iterator[tuple[str, Any]]:

@@ -25,7 +25,8 @@ def instants(rig: Rig) -> Inputs:
     omega = np.array([[0.0], [1 / 3], [1.0]]) * _reference(rig)
     rises = {name: np.array([[0.5], [1.0], [2.0]]) for name in (*rig.inputs, START)}
     time_s, turning, since_s, moved = np.array([[900.0, 901, 902], [0, 1, 1], [300, 1, 2], [1, 1, 1]])[:, :, None]
-    motion = Motion(time_s, turning, since_s, moved, before=((True, 600.0), (False, 299.0)))
+    warmth = np.array([[5.0], [5.1], [5.3]])
+    motion = Motion(time_s, turning, since_s, moved, before=((True, 600.0), (False, 299.0)), warmth=warmth)
     coverage, uneven = _coverage(rig, np.array([0.25, 0.35, 0.5])), np.array([[1.0], [1.3], [1.1]])
     return Inputs(omega, coverage, rises, rises, motion, uneven, rig.seats)
 

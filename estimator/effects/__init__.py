@@ -20,8 +20,10 @@ STRUCTURE: tuple[type[Effect], ...] = (
 )
 MOUNTING: tuple[type[Effect], ...] = (held.HeldEnds,)
 HEAT: tuple[type[Effect], ...] = (
+    air.FreeConvection,
     air.RotatingConvection,
     nut.NutBody,
+    nut.NutBalls,
     bearings.AnchorSeat,
     bearings.FreeSeat,
     bearings.AnchorHousing,

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from types import SimpleNamespace
 
-from estimator.effect import Effect, Param
+import numpy as np
+
+from estimator.effect import Effect, Param, needed
 from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
-from estimator.terms import SCREW, Link, Term
+from estimator.terms import SCREW, Heat, Link, Term
 
 STEFAN_BOLTZMANN = 5.67e-8  # W/(m2 K4)
 ROOM_K = 295.0
+USUAL_K, TINY = 4.0, 1e-9  # rise of a screw in use; of it, that powers of nothing are numbers
 
 
 class StillAir(Effect):
@@ -27,10 +30,28 @@ class StillAir(Effect):
         yield Link(SCREW, "ambient", p.h * rig.the_screw().surface, over=u.bare)
 
 
+class FreeConvection(Effect):
+    """Still air takes more than in proportion to how warm the screw is, for what is warmer drives it faster.
+
+    q = h A w ((w / 4 K)^n - 1), h of still_air, w about how warm the motion so far has made the screw on the whole
+
+    as a heat of its own beside that of still_air, which is in proportion; fitted, and never searched for: n has no null
+    """
+
+    scales = ("still_air",)
+    trace = "Everywhere alike at rest: too warm at first after a stop and too cold at last."
+    n = Param(0.12, "1", lo=-0.2, hi=0.5, sd=0.1, source="Nu ~ (Gr Pr)^(1/4) of what is half radiation")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        w = u.motion.warmth
+        more = needed(p, "still_air").h * w * (np.maximum(w / USUAL_K, TINY) ** p.n - 1.0)
+        yield Heat(SCREW, -more * rig.the_screw().surface, over=1.0 - np.asarray(u.seats))
+
+
 class RotatingConvection(Effect):
     """Extra heat the surface loses to the air because the screw turns.
 
-    q = h |omega / omega_ref|^m A (T - T_air)
+    q = h |omega / omega_ref|^m A (T - T_air), the mean over a minute of motion, waits included
     """
 
     trace = "Everywhere; too warm while driving and right at rest, the more the faster it turns."
@@ -38,7 +59,7 @@ class RotatingConvection(Effect):
     m = Param(0.67, "1", lo=0.3, hi=1.2, sd=0.08, source="rotating cylinder, Nu ~ Re^(2/3)")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        h = p.h * rig.the_screw().relative_speed(u.omega) ** p.m
+        h = p.h * u.air_law(rig.the_screw(), p.m)
         yield Link(SCREW, "ambient", h * rig.the_screw().surface, over=u.bare)
 
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 from estimator.effect import Effect, Param, needed
 from estimator.effects.bearings import SEATS, seat_of, under_bearing
-from estimator.effects.nut import per_cell
+from estimator.effects.nut import per_cell, under_nut
 from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, START, Heat, Link, Term
@@ -21,14 +21,14 @@ class NutSpeedExponent(Effect):
     q = P (|omega / omega_ref|^(n + extra) - |omega / omega_ref|^n), P and n of nut_friction
     """
 
-    scales = ("nut_friction",)
+    scales = ("nut_friction", "nut_balls")
     trace = "None at the reference speed; at others the nut's heat is wrong, and more so the further off they are."
     extra = Param(0.2, "1", lo=-0.5, hi=0.8, null=0.0, source="0 constant torque ... 0.5 rolling ... 0.67 viscous")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         nut, screw = needed(p, "nut_friction"), rig.the_screw()
         more = u.speed_law(screw, nut.n + p.extra) - u.speed_law(screw, nut.n)
-        yield Heat(SCREW, nut.power * more * per_cell(rig), over=u.coverage)
+        yield Heat(SCREW, nut.power * more * per_cell(rig), over=under_nut(p, u, rig))
         yield Heat("nut", nut.power_nut * more, spare=True)
 
 
@@ -58,7 +58,8 @@ class FrictionThinning(Effect):
     """
 
     scales = (
-        "nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing", *SEATS
+        "nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing",
+        *SEATS,
     )  # fmt: skip
     trace = "The curve bends early: less heat the warmer it is, whatever the time; worse for short strokes."
     rate = Param(0.03, "1/K", lo=0.0, hi=0.08, null=0.0, source="3.1 - 3.5 %/K, Vogel-Cameron for VG100 - VG220")
@@ -87,7 +88,7 @@ class Churning(Effect):
     q = share f P |omega / omega_ref|^n, P and n of nut_friction;   f falls with motion, and comes back at rest
     """
 
-    scales = ("nut_friction",)
+    scales = ("nut_friction", "nut_balls")
     trace = "The first minutes of every drive after a long rest are too cold, wherever the nut travels."
     share = Param(
         0.4, "1", lo=-0.5, hi=3.0, null=0.0, source="starting torque of greased screws, up to twice the running"
@@ -98,5 +99,5 @@ class Churning(Effect):
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         nut = needed(p, "nut_friction")
         w = p.share * u.motion.freshness(p.decay, p.recovery) * u.speed_law(rig.the_screw(), nut.n)
-        yield Heat(SCREW, nut.power * w * per_cell(rig), over=u.coverage)
+        yield Heat(SCREW, nut.power * w * per_cell(rig), over=under_nut(p, u, rig))
         yield Heat("nut", nut.power_nut * w, spare=True)

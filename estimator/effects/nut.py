@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from types import SimpleNamespace
+from typing import Any
 
 from estimator.effect import Effect, Param
+from estimator.inputs.balls import Balls, ByBalls
 from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, Heat, Link, Store, Term
@@ -14,6 +16,31 @@ from estimator.terms import SCREW, Heat, Link, Store, Term
 def per_cell(rig: Rig) -> float:
     """Share of the nut that a wholly covered cell holds: times the coverage this sums to 1 inside the screw."""
     return float(rig.the_screw().length * 1e3 / rig.the_nut().length_mm)
+
+
+def under_nut(p: SimpleNamespace, u: Inputs, rig: Rig) -> Any:
+    """Share of each cell under the nut, (ticks, cells), for an effect that `scales` nut_balls: under these, if any."""
+    balls = getattr(p, "nut_balls", None)
+    return u.coverage if balls is None else ByBalls(u.coverage, rig, Balls(balls.shift, balls.width, balls.gap))
+
+
+class NutBalls(Effect):
+    """Balls carry on a part of the nut alone: friction heats the screw there, and heat passes to the nut.
+
+    q ~ 1 at gap b / 2 < |x - x_nut - shift| < b / 2, b = width L, else 0;   L the nut's length, x_nut its middle
+
+    gap  of two circuits: what is left free between them. Fitted, and never searched for: no parameter has a null
+    """
+
+    trace = "Thermometers that short strokes pass too warm and too cold side by side while driving."
+    apart = True
+    shift = Param(0.0, "mm", lo=-40.0, hi=40.0, sd=3.0, source="mounting, and circuits off the middle")
+    width = Param(0.9, "1", lo=0.3, hi=1.1, sd=0.15, source="circuits end before seals and flange: 0.7 - 1")
+    gap = Param(0.15, "1", lo=0.0, hi=0.8, sd=0.2, source="one circuit: 0; two and their returns: 0.1 - 0.4")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        rig.the_nut()
+        return iter(())
 
 
 class NutFriction(Effect):
@@ -27,6 +54,7 @@ class NutFriction(Effect):
     noise  scatter of q, sqrt(s): share of q, with a memory of one second
     """
 
+    scales = ("nut_balls",)
     trace = "Wherever the nut travels the screw is too cold while driving."
     power = Param(
         60.0, "W", lo=0.0, hi=2000.0, null=0.0, sd=20.0, source="109 W at 2 kN preload and 20 m/min, 0.3 - 0.7 of it"
@@ -38,7 +66,7 @@ class NutFriction(Effect):
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         relative = u.speed_law(rig.the_screw(), p.n)
         into_screw, into_nut = p.power * relative * per_cell(rig), p.power_nut * relative
-        yield Heat(SCREW, into_screw, over=u.coverage, noise=p.noise * into_screw)
+        yield Heat(SCREW, into_screw, over=under_nut(p, u, rig), noise=p.noise * into_screw)
         yield Heat("nut", into_nut, noise=p.noise * into_nut, spare=True)
 
 
@@ -48,6 +76,7 @@ class NutBody(Effect):
     C dT/dt = q_nut - g (T - T_screw) - g_air (T - T_air)
     """
 
+    scales = ("nut_balls",)
     trace = "Heat comes back after the stop, where the nut parks and nowhere else."
     capacity = Param(1500.0, "J/K", lo=100.0, hi=20000.0, sd=300.0, source="1000 - 2000 computed from drawings")
     g = Param(2.0, "W/K", lo=0.0, hi=50.0, null=0.0, sd=1.0, source="0.8 - 1.6 unsealed, more with grease and load")
@@ -56,5 +85,5 @@ class NutBody(Effect):
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         yield Store("nut", p.capacity, p.noise, start="nut")
-        yield Link(SCREW, "nut", p.g * per_cell(rig), over=u.coverage)
+        yield Link(SCREW, "nut", p.g * per_cell(rig), over=under_nut(p, u, rig))
         yield Link("nut", "ambient", p.g_air)

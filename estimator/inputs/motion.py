@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
@@ -11,8 +11,12 @@ import numpy as np
 
 from estimator.inputs.phase import turns
 from estimator.record import Array
+from estimator.screw import Screw
 
 REMEMBERED = 500  # drives and rests; what lay further back has faded
+
+POWER_W = 100.0  # that a drive at the reference speed brings into the screw
+STILL, TURNING = 7.0, 25.0  # W/(m2 K) that the air takes off it, at rest and more at the reference speed
 
 Stretch = tuple[bool, float]
 
@@ -26,6 +30,7 @@ class Motion:
     since_s  s since it last started or stopped turning; before that since the first sample
     moved    1.0 from the first motion on
     before   drives and rests before these ticks: whether it turned, and for how many s
+    warmth   K, how warm the motion so far has made the screw on the whole, about, whatever the model
     """
 
     time_s: Array
@@ -34,6 +39,7 @@ class Motion:
     moved: Array
     before: tuple[Stretch, ...] = ()
     tick_s: float = 1.0
+    warmth: Array = field(default_factory=lambda: np.zeros((1, 1)))
 
     @classmethod
     def none(cls, ticks: int) -> Motion:
@@ -50,7 +56,8 @@ class Motion:
             elif seconds:
                 before.append((turned, seconds))
         columns = (self.time_s[at], self.turning[at], self.since_s[at], self.moved[at])
-        return Motion(*columns, tuple(before[-REMEMBERED:]), self.tick_s)
+        warmth = self.warmth[at] if len(self.warmth) == len(self.turning) else self.warmth
+        return Motion(*columns, tuple(before[-REMEMBERED:]), self.tick_s, warmth)
 
     def freshness(self, decay_s: float, recovery_s: float) -> Array:
         """1 after a long rest; fades while the screw turns and comes back while it stands: (ticks, 1).
@@ -80,8 +87,9 @@ def _faded(level: Any, turned: bool, seconds: Any, decay_s: Any, recovery_s: Any
 class MotionReader:
     """Follows the motion from tick to tick."""
 
-    def __init__(self, tick_s: float) -> None:
+    def __init__(self, tick_s: float, screw: Screw | None = None) -> None:
         self._tick, self._ticks, self._moved = tick_s, 0, False
+        self._screw, self._warmth = screw, 0.0
         self._stretches: deque[Stretch] = deque(maxlen=REMEMBERED)
 
     def read(self, omega: Array) -> Motion:
@@ -96,7 +104,20 @@ class MotionReader:
         time = (self._ticks + np.arange(len(omega))) * self._tick
         self._ticks += len(omega)
         columns = [column[:, None] for column in (time, turning, since, moved)]
-        return Motion(columns[0], columns[1], columns[2], columns[3], before, self._tick)
+        return Motion(columns[0], columns[1], columns[2], columns[3], before, self._tick, self._warm(omega))
+
+    def _warm(self, omega: Array) -> Array:
+        """C dw/dt = POWER s - (STILL + TURNING s^0.7) A w, s the relative speed: (ticks, 1)."""
+        if self._screw is None:
+            return np.zeros((len(omega), 1))
+        speed = self._screw.relative_speed(omega)
+        store = self._screw.density * self._screw.heat_capacity * self._screw.area * self._screw.length
+        keep = np.exp(-self._tick * (STILL + TURNING * speed**0.7) * self._screw.surface / store)
+        gain, found = self._tick * POWER_W * speed / (store * self._screw.cells), np.empty((len(omega), 1))
+        for k in range(len(omega)):
+            self._warmth = float(keep[k] * self._warmth + gain[k])
+            found[k] = self._warmth
+        return found
 
     def _follow(self, turning: bool) -> float:
         """One more tick: s since the motion last changed."""

@@ -128,15 +128,20 @@ def signals(model: Model, rig: Rig) -> list[str]:
 def corrected(recording: Recording, rig: Rig, signal: str, size: float) -> Recording:
     """The recording as it would be if the signal were the logarithm `size` of a ratio, or `size` K or mm, too high."""
     if signal == ZERO:
-        return replace(recording, coverage=moved(recording.coverage, rig, shift_mm=-size))
+        return _elsewhere(recording, rig, shift_mm=-size)
     if _scale(rig, signal) is KELVIN:
         return replace(recording, inputs={**recording.inputs, signal: recording.inputs[signal] - size})
     share = float(np.exp(-size))
     if signal in (*DRIVE, "speed and position"):
         omega = recording.omega * (share if "speed" in signal else 1.0)
-        coverage = recording.coverage if "position" not in signal else moved(recording.coverage, rig, share)
-        return replace(recording, omega=omega, coverage=coverage)
+        return replace(_elsewhere(recording, rig, share) if "position" in signal else recording, omega=omega)
     return replace(recording, inputs={**recording.inputs, signal: recording.inputs[signal] * share})
+
+
+def _elsewhere(recording: Recording, rig: Rig, share: float = 1.0, shift_mm: float = 0.0) -> Recording:
+    """The recording if every position p were share p + shift_mm."""
+    coverage, stay = (moved(cover, rig, share, shift_mm) for cover in (recording.coverage, recording.stay))
+    return replace(recording, coverage=coverage, stay=stay)
 
 
 def _best(model: Model, rig: Rig, recording: Recording, signal: str) -> tuple[float, float]:

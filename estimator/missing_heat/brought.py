@@ -31,11 +31,11 @@ def _into(node: str, terms: Iterable[Term], u: Inputs, z: Array, place: Layout) 
     heat = np.zeros((len(u), len(place.rows(node))))
     for term in terms:
         if isinstance(term, Heat) and term.node == node:
-            heat += term.q * term.over
+            heat += np.multiply(term.q, term.over)
         elif isinstance(term, Link) and node in (term.a, term.b):
             other = term.b if term.a == node else term.a
             beyond = z @ place.rows(other).T if other in place.nodes else u[other]
-            heat += term.g * term.over * (beyond - z @ place.rows(node).T)
+            heat += np.multiply(term.g, term.over) * (beyond - z @ place.rows(node).T)
     return heat
 
 

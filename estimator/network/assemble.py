@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from estimator.inputs.balls import ByBalls
 from estimator.inputs.inputs import Inputs
 from estimator.network import mesh
 from estimator.network.growth import Growth
@@ -196,6 +197,8 @@ def values(term: Term, but: str = "") -> Iterator[object]:
 
 def is_complex(value: object) -> bool:
     """Whether a value of a term, a number or an array, is complex."""
+    if isinstance(value, ByBalls):
+        return value.is_complex
     return isinstance(value, complex) or (isinstance(value, np.ndarray) and value.dtype.kind == "c")
 
 
@@ -211,9 +214,9 @@ def _link(conductance: Array, inflow: Array, place: Layout, term: Link) -> None:
     a, b = (term.a, term.b) if term.a in place.nodes else (term.b, term.a)
     regimes, rows = len(conductance), place.rows(a)
     if b in place.nodes:
-        conductance += _squares(rows - place.rows(b), term.g * term.over, regimes)
+        conductance += _squares(rows - place.rows(b), np.multiply(term.g, term.over), regimes)
     else:
-        g = np.broadcast_to(term.g * term.over, (regimes, len(rows)))
+        g = np.broadcast_to(np.multiply(term.g, term.over), (regimes, len(rows)))
         conductance += place.squares(a, g, regimes)
         inflow[:, :, place.inputs.index(b)] += g @ rows
         for k, shift in enumerate(place.shifts, start=len(place.inputs)):
@@ -224,6 +227,8 @@ def _link(conductance: Array, inflow: Array, place: Layout, term: Link) -> None:
 def spread(q: Any, over: Any, rows: Array) -> Array:
     """q over, (ticks, cells), projected on the states: (ticks, n); (1, n) for a q without ticks."""
     q = np.atleast_2d(q)
+    if isinstance(over, ByBalls):
+        return np.asarray(q * over.onto(rows))
     if q.shape[1] == 1:
         return q * (over @ rows if np.shape(over)[-1:] == rows.shape[:1] else np.multiply(over, rows.sum(axis=0)))
     return np.asarray((q * over) @ rows)

@@ -28,9 +28,8 @@ def checked_terms(model: Model, u: Inputs, rig: Rig, sound: Sound | None = None)
             if word not in known:
                 raise model.error(name, f"{problem}; {nearest(word, known)}")
         if not _alike(terms, sound.of(name, other, forced=False)):
-            raise model.error(
-                name, "the g of a Link depends on an input; it may depend on parameters, u.omega and u.coverage only"
-            )
+            may = "parameters, u.omega, u.unevenness, u.idle and u.coverage"
+            raise model.error(name, f"the g of a Link depends on an input; it may depend on {may} only")
     for name, problem in _together(by_effect, stored):
         raise model.error(name, problem)
     return [term for terms in by_effect.values() for term in terms]

@@ -142,7 +142,7 @@ class Forcing:
     @property
     def regimes(self) -> int:
         """How many have been met so far."""
-        return len(self._regimes.omega)
+        return len(self._regimes.met)
 
     @property
     def modes(self) -> list[Modes]:
@@ -159,11 +159,14 @@ class Forcing:
 
     def read(self, chunk: Recording) -> Drive:
         """Inputs and regimes of a chunk, whatever the model; call in order of time."""
-        u, regime, astray = self._reader.read(chunk), [], []
+        u, stay, regime, astray = self._reader.read(chunk), self._reader.stay(chunk), [], []
         unseen = self._untold.unseen(chunk)
-        for sample, w, coverage, lost in zip(chunk, u.omega[:, 0], u.coverage, unseen, strict=True):
+        speeds = np.hstack([np.broadcast_to(each, u.omega.shape) for each in (u.omega, u.unevenness, u.idle)])
+        for k, sample in enumerate(chunk):
             self._travel.step(sample)
-            regime.append(self._regimes.index(float(w), coverage, bool(lost or self._travel.why)))
+            lost = bool(unseen[k] or self._travel.why)
+            omega, *rest = speeds[k].tolist()
+            regime.append(self._regimes.index(omega, stay[k], lost, *rest))
             astray.append(self._travel.astray)
         return Drive(u, np.array(regime), np.array(astray))
 
@@ -199,8 +202,9 @@ class Forcing:
         which = tuple(range(self.regimes) if which is None else which)
         if which not in self._asked:
             self._asked.clear()
-            omega = np.array([self._regimes.omega[r] for r in which])[:, None]
-            self._asked[which] = no_inputs(self.rig, omega, np.array([self._regimes.coverage[r] for r in which]))
+            met = [self._regimes.met[r] for r in which]
+            omega, uneven, idle = np.array([[each.omega, each.unevenness, each.idle] for each in met]).T[:, :, None]
+            self._asked[which] = no_inputs(self.rig, omega, np.array([each.coverage for each in met]), uneven, idle)
         return self._asked[which]
 
     def _solve(self, needed: Sequence[int]) -> None:
@@ -216,7 +220,7 @@ class Forcing:
         for i, regime in enumerate(missing):
             modes = Modes(network, i, self.rig.tick_s)
             move = modes.transition()
-            if self._regimes.unknown[regime]:
+            if self._regimes.met[regime].unknown:
                 move = replace(move, Q=move.Q + unknown_heat(self.place, self.rig.tick_s))
             self._solved[regime] = Solved(modes, move, network.inflow[i])
 

@@ -137,6 +137,7 @@ class Moved:
         """Whether columns of values can be asked of its effects: a user's own need not work on them."""
         effect, _, key = self.path.partition(".")
         chooses = self._model.effects[effect].params[key].over == "channel" or effect in self._model.correcting
+        chooses = chooses or self._model.effects[effect].apart
         return self.in_ticks and not chooses and Shift not in self._kinds and not self._is_own
 
     @property

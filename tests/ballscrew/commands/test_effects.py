@@ -28,7 +28,7 @@ def test_the_catalogue_as_json():
     assert {name for kind in told.values() for name in kind} == set(CATALOGUE)
     churning = told["heat"]["churning"]
     assert churning["trace"] == CATALOGUE["churning"].trace
-    assert churning["scales"] == ["nut_friction"]
+    assert churning["scales"] == ["nut_friction", "nut_balls"]
     share = churning["parameters"]["share"]
     assert (share["value"], share["lo"], share["hi"], share["null"], share["unit"]) == (0.4, -0.5, 3.0, 0.0, "1")
 

@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.decode import drive
-from drivers.decode.drive import covered
+from drivers.decode.drive import DriveCondenser, covered
+from drivers.frames import Tally
 from drivers.recordings import read_recording
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.screw import Screw
@@ -58,6 +59,7 @@ def test_a_tick_is_what_the_table_did(tmp_path: Path, hertz: int, error: float) 
         centre = RIG.nut.centre(place)
         box = RIG.screw.overlap(centre - RIG.nut.length_mm / 2, centre + RIG.nut.length_mm / 2)
         np.testing.assert_allclose(record.coverage[k], np.average(box, axis=0, weights=np.abs(rpm)), atol=error)
+        np.testing.assert_allclose(record.stay[k], box.mean(axis=0), atol=2 * error)  # it turns between frames
         assert record.omega[k] == pytest.approx(np.abs(rpm).mean() * 2 * np.pi / 60, rel=error)
         assert record.unevenness[k] == pytest.approx((rpm**2).mean() / np.abs(rpm).mean() ** 2, rel=2 * error)
     np.testing.assert_allclose(record.coverage.sum(axis=1) * RIG.screw.length, 0.175, rtol=1e-9)
@@ -82,3 +84,13 @@ def test_a_rig_without_drive_or_screw(tmp_path: Path) -> None:
     assert record.coverage.shape == (3, 0)
     assert (record.omega == 0).all()
     assert (read_recording(path, replace(RIG, nut=None)).coverage == np.zeros((3, RIG.screw.cells))).all()
+
+
+def test_a_wait_between_strokes_is_idle_and_a_rest_is_not() -> None:
+    """0.4 s of each second the screw stands at the end of its stroke; then it stands for good."""
+    now = np.arange(0.0, 3.005, 0.01)
+    turns = (now % 1.0 < 0.595) & (now < 2.0)
+    speed, row = np.where(turns, 100.0, 0.0), np.minimum(np.ceil(now - 1e-9).astype(int), 3)
+    found = DriveCondenser(RIG, Tally(), 2).rows(now, np.full(len(now), 200.0), speed, row, 4)
+    np.testing.assert_allclose(found.idle[1:3], 0.4, atol=0.021)
+    assert found.idle[3] == 0.0

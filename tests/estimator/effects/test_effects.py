@@ -23,8 +23,8 @@ from estimator.terms import Expand, Heat, Lag, Read, Spot, Store
 from tests.conftest import terms_of
 
 EFFECTS = list(CATALOGUE.values())
-WITHOUT_NULL = {"conduction", "displacement", "held_ends"}  # the bar, a channel, and how the bar is mounted
-ALWAYS = {"local_heat"}  # heats at rest, too
+WITHOUT_NULL = {"conduction", "displacement", "held_ends", "nut_balls", "free_convection"}  # never searched for
+ALWAYS = {"local_heat", "free_convection"}  # heats at rest, too
 
 
 @pytest.fixture(scope="module")

@@ -136,7 +136,22 @@ def test_what_scales_an_effect_moves_with_it(every):
         "friction_thinning",
         "churning",
     }
-    assert every.moved_by("still_air") == ["still_air"]
+    assert set(every.moved_by("still_air")) == {"still_air", "free_convection"}
+
+
+# --- air
+
+
+def test_still_air_takes_more_of_what_is_warmer_and_less_of_what_is_cooler(full, rig, u):
+    """As much as in proportion at 4 K; a law of its own power beside that, over all that no bearing hides."""
+    model = full.with_values({"still_air.h": 5.0}) + CATALOGUE["free_convection"]
+    rises = np.array([[4.0], [8.0], [1.0], [0.0]])
+    for n in (0.0, 0.2):
+        warm = replace(moving(rig, np.zeros(4)), motion=replace(MotionReader(1.0).read(np.zeros(4)), warmth=rises))
+        terms = model.with_values({"free_convection.n": n}).terms_of("free_convection", warm, rig)
+        hA = 5.0 * rig.screw.surface * (1.0 - rig.seats).sum()
+        taken = hA * rises[:, 0] * ((rises[:, 0] / 4.0) ** n - 1.0)
+        np.testing.assert_allclose(watts(terms, "screw", 4), -taken, atol=1e-9)
 
 
 # --- places

@@ -22,7 +22,8 @@ def frozen(strokes):
     later = np.arange(SECONDS + 1)[: len(run)] >= AT
     position = np.where(later, run.inputs["position"][at], run.inputs["position"])
     there = replace(run, inputs={**run.inputs, "position": position})
-    return replace(there, coverage=np.where(later[:, None], run.coverage[at], run.coverage))
+    coverage, stay = (np.where(later[:, None], cover[at], cover) for cover in (run.coverage, run.stay))
+    return replace(there, coverage=coverage, stay=stay)
 
 
 @pytest.fixture(scope="module")

@@ -22,8 +22,8 @@ SECONDS, SHIFT_MM = 420, 40.0
 def shifted(run, rig, by_mm=SHIFT_MM):
     """The run with a position that is told with another zero from its first tick on."""
     position = run.inputs["position"] + by_mm
-    coverage = moved(run.coverage, rig, shift_mm=by_mm)
-    return replace(run, inputs={**run.inputs, "position": position}, coverage=coverage)
+    coverage, stay = (moved(cover, rig, shift_mm=by_mm) for cover in (run.coverage, run.stay))
+    return replace(run, inputs={**run.inputs, "position": position}, coverage=coverage, stay=stay)
 
 
 @pytest.fixture(scope="module")

@@ -8,10 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimator.inputs import motion
-from estimator.inputs.motion import Motion, MotionReader
+from estimator.inputs.motion import POWER_W, STILL, TURNING, Motion, MotionReader
+from estimator.screw import Screw
 
-COLUMNS = ("time_s", "turning", "since_s", "moved")
+COLUMNS = ("time_s", "turning", "since_s", "moved", "warmth")
 FAST = 100.0
+BAR = Screw(0, 1000, 40, 17, reference_rpm=FAST * 30 / np.pi)
 STRETCHES = st.lists(st.tuples(st.booleans(), st.integers(1, 40)), min_size=1, max_size=12)
 TICKS = st.sampled_from([0.5, 1.0, 5.0])
 
@@ -23,7 +25,7 @@ def speeds(stretches) -> np.ndarray:
 @given(stretches=STRETCHES, cuts=st.lists(st.integers(1, 30), min_size=1, max_size=40), tick_s=TICKS)
 def test_pieces_are_the_whole(stretches, cuts, tick_s):
     omega = speeds(stretches)
-    whole, reader, pieces = MotionReader(tick_s).read(omega), MotionReader(tick_s), []
+    whole, reader, pieces = MotionReader(tick_s, BAR).read(omega), MotionReader(tick_s, BAR), []
     begin = 0
     for cut in [*cuts, len(omega)]:
         if begin < len(omega):
@@ -39,6 +41,19 @@ def test_pieces_are_the_whole(stretches, cuts, tick_s):
         for name in COLUMNS:
             np.testing.assert_array_equal(getattr(part, name), getattr(piece, name))
         np.testing.assert_allclose(part.freshness(30.0, 70.0), piece.freshness(30.0, 70.0), rtol=0, atol=1e-12)
+
+
+def test_motion_warms_the_screw_as_heat_and_air_do():
+    """At first by its power alone, at last until the air takes as much; at rest an hour takes half."""
+    surface = np.pi * 0.04
+    store = BAR.density * BAR.heat_capacity * BAR.area
+    driven = MotionReader(5.0, BAR).read(np.full(4000, FAST)).warmth[:, 0]
+    assert driven[0] == pytest.approx(5.0 * POWER_W / store, rel=1e-3)
+    assert driven[-1] == pytest.approx(POWER_W / ((STILL + TURNING) * surface), rel=0.01)
+    reader = MotionReader(1.0, BAR)
+    warm = reader.read(np.full(300, FAST)).warmth[-1, 0]
+    cooled = reader.read(np.zeros(3600)).warmth[-1, 0]
+    assert cooled / warm == pytest.approx(np.exp(-3600 * STILL * surface / store), rel=1e-6)
 
 
 @settings(max_examples=30)
@@ -65,7 +80,7 @@ def test_the_columns_say_what_they_are_called(stretches, tick_s):
         since = since + 1 if k and (omega[k - 1] > 0) == (speed > 0) else 1
         moved = moved or speed > 0
         expected = [k * tick_s, float(speed > 0), since * tick_s, float(moved)]
-        assert [getattr(found, name)[k, 0] for name in COLUMNS] == pytest.approx(expected)
+        assert [getattr(found, name)[k, 0] for name in COLUMNS[:4]] == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("before", [(), ((True, 700.0), (False, 40.0))])

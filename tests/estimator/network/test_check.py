@@ -62,7 +62,8 @@ def cup_and(*terms) -> type[Effect]:
         ),
         (
             lambda u: Link("cup", "ambient", 1 + u["ambient"]),
-            "the g of a Link depends on an input; it may depend on parameters, u.omega and u.coverage only",
+            "the g of a Link depends on an input; "
+            "it may depend on parameters, u.omega, u.unevenness, u.idle and u.coverage only",
         ),
     ],
 )

@@ -20,7 +20,7 @@ def places(small, driven):
     """A parked machine: each place of its nut is a regime of its own."""
     run = driven(small, 4, (9, 9))
     covered = np.eye(4, CELLS, dtype=float) * 100.0
-    return replace(run, coverage=covered)
+    return replace(run, coverage=covered, stay=covered)
 
 
 def test_what_was_used_longest_ago_is_solved_again(small, small_model, places):
@@ -40,7 +40,7 @@ def test_a_regime_that_was_used_again_may_hold_again(monkeypatch):
     regimes = Regimes(1.0, forgets=True)
     here, there, elsewhere = np.eye(3, CELLS) * 100.0
     assert [regimes.index(0.0, place) for place in (here, there, here, elsewhere)] == [0, 1, 0, 2]
-    assert len(regimes.coverage[1]) == 0
+    assert len(regimes.met[1].coverage) == 0
     assert regimes.index(0.0, here) == 0
     assert regimes.index(0.0, there) == 3
-    assert len(regimes.coverage[2]) == 0
+    assert len(regimes.met[2].coverage) == 0

@@ -9,7 +9,6 @@ from scipy.sparse import csc_matrix, diags_array
 from scipy.sparse.linalg import splu
 
 from estimator.filter import Filter
-from estimator.inputs.inputs import no_inputs
 from estimator.inputs.start import Start
 from estimator.network import assemble, mesh, regime
 from estimator.network.forcing import Forcing
@@ -62,8 +61,7 @@ def fine(model, rig, drive):
     z, out = np.full(place.size, 22.0), []
     for r, q, air in zip(read.regime, heat, outside, strict=True):
         if r not in solvers:
-            omega, coverage = forcing._regimes.omega[r], forcing._regimes.coverage[r]
-            u = no_inputs(rig, np.array([[omega]]), coverage[None])
+            u = forcing.regime_inputs([r])
             network = assemble.network_of(list(model.terms(u, rig)), place, len(u))
             mass, g = diags_array(np.diag(network.mass)).tocsc(), csc_matrix(network.conductance[0])
             solvers[r] = splu(mass + dt / 2 * g), mass - dt / 2 * g, network.inflow[0]
@@ -113,8 +111,8 @@ def cost_of_regimes(model, rig, drive, monkeypatch) -> tuple[float, float, int]:
     """
     ours, few = reduced(model, rig, drive)
     with monkeypatch.context() as exact:
-        exact.setattr(regime, "SPEED_STEP", 0.0)
-        exact.setattr(regime, "COVERAGE_STEP", 0.0)
+        exact.setattr(regime, "SPEED_STEP", 1e-12)
+        exact.setattr(regime, "COVERAGE_STEP", 1e-12)
         exact.setattr(regime, "WINDOW_S", rig.tick_s)
         true, many = reduced(model, rig, drive)
     assert many > (drive.omega > 0).sum()
