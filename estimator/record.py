@@ -131,7 +131,7 @@ class Recording:
             zip(*(each.tolist() for each in series), strict=True),
         ):  # fmt: skip
             inputs = dict(zip(names, inputs, strict=True))
-            yield Sample(time_s, channels, ages_s, inputs, omega, coverage, *rest, stay=stay, idle=idle)
+            yield Sample(time_s, channels, ages_s, inputs, omega, coverage, *(*rest, stay, idle))
 
 
 def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
