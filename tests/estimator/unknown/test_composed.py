@@ -94,7 +94,8 @@ def test_a_place_a_width_and_an_exponent_are_found(rubbing):
     for key, truth in (("power", 6.0), ("at", 70.0), ("n", 1.5)):
         assert own[key].value == pytest.approx(truth, abs=3 * own[key].sd), key
     assert own["n"].sd < 0.1
-    assert own["width"].value == pytest.approx(60.0, abs=20.0)
+    assert own["width"].value == pytest.approx(60.0, abs=own["width"].sd)
+    assert own["width"].sd < 35.0
     assert made.hypothesis.misfit < 0.1 * made.before.misfit
     assert made.effect.params["n"].value == pytest.approx(own["n"].value, rel=1e-5)
     said = composed_sentence(made)
