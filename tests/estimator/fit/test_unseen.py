@@ -69,7 +69,7 @@ def test_one_in_three_along_the_screw_is_predicted_by_the_filter_that_never_read
                 wanted.append((error, np.hypot(sd, GAIN_SD * rise), i))
     assert len(wanted) == 7 * 6
     np.testing.assert_allclose(np.column_stack([found.error, found.sd, found.channel]), wanted, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(found.weight, 1 / 42)
+    np.testing.assert_allclose(found.weight, 0.6 / 42)
 
 
 def test_of_errors_as_large_as_the_noise_says_most_are_within_two_sd(lives, trials):
