@@ -28,8 +28,8 @@ BLOCK_S = 10.0
 WINDOWS = (6, 14, 32, 62, 182, 362)  # blocks
 SURE = (7.0, 7.0, 7.0, 7.0, 9.0, 9.0)  # sd
 SUSPECT, WORSE, BESIDE, USUAL = 4.0, 4.0, 8.0, 2.0
-ROUGH = 0.4  # of what the model alone changes by beside the next places: so much it may lack there
-ROUGH_K, LARGE, OFF = 0.05, 0.05, 1.6  # but only so much of what is large, and so many times what it is off by
+ROUGH = 0.4  # of what the model alone changes by beside the next places: more than it can lack there
+ROUGH_K, LARGE, OFF = 0.05, 0.05, 1.6  # a suspicion needs no more, of what is large: so many times what it is off by
 ALIKE_MM, COMMON_K, SMOOTH_K, SINGLE_K = 250.0, 5.0, 0.01, 0.003  # of c along the screw; the last two in two minutes
 TWO_MINUTES = 12  # blocks
 RECENT = 4  # of the windows: ten minutes
@@ -186,7 +186,8 @@ class Windows:
     def _departure(self, w: int, before: Means, i: int, tested: Tested, change: Change, steady: bool) -> Departure:
         """How far one has departed over window w; if not steadily, it may be heat that came late in it."""
         self._beside[w, i] = max(self._beside[w, i], self._beyond_usual(i, tested))
-        allowed = WORSE * np.log(tested.scale) * tested.sd + tested.scale * self._details(change.rough[i])
+        details = np.array([ROUGH * change.rough[i], self._details(change.rough[i])])
+        allowed = WORSE * np.log(tested.scale) * tested.sd + tested.scale * details
         limit = np.array([SURE[w], SUSPECT]) * tested.sd + allowed + BESIDE * self._beside[w, i]
         drifts, may_drift = (abs(tested.value) / limit).tolist()
         not_heat = tested.not_heat if steady else 0.0
