@@ -29,10 +29,7 @@ ASTRAY = 3.0  # times the limit, while heat is in the wrong place
 OUTLYING = 3.0  # a scatter so many times that of the median thermometer is no scatter any more
 MEANS = [0, 1, 4, 6]  # of what is known of a channel: level, scatter^2, sd, mean of the model alone
 UNKNOWN_SD = 10.0  # the limit where no level is known; and after a silence, in which the model may have gone astray
-HEAT_K, HEAT_S = (
-    3.0,
-    900.0,
-)  # by as much, in that time: some 10 W that the model lacks; heat that lasts comes no further
+HEAT_K, HEAT_S = 3.0, 900.0  # by as much in that time: 10 W that the model lacks; what lasts comes no further
 SPREAD = 3.0  # times what one of the next thermometers shows of it
 
 
