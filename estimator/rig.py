@@ -20,6 +20,7 @@ from estimator.rig_log import Log
 from estimator.screw import Bed, Nut, Screw, Support
 
 Vector = NDArray[Any]
+AT_REST = 0.5  # rad/s, 5 rpm: a slower screw stands
 RAD_S = {"rpm": 2 * np.pi / 60, "rad/s": 1.0}  # units that a speed may have
 NOT_GEOMETRY = {"expansion_tolerance", "cells", "knots_mm"}
 Part = TypeVar("Part")

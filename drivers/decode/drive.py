@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivers.frames import Array, Index, Tally
-from estimator.rig import Rig
+from estimator.rig import AT_REST, Rig
 from estimator.screw import Screw
 
 AT_ONCE = 1024  # ticks, of which every sum over the cells takes 2 MB
@@ -21,7 +21,6 @@ SLIP_MM, SLIP = 5.0, 0.1  # least jump between two frames, beside the longest wa
 QUICK_S = 0.11  # from one frame to the next: in that no axis makes a stroke
 GOES_MM, HELD = 0.1, 0.1  # ways that count; share of them with no new position: it is told more seldom than the speed
 _STANDS = 1e-3  # cells: a shorter way is a stand
-_TURNS_RAD_S = 0.5  # a slower screw stands
 
 
 class Drive(NamedTuple):
@@ -76,7 +75,7 @@ class DriveCondenser:
         passed, into = steps[joined], row[joined + 1]
         turned = _mean_speed(speed[joined], speed[joined + 1]) * passed
         squared = _mean_square(speed[joined], speed[joined + 1]) * passed
-        stood = np.where(turned > _TURNS_RAD_S * passed, 0.0, passed)
+        stood = np.where(turned > AT_REST * passed, 0.0, passed)
         time, angle, squares, still = (np.bincount(into, each, rows) for each in (passed, turned, squared, stood))
         idle = np.divide(still, time, out=np.zeros(rows), where=angle > 0.0)
         omega = np.divide(angle, time, out=np.abs(speed[latest]), where=time > 0)

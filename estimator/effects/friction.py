@@ -58,8 +58,7 @@ class FrictionThinning(Effect):
     """
 
     scales = (
-        "nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing",
-        *SEATS,
+        "nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing", *SEATS
     )  # fmt: skip
     trace = "The curve bends early: less heat the warmer it is, whatever the time; worse for short strokes."
     rate = Param(0.03, "1/K", lo=0.0, hi=0.08, null=0.0, source="3.1 - 3.5 %/K, Vogel-Cameron for VG100 - VG220")

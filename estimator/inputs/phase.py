@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from estimator.record import Array, Recording
-from estimator.rig import RAD_S, Rig
+from estimator.rig import AT_REST, RAD_S, Rig
 
-AT_REST = 0.5  # rad/s, 5 rpm
 COOLDOWN_S = 3600.0
 
 EARLY_S = 600.0

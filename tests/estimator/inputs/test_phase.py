@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from estimator.inputs.phase import AT_REST, PHASES, cooling, phase_of, speed_of, stops, turns
+from estimator.inputs.phase import PHASES, cooling, phase_of, speed_of, stops, turns
+from estimator.rig import AT_REST
 
 
 def test_a_screw_turns_above_the_rest_and_not_where_nothing_is_known():
