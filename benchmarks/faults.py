@@ -8,6 +8,7 @@ python -m benchmarks faults [ROW ...]    some of the rows without a failure only
 python -m benchmarks faults drifts       slow drifts one by one, likewise
 python -m benchmarks faults lies         a displacement, a position or a speed that lies
 python -m benchmarks faults alike        heat that the model lacks, and two neighbours that drift alike
+python -m benchmarks faults silences     the telemeter silent for minutes, on machines that are not the model's
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import alike, drifts, handed_over, lies, paper_rig, sound
+from benchmarks import alike, drifts, handed_over, lies, paper_rig, silences, sound
 from benchmarks.drifts import LOST_SD, LOST_UM, longest
 from benchmarks.failed import SEED, WHEN, Case, Outcome, by_kind, cells, named, share
 from benchmarks.injected import FAILURES, INPUT_FAILURES, NAMED, failing, failing_input, shifted
@@ -42,6 +43,7 @@ ASIDE = {  # tables of their own
     "drifts": lambda: drifts.table(WHEN, SEED),
     "lies": lies.table,
     "alike": lambda: alike.table(WHEN, SEED),
+    "silences": lambda: silences.table(SEED),
 }
 FROM_THE_START = ("0 degC", "85 degC")  # what else an input does from the start on is its zero
 LATE = (
