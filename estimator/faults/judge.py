@@ -46,9 +46,10 @@ class Judge:
         self._modelled = np.isfinite(noise)
         self._jumps, self._standstill = Jumps(noise, self._heat, rig.tick_s, rig.x_mm), Standstill(self._heat)
         self._neighbours = Neighbours(rig, noise, known)
-        self._suspects, self._recovery = Suspects(m, begun_with), Recovery(m)
+        self._suspects = Suspects(m, begun_with)
         self.fault, self.since_s = np.zeros(m, dtype=np.int8), np.full(m, np.nan)
         self._silent_ticks = np.where(self._heat, SILENT_TICKS, max(SILENT_TICKS, SILENT_LENGTH_S / rig.tick_s))
+        self._recovery = Recovery(self._silent_ticks * rig.tick_s)
         self._silent, self._beyond, self._held, self._loose_K, self._together = *np.zeros((4, m)), 0
         self._rezeroed = np.zeros(m, dtype=bool)
 

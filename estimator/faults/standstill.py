@@ -11,6 +11,7 @@ from estimator.record import Array, held
 STEPS = 1.5  # resolution steps from one reading to the next, on average: then 20 repeats do not happen by chance
 CHANGES = 20  # that must have been seen
 LONGER = 3.0  # times as long as ever before: a logger repeats readings
+SAME = 1e-9  # of a reading, or of 1: it differs by no more than its sum or mean was rounded by, which is no change
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,8 @@ class Standstill:
         """Repeats with each tick, of readings (K, m), NaN where nothing was read; nothing is learnt yet."""
         filled = held(reading, self._last)
         change = np.where(np.isfinite(reading), np.abs(np.diff(filled, axis=0)), np.nan)
-        moved = change > 0
-        repeats = self._same + np.cumsum(change == 0, axis=0)
+        moved = change > SAME * np.maximum(np.abs(filled[1:]), 1.0)
+        repeats = self._same + np.cumsum(np.isfinite(change) & ~moved, axis=0)
         same = repeats - np.maximum.accumulate(np.where(moved, repeats, 0.0), axis=0)
         before = np.vstack([self._same, same[:-1]])
         finest = np.minimum(np.minimum.accumulate(np.where(moved, change, np.inf), axis=0), self._finest)

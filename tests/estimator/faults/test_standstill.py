@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from estimator.faults.standstill import Standstill
+from estimator.faults.suspects import STILL
 
 
 def repeats_of(readings: np.ndarray, portion: int) -> np.ndarray:
@@ -44,3 +45,11 @@ def test_a_length_counts_by_how_unlikely_its_repeats_are_beside_those_of_its_log
     assert count[: 60 * each].max() == 0.0
     (first, *_) = np.flatnonzero(count >= 20.0)
     assert 3 <= first - (60 * each - 1) <= 12 * each
+
+
+def test_what_a_mean_is_rounded_by_is_no_resolution():
+    """The means of two sides may differ in the last digit only; one repeat, later, is chance."""
+    readings = np.round(np.random.default_rng(6).normal(50.0, 0.1, 300), 3)
+    readings[101], readings[201] = readings[100] * (1.0 + 4e-16), readings[200]
+    assert readings[101] != readings[100]
+    assert Standstill(np.zeros(1, dtype=bool)).compare(readings[:, None]).count.max() < STILL
