@@ -57,9 +57,9 @@ def command(
 ) -> int:  # fmt: skip
     """Add the effects that are missing from the model, one at a time, until none makes all LOGs clearly better.
 
-    Each step is judged by recordings left out; --held-out ones are never looked at, only reported. Writes the model, a
-    report with pictures, and views before and after. With --compose what no catalogue has is written down as an effect
-    and added too, up to three of them. Ctrl-C ends the search; the best model so far is written.
+    Each step is judged by recordings left out; one that foretells --held-out ones worse is told and not kept. Writes
+    the model, a report with pictures, and views before and after. With --compose what no catalogue has is written down
+    as an effect and added too, up to three of them. Ctrl-C ends the search; the best model so far is written.
     """
     effects = effects_to_try(work, own)
     taken = taken_in(compose) if compose is not None else None
@@ -94,7 +94,7 @@ def _kept(improvement: Improvement, effects: Sequence[Named], work: Workspace, n
     for one in effects:
         if one.effect.name in best.effects:
             best = one.used_by(best)
-    if len(improvement.steps) == 1:
+    if len(improvement.kept) == 1:
         return best
     fitted = dict(best.about.get("fitted_on", {}))
     for r in work.recordings:

@@ -22,9 +22,9 @@ from estimator.unknown.composed import Composed
 
 ALSO_CHOSEN = "cross-validated: each recording left out once, but all of them were also used for choosing"
 ONE = "not cross-validated: one recording, none left out, also used for choosing"
-ONE_HELD_OUT = "not cross-validated: one recording, none left out; held out: never used to choose or fit"
-WORSE = 1.05  # times an error held out, from which on a step is said to have made it worse
-HELD_OUT = "cross-validated: each recording left out once; held out: never used to choose or fit"
+ONE_HELD_OUT = "not cross-validated: one recording, none left out; held out: used only to drop what makes them worse"
+UNITS = {"temperature_K": "K", "elongation_um": "um"}
+HELD_OUT = "cross-validated: each recording left out once; held out: used only to drop what makes them worse"
 
 
 @dataclass(frozen=True)
@@ -52,10 +52,10 @@ class Outcome:
     @property
     def said(self) -> str:
         """The last verdict in words."""
-        last = self.improvement.steps[-1]
+        last = self.improvement.kept[-1]
         apart = [f"{one.apart} is left out: {apart_sentence(one)}" for one in self.improvement.apart]
         words = " ".join([*apart, sentence(self.verdict, self.work.rig)])
-        return f"Before all was fitted again: {words}" if len(self.improvement.steps) > 1 and not last.added else words
+        return f"Before all was fitted again: {words}" if len(self.improvement.kept) > 1 and not last.added else words
 
 
 def recordings_kept(improvement: Improvement, loaded: Sequence[Loaded]) -> list[Loaded]:
@@ -66,7 +66,7 @@ def recordings_kept(improvement: Improvement, loaded: Sequence[Loaded]) -> list[
 def before_and_after(improvement: Improvement, after: Model) -> list[Model]:
     """The model as given and the best, under the name of its file; one, where nothing made it better."""
     before = improvement.steps[0].model
-    return [before, after] if len(improvement.steps) > 1 else [before]
+    return [before, after] if len(improvement.kept) > 1 else [before]
 
 
 def added(steps: Sequence[ImprovedModel]) -> list[str]:
@@ -78,7 +78,8 @@ def added(steps: Sequence[ImprovedModel]) -> list[str]:
 def titles(steps: Sequence[ImprovedModel]) -> list[str]:
     """What each step is called."""
     again = [f"{step.added or 'all'} fitted again" for step in steps]
-    return ["as given", *(f"+ {new}" if new else old for new, old in zip(added(steps)[1:], again[1:], strict=True))]
+    said = [f"+ {new}" if new else old for new, old in zip(added(steps)[1:], again[1:], strict=True)]
+    return ["as given", *(one if step.kept else f"({one})" for one, step in zip(said, steps[1:], strict=True))]
 
 
 def steps_table(steps: Sequence[ImprovedModel]) -> list[list[str]]:
@@ -107,12 +108,9 @@ def worse_held_out(steps: Sequence[ImprovedModel]) -> list[str]:
     """Steps after which recordings that nothing was chosen by are foretold worse: what they add is not proven."""
     found = []
     for before, after, title in zip(steps, steps[1:], titles(steps)[1:], strict=False):
-        if before.held_out is None or after.held_out is None:
-            continue
-        for key, unit in (("temperature_K", "K"), ("elongation_um", "um")):
-            was, now = getattr(before.held_out, key), getattr(after.held_out, key)
-            if now > WORSE * was:
-                found.append(f"{title}: held out {was:.3f} -> {now:.3f} {unit}, worse: do not use it without more runs")
+        then = "do not use it without more runs" if after.kept else "not kept; more runs would settle it"
+        for name, (was, now) in after.worse(before).items():
+            found.append(f"{title.strip('()')}: held out {was:.3f} -> {now:.3f} {UNITS[name]}, worse: {then}")
     return found
 
 
@@ -129,7 +127,7 @@ def steps_section(out: Outcome) -> Section:
     steps, lengths = out.improvement.steps, "displacement" in out.work.rig.channels
     of_what = "um: of the displacement readings, at rest joined at the stop; " if lengths else ""
     said = [
-        f"Added: {', '.join(filter(None, added(steps))) or 'nothing'}.",
+        f"Added: {', '.join(filter(None, added(out.improvement.kept))) or 'nothing'}.",
         out.said,
         *worse_held_out(steps),
         f"Model alone (open loop), rms; {of_what}{note(out.improvement)}.",
@@ -139,19 +137,19 @@ def steps_section(out: Outcome) -> Section:
 
 def as_json(improvement: Improvement, file: Path | None) -> dict[str, Any]:
     """The steps for programs; a step that adds nothing has no `added`. `file`: where composed effects were written."""
-    steps = [
-        {
-            "added": new or None,
-            "cross_validated": vars(step.cross_validated),
-            "held_out": vars(step.held_out) if step.held_out else None,
-        }
-        for new, step in zip(added(improvement.steps), improvement.steps, strict=True)
-    ]
+    steps: dict[bool, list[dict[str, Any]]] = {True: [], False: []}
+    for new, step in zip(added(improvement.steps), improvement.steps, strict=True):
+        held_out = vars(step.held_out) if step.held_out else None
+        row = {"added": new or None, "cross_validated": vars(step.cross_validated), "held_out": held_out}
+        steps[step.kept].append(row)
     verdict = improvement.last.verdict if improvement.last else "stopped"
     apart = [{"run": one.apart, "sentence": apart_sentence(one)} for one in improvement.apart]
     made = [composed_json(one, *_held_out(improvement, one), file) for one in improvement.composed]
     uses = recordings_json(improvement.uses)
-    return {"steps": steps, "verdict": verdict, "apart": apart, "composed": made, "recordings": uses}
+    return {
+        "steps": steps[True], "not_kept": steps[False], "verdict": verdict, "apart": apart, "composed": made,
+        "recordings": uses,
+    }  # fmt: skip
 
 
 def _held_out(improvement: Improvement, made: Composed) -> tuple[Error | None, Error | None]:

@@ -89,10 +89,10 @@ def of_suggestion(found: Suggestion, model: Model, rig: Rig) -> Outcome:
 
 def of_improvement(done: Improvement, model: Model) -> Outcome:
     """What `improve` made of a model."""
-    said = list(dict.fromkeys(name for step in done.steps for name in (*step.added.split(" + "), *step.tie) if name))
+    said = list(dict.fromkeys(name for step in done.kept for name in (*step.added.split(" + "), *step.tie) if name))
     verdict, own = done.last.verdict if done.last else "stopped", _own(said, done.last, model)
     out = Outcome(verdict, said, own, _values([done.model]), _held(model), faulty=_faulty(done.uses))
-    held = [figures(step.held_out) for step in done.steps if step.held_out is not None]
+    held = [figures(step.held_out) for step in done.kept if step.held_out is not None]
     out.before, out.after = (held[0], held[-1]) if held else ((), ())
     if done.composed:
         out.composed = [one.effect.name for one in done.composed]

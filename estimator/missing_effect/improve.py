@@ -3,12 +3,14 @@
 Each step searches (`suggest`), adds what the verdict names, and begins again from that model; what earlier steps added
 is fitted again with it, for it was found while the rest was missing. Of effects that these
 recordings cannot tell apart the best is added, and its rivals are named. At the end all free parameters are fitted
-again, where that predicts recordings left out better. A run with a wrong input, or within which something began, is
-left out from there on. What no catalogue has is composed where that is asked for, and added like any effect.
+again, where that predicts recordings left out better. A step that on the whole foretells the recordings held out worse
+is told and not kept, and ends the search: they choose nothing else. A run with a wrong input, or within which something
+began, is left out from there on. What no catalogue has is composed where that is asked for, and added like any effect.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -29,6 +31,7 @@ from estimator.work import Runs
 
 MOST = 6  # steps: no machine of the studies lacked so much
 MOST_COMPOSED = 3  # of them that add what no catalogue has
+WORSE = 1.05  # times an error held out, from which on a step has made it worse
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,7 @@ class ImprovedModel:
     added            the effect that it has more than the one before, or two; "" for the model as given, or fitted again
     tie              rivals that these recordings cannot tell from it
     cross_validated  open-loop error on recordings left out;  held_out: on those never looked at, None without any
+    kept             whether it is gone on with
     """
 
     added: str
@@ -45,6 +49,14 @@ class ImprovedModel:
     model: Model
     cross_validated: Error
     held_out: Error | None
+    kept: bool = True
+
+    def worse(self, before: ImprovedModel) -> dict[str, tuple[float, float]]:
+        """Errors held out that are larger than they were `before`, by name: before and now."""
+        if before.held_out is None or self.held_out is None:
+            return {}
+        both = {name: (was, getattr(self.held_out, name)) for name, was in vars(before.held_out).items()}
+        return {name: (was, now) for name, (was, now) in both.items() if now > WORSE * was}
 
 
 @dataclass(frozen=True)
@@ -65,7 +77,12 @@ class Improvement:
     @property
     def model(self) -> Model:
         """The best model."""
-        return self.steps[-1].model
+        return self.kept[-1].model
+
+    @property
+    def kept(self) -> list[ImprovedModel]:
+        """The steps on the way to it."""
+        return [step for step in self.steps if step.kept]
 
     @property
     def left_out(self) -> set[str]:
@@ -97,13 +114,16 @@ def improve(
             best = _next(found, compose is not None and len(made) < MOST_COMPOSED)
             if best is None or len(steps) > MOST:
                 break
+            tie = tuple(n for n in found.tie if n not in best.names)
+            steps.append(_kept(_step(best.names, tie, best, held), steps[-1]))
+            if not steps[-1].kept:
+                break
             if found.composed is not None and found.composed.hypothesis is best:
                 made.append(found.composed)
-            steps.append(_step(best.names, tuple(n for n in found.tie if n not in best.names), best, held))
             model, added = _onwards(best, runs), [*added, *best.names]
-        last = _fitted(found)
+        last = _fitted(found) if steps[-1].kept else None
         if last is not None:
-            steps.append(_step((), (), last, held))
+            steps.append(_kept(_step((), (), last, held), steps[-1]))
     except KeyboardInterrupt:
         return Improvement(tuple(steps), None, uses, tuple(apart), tuple(made))
     return Improvement(tuple(steps), found, uses, tuple(apart), tuple(made))
@@ -156,3 +176,15 @@ def _step(added: tuple[str, ...], tie: tuple[str, ...], h: Hypothesis, held_out:
     model = h.known()
     held = open_loop_error(model, held_out) if len(held_out) else None
     return ImprovedModel(" + ".join(added), tie, model, h.judged.error, held)
+
+
+def _kept(step: ImprovedModel, before: ImprovedModel) -> ImprovedModel:
+    """The step, kept unless errors held out have become larger, and more so than others have become smaller."""
+    if not step.worse(before):
+        return step
+    ratios = [now / was for was, now in zip(_errors(before), _errors(step), strict=True) if was > 0 and now > 0]
+    return replace(step, kept=math.prod(ratios) <= 1.0)
+
+
+def _errors(step: ImprovedModel) -> list[float]:
+    return list(vars(step.held_out).values())

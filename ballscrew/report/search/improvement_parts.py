@@ -98,7 +98,7 @@ def _effects(out: Outcome) -> Section:
     """What each effect that was added says, and its rivals."""
     rows = [
         [new, out.after.effects[new].sentence(), ", ".join(step.tie)]
-        for new, step in zip(added(out.improvement.steps), out.improvement.steps, strict=True)
+        for new, step in zip(added(out.improvement.kept), out.improvement.kept, strict=True)
         if new
     ]
     if not rows:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ballscrew.commands.improve import _kept
-from ballscrew.report.improvement_report import recordings_kept, worse_held_out
+from ballscrew.report.improvement_report import as_json, recordings_kept, steps_table, worse_held_out
 from ballscrew.search import effects_to_try
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import Workspace
@@ -20,7 +20,7 @@ from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.hypotheses.panel import Explanation
 from estimator.inputs.follower import SPEED_SQUARED
 from estimator.missing_effect import improve as search
-from estimator.missing_effect.improve import ImprovedModel
+from estimator.missing_effect.improve import ImprovedModel, Improvement
 from estimator.missing_effect.suggestion import Suggestion
 from estimator.model import Model, Value
 from estimator.rig_folder.model_toml import load_model
@@ -283,8 +283,12 @@ def test_diagnose_saves_the_one_model(short_log, tmp_path) -> None:
 
 def test_a_step_that_makes_held_out_worse_is_said():
     model = load_model(PAPER / "base.toml")
-    errors = (Error(0.05, 0.12), Error(0.045, 0.20), Error(0.04, 0.19))
-    steps = [ImprovedModel(name, (), model, Error(0.1, 1.0), one) for name, one in zip(("", "x", "y"), errors)]
-    (said,) = worse_held_out(steps)
-    assert "held out 0.120 -> 0.200 um, worse" in said
+    errors, kept = (Error(0.05, 0.12), Error(0.03, 0.15), Error(0.03, 0.30)), (True, True, False)
+    steps = [ImprovedModel(n, (), model, Error(0.1, 1.0), *one) for n, *one in zip(("", "x", ""), errors, kept)]
+    first, last = worse_held_out(steps)
+    assert "+ x: held out 0.120 -> 0.150 um, worse: do not use it without more runs" in first
+    assert "all fitted again: held out 0.150 -> 0.300 um, worse: not kept" in last
+    assert steps_table(steps)[-1][0] == "(all fitted again)"
     assert not worse_held_out([replace(step, held_out=None) for step in steps])
+    told = as_json(Improvement(tuple(steps), None, ()), None)
+    assert [len(told["steps"]), len(told["not_kept"])] == [2, 1]

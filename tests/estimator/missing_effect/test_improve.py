@@ -25,6 +25,15 @@ def test_improve_adds_both_of_two(plain, bar, lives):
     assert found.last.verdict == "nothing_missing"
 
 
+def test_a_step_that_foretells_what_is_held_out_worse_is_not_kept(plain, bar, lives):
+    """What is held out has none of it: the machine was mended."""
+    runs, mended = lives(with_effect(plain, "churning", share=0.5)), lives(plain)
+    found = improve(plain, Runs(bar, runs[:3]), Runs(bar, mended[3:]), list(CATALOGUE.values()))
+    assert [(step.added, step.kept) for step in found.steps][:2] == [("", True), ("churning", False)]
+    assert found.model.effects == plain.effects
+    assert len(found.steps) == 2
+
+
 def test_what_an_earlier_step_added_moves_with_the_next(plain, bar, lives):
     """Churning alone took on a part of the local heat: its value is right again once both are there."""
     truth = with_effect(with_effect(plain, "churning", share=0.5), "local_heat", power=2.0, at=150.0)
