@@ -23,12 +23,14 @@ class Store:
     capacity  J/K
     noise     W/sqrt(Hz) of heat that no effect describes, independent from cell to cell; required, above 0
     start     measured input that tells a body's temperature at the start of a run, where the rig has one
+    shown     whether that input also shows how the body goes on
     """
 
     node: str
     capacity: Any
     noise: Any
     start: str | None = None
+    shown: bool = True
 
 
 @dataclass(frozen=True, eq=False)

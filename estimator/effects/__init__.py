@@ -24,6 +24,7 @@ HEAT: tuple[type[Effect], ...] = (
     air.RotatingConvection,
     nut.NutBody,
     nut.NutBalls,
+    nut.NutFlange,
     bearings.AnchorSeat,
     bearings.FreeSeat,
     bearings.AnchorHousing,

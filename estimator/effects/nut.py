@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
-from estimator.effect import Effect, Param
+from estimator.effect import Effect, Param, needed
 from estimator.inputs.balls import Balls, ByBalls
 from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
@@ -21,15 +21,22 @@ def per_cell(rig: Rig) -> float:
 def under_nut(p: SimpleNamespace, u: Inputs, rig: Rig) -> Any:
     """Share of each cell under the nut, (ticks, cells), for an effect that `scales` nut_balls: under these, if any."""
     balls = getattr(p, "nut_balls", None)
-    return u.coverage if balls is None else ByBalls(u.coverage, rig, Balls(balls.shift, balls.width, balls.gap))
+    if balls is None:
+        return u.coverage
+    return ByBalls(u.coverage, rig, Balls(balls.shift, balls.width, balls.gap, balls.lean))
 
 
 class NutBalls(Effect):
     """Balls carry on a part of the nut alone: friction heats the screw there, and heat passes to the nut.
 
-    q ~ 1 at gap b / 2 < |x - x_nut - shift| < b / 2, b = width L, else 0;   L the nut's length, x_nut its middle
+    q ~ 1 -+ lean at gap b / 2 < |x - x_nut - shift| < b / 2, b = width L, else 0;   - below, + above the middle
+    L the nut's length, x_nut its middle
 
-    gap  of two circuits: what is left free between them. Fitted, and never searched for: no parameter has a null
+    gap   of two circuits: what is left free between them
+    lean  by which share the upper one carries more than both do on the mean: of two nuts that are preloaded against
+          each other as well as of one that is loaded on a side
+
+    Fitted, and never searched for: no parameter has a null
     """
 
     trace = "Thermometers that short strokes pass too warm and too cold side by side while driving."
@@ -37,6 +44,7 @@ class NutBalls(Effect):
     shift = Param(0.0, "mm", lo=-40.0, hi=40.0, sd=3.0, source="mounting, and circuits off the middle")
     width = Param(0.9, "1", lo=0.3, hi=1.1, sd=0.15, source="circuits end before seals and flange: 0.7 - 1")
     gap = Param(0.15, "1", lo=0.0, hi=0.8, sd=0.2, source="one circuit: 0; two and their returns: 0.1 - 0.4")
+    lean = Param(0.0, "1", lo=-0.8, hi=0.8, sd=0.1, source="circuits of unlike load: 0.4 to 0.6 of it each")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         rig.the_nut()
@@ -70,13 +78,35 @@ class NutFriction(Effect):
         yield Heat("nut", into_nut, noise=p.noise * into_nut, spare=True)
 
 
+class NutFlange(Effect):
+    """The nut is two bodies: what the balls run in, which friction heats, and behind a joint its flange and bracket.
+
+    (1 - share) C dT/dt = q_nut - g (T - T_screw) - (T - T_flange) / r      C, g and g_air of nut_body
+    share C dT_flange/dt = (T - T_flange) / r - g_air (T_flange - T_air)
+
+    What the balls run in is warmer than the rest while driving, and gives that to the screw within minutes of a stop.
+    Fitted, and never searched for: no parameter has a null
+    """
+
+    trace = "After a stop heat comes back faster than a nut cools, for a minute or two, where it parks."
+    scales = ("nut_body",)
+    share = Param(0.5, "1", lo=0.1, hi=0.9, sd=0.15, source="flange and bracket weigh about as much as the nut")
+    r = Param(0.05, "K/W", lo=0.003, hi=0.6, sd=0.06, source="10 - 20 mm of steel and a bolted joint: 0.02 - 0.2")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        nut = needed(p, "nut_body")
+        yield Store("nut_flange", p.share * nut.capacity, nut.noise, start="nut")
+        yield Link("nut", "nut_flange", 1.0 / p.r)
+        yield Link("nut_flange", "ambient", nut.g_air)
+
+
 class NutBody(Effect):
     """The nut is a body of its own: its friction heats it, and it gives heat to the screw where it is.
 
     C dT/dt = q_nut - g (T - T_screw) - g_air (T - T_air)
     """
 
-    scales = ("nut_balls",)
+    scales = ("nut_balls", "nut_flange")
     trace = "Heat comes back after the stop, where the nut parks and nowhere else."
     capacity = Param(1500.0, "J/K", lo=100.0, hi=20000.0, sd=300.0, source="1000 - 2000 computed from drawings")
     g = Param(2.0, "W/K", lo=0.0, hi=50.0, null=0.0, sd=1.0, source="0.8 - 1.6 unsealed, more with grease and load")
@@ -84,6 +114,8 @@ class NutBody(Effect):
     noise = Param(5.0, "W/sqrt(Hz)", lo=0.01, hi=100.0, fixed=True, source="by coverage on simulated runs")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        yield Store("nut", p.capacity, p.noise, start="nut")
+        flange = p.nut_flange
+        yield Store("nut", p.capacity * (1.0 - flange.share) if flange else p.capacity, p.noise, "nut", flange is None)
         yield Link(SCREW, "nut", p.g * per_cell(rig), over=under_nut(p, u, rig))
-        yield Link("nut", "ambient", p.g_air)
+        if flange is None:
+            yield Link("nut", "ambient", p.g_air)

@@ -22,7 +22,8 @@ def measured_bodies(posed: Posed) -> dict[int, str]:
     """State of each body with a thermometer, and the input that this is."""
     place, rig = posed.forcing.place, posed.forcing.rig
     stores = [term for term in posed.forcing.terms if isinstance(term, Store) and term.node in place.bodies]
-    return {place.state(term.node): term.start for term in stores if term.start and term.start in rig.inputs}
+    shown = [term for term in stores if term.shown and term.start in rig.inputs]
+    return {place.state(term.node): str(term.start) for term in shown}
 
 
 def body_misfit(trial: Trial, posed: Posed) -> Array:

@@ -25,12 +25,14 @@ SURE = 1e-6  # of the largest singular value of B: a smaller one is rounding
 @dataclass(frozen=True)
 class Balls:
     """Where balls carry: on `width` of the nut's length, around a place `shift` mm from its middle, less the `gap`, a
-    share of that, in the middle.
+    share of that, in the middle; 1 + `lean` times as much above that as they would if they carried alike, 1 - `lean`
+    times below.
     """
 
     shift: Any
     width: Any
     gap: Any
+    lean: Any = 0.0
 
 
 class ByBalls:
@@ -63,7 +65,7 @@ def _moves(screw: Screw, nut: Nut, balls: Balls) -> Array:
     at_mm, whole, inverse = _whole(screw, nut)
     middle, half = at_mm + balls.shift, nut.length_mm / 2 * balls.width
     to = [screw.overlap(screw.from_mm, middle + share * half) for share in (-1.0, -balls.gap, balls.gap, 1.0)]
-    carry = to[1] - to[0] + to[3] - to[2]
+    carry = (1.0 - balls.lean) * (to[1] - to[0]) + (1.0 + balls.lean) * (to[3] - to[2])
     some = carry.sum(axis=1, keepdims=True)
     more = carry * nut.length_mm / 1e3 / screw.length / np.where(some.real > 0.0, some, 1.0) - whole
     moved = inverse @ more.real + (1j * (inverse @ more.imag) if np.iscomplexobj(more) else 0.0)

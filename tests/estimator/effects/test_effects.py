@@ -23,7 +23,9 @@ from estimator.terms import Expand, Heat, Lag, Read, Spot, Store
 from tests.conftest import terms_of
 
 EFFECTS = list(CATALOGUE.values())
-WITHOUT_NULL = {"conduction", "displacement", "held_ends", "nut_balls", "free_convection"}  # never searched for
+WITHOUT_NULL = {  # never searched for
+    "conduction", "displacement", "held_ends", "nut_balls", "nut_flange", "free_convection",
+}  # fmt: skip
 ALWAYS = {"local_heat", "free_convection"}  # heats at rest, too
 
 
@@ -109,7 +111,8 @@ def test_the_air_cools_the_whole_surface(full, rig, u):
 def test_only_conduction_and_bodies_store_heat(rig, u):
     stored = {t.node: name for name in CATALOGUE for t in terms_of(name, rig, u) if isinstance(t, Store)}
     assert stored == {
-        "screw": "conduction", "nut": "nut_body", "anchor_housing": "anchor_housing", "free_housing": "free_housing",
+        "screw": "conduction", "nut": "nut_body", "nut_flange": "nut_flange", "anchor_housing": "anchor_housing",
+        "free_housing": "free_housing",
     }  # fmt: skip
 
 
@@ -182,9 +185,22 @@ def test_friction_heats_the_body_beside_the_screw_where_there_is_one(friction, k
     added = np.zeros(place.size)
     added[place.state(node)] = 20.0
     np.testing.assert_allclose(warm - cold, np.tile(added, (3, 1)), atol=1e-9)
-    bare = full - body
+    bare = full - "nut_flange" - body
     np.testing.assert_array_equal(heat(bare.with_values(other))[0], heat(bare)[0])
     assert node not in heat(bare)[1].nodes
+
+
+def test_a_nut_without_a_joint_is_one_body(full, rig, drive):
+    """And with one, what the balls run in brings more heat back after a stop."""
+    one = open_loop(full - "nut_flange", rig, drive)
+    tight, loose = (open_loop(full.with_values({"nut_flange.r": r}), rig, drive) for r in (0.003, 0.2))
+    assert abs(tight - one).max() < 0.05 < 0.2 < abs(loose - one).max()
+
+
+def test_the_nut_s_thermometer_shows_its_flange_where_it_has_one(full, rig, u):
+    for model, shown in ((full, ["nut_flange"]), (full - "nut_flange", ["nut"])):
+        stores = [term for term in model.terms(u, rig) if isinstance(term, Store) and term.start == "nut"]
+        assert [term.node for term in stores if term.shown] == shown
 
 
 def test_a_contact_s_two_sides_have_one_exponent(rig, u):

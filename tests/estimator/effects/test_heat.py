@@ -97,7 +97,7 @@ def test_thinning_takes_heat_in_proportion_to_the_rise(rig, u):
 
 def test_thinning_serves_a_model_without_bearings_and_bodies(full, rig, u):
     bare = full
-    for name in ("nut_body", "anchor_housing", "free_housing", "anchor_friction", "free_friction"):
+    for name in ("nut_flange", "nut_body", "anchor_housing", "free_housing", "anchor_friction", "free_friction"):
         bare = bare - name
     model = bare + CATALOGUE["friction_thinning"]
     (link,) = model.terms_of("friction_thinning", u, rig)

@@ -8,23 +8,24 @@ import pytest
 from estimator.inputs.balls import Balls, ByBalls
 
 
-def strokes(rig, *parts):
+def strokes(rig, *parts, loads=(1.0, 1.0)):
     """Mean cover of strokes 113 mm long by parts of the nut, mm from its middle, which waits at one end; (1, cells)."""
     centre = np.concatenate([np.linspace(358.7, 471.2, 400), np.full(200, 471.2)])
-    covers = [rig.screw.overlap(centre + begin, centre + end).mean(axis=0) for begin, end in parts]
-    return sum(covers)[None] * rig.nut.length_mm / sum(end - begin for begin, end in parts)
+    covers = [load * rig.screw.overlap(centre + a, centre + b).mean(axis=0) for load, (a, b) in zip(loads, parts)]
+    return sum(covers)[None] * rig.nut.length_mm / sum(load * (b - a) for load, (a, b) in zip(loads, parts))
 
 
 @pytest.mark.parametrize(
-    ("balls", "parts"),
+    ("balls", "parts", "loads"),
     [
-        (Balls(0.0, 0.8, 0.0), [(-70.0, 70.0)]),
-        (Balls(2.5, 0.96, 0.25), [(-81.5, -18.5), (23.5, 86.5)]),
-        (Balls(-30.0, 0.4, 0.0), [(-65.0, 5.0)]),
+        (Balls(0.0, 0.8, 0.0), [(-70.0, 70.0)], (1.0,)),
+        (Balls(2.5, 0.96, 0.25), [(-81.5, -18.5), (23.5, 86.5)], (1.0, 1.0)),
+        (Balls(2.5, 0.96, 0.25, 0.3), [(-81.5, -18.5), (23.5, 86.5)], (0.7, 1.3)),
+        (Balls(-30.0, 0.4, 0.0), [(-65.0, 5.0)], (1.0,)),
     ],
 )
-def test_they_are_where_they_were(rig, balls, parts):
-    whole, true = strokes(rig, (-87.5, 87.5)), strokes(rig, *parts)
+def test_they_are_where_they_were(rig, balls, parts, loads):
+    whole, true = strokes(rig, (-87.5, 87.5)), strokes(rig, *parts, loads=loads)
     found = np.asarray(ByBalls(whole, rig, balls))
     assert found.sum() == pytest.approx(whole.sum(), rel=1e-6)
     assert abs(whole - true).max() > 0.08
