@@ -87,10 +87,14 @@ def _likely(model: Model, rig: Rig, recording: Recording) -> list[tuple[str, flo
 
 
 def gone(recording: Recording, rig: Rig) -> float:
-    """How far the position goes, over how far the screw turns, in ticks of steady speed; NaN where that is not told.
+    """How far the position goes, over how far the screw turns; NaN where that is not told.
 
-    The table turns back in some of them: the greatest share, but for a twentieth, is of those in which it does not.
+    From frame to frame, where these are many; else in ticks of steady speed: the table turns back in some of them, and
+    the greatest share, but for a twentieth, is of those in which it does not.
     """
+    told = np.abs(recording.pace[np.isfinite(recording.pace)])
+    if len(told) > FEW:
+        return float(np.median(told))
     if rig.screw is None or not {*DRIVE} <= set(rig.inputs):
         return float("nan")
     went, turned = np.abs(np.diff(recording.inputs["position"])), recording.omega * rig.tick_s
@@ -133,8 +137,9 @@ def corrected(recording: Recording, rig: Rig, signal: str, size: float) -> Recor
         return replace(recording, inputs={**recording.inputs, signal: recording.inputs[signal] - size})
     share = float(np.exp(-size))
     if signal in (*DRIVE, "speed and position"):
-        omega = recording.omega * (share if "speed" in signal else 1.0)
-        return replace(_elsewhere(recording, rig, share) if "position" in signal else recording, omega=omega)
+        speed, position = (share if name in signal else 1.0 for name in DRIVE)
+        right = _elsewhere(recording, rig, share) if "position" in signal else recording
+        return replace(right, omega=recording.omega * speed, pace=recording.pace * position / speed)
     return replace(recording, inputs={**recording.inputs, signal: recording.inputs[signal] * share})
 
 

@@ -51,6 +51,14 @@ def test_how_far_the_table_goes_for_what_the_screw_turns(rig, driven, speed, pos
     assert np.isnan(gone(unread, rig))
 
 
+@pytest.mark.parametrize(("signal", "share"), [("speed", 1.2), ("position", 1 / 1.2), ("speed and position", 1.0)])
+def test_frames_tell_it_within_ticks_in_which_the_table_turns(rig, driven, signal, share):
+    run = driven(rig, 300, omega=43.6)
+    inputs = run.inputs | {"position": np.full(len(run), np.nan)}
+    told = replace(run, inputs=inputs, pace=np.where(run.omega > 0, -1.0, np.nan))
+    assert gone(corrected(told, rig, signal, np.log(1.2)), rig) == pytest.approx(share)
+
+
 def test_a_speed_that_the_position_contradicts_is_wrong_alone(plain, bar, lives):
     (name, size), *_ = _likely(plain, bar, corrected(lives(plain)[1], bar, "speed", -np.log(1.2)))
     assert name == "speed"
