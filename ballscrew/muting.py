@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,6 +12,14 @@ from estimator.inputs.phase import stops
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.state.gate import Mute
+
+UNITS_S = {"h": 3600.0, "min": 60.0, "s": 1.0}
+
+
+def seconds(text: str) -> float:
+    """A time such as 2h, 90min, 45s or plain seconds; anything else is a ValueError."""
+    unit = next((unit for unit in UNITS_S if text.strip().endswith(unit)), "")
+    return float(text.strip().removesuffix(unit)) * UNITS_S.get(unit, 1.0)
 
 
 def chosen_thermometers(text: str | None, rig: Rig) -> list[str] | None:
@@ -61,10 +70,11 @@ def never_fused(rig: Rig, thermometers: Sequence[str] | None, no_displacement: b
 def _span(text: str, recording: Recording, rig: Rig) -> tuple[np.ndarray, float, float]:
     name, colon, times = text.partition(":")
     if not colon or not times:
-        raise SetupError(f"--mute {text}: write NAME:FROM or NAME:FROM-TO, like telemeter:stop1-9000")
-    begin, dash, end = times.partition("-")
-    since = _time(begin, text, recording)
-    until = _time(end, text, recording) if dash else np.inf
+        raise SetupError(f"--mute {text}: write NAME:FROM, NAME:FROM-TO or NAME:FROM+TIME, like telemeter:stop1+60min")
+    begin, to, end = re.fullmatch(r"([^-+]*)([-+]?)(.*)", times, re.DOTALL).groups()  # type: ignore[union-attr]
+    since, until = _time(begin, text, recording), np.inf
+    if to:
+        until = _time(end, text, recording) if to == "-" else since + _long(end, text)
     if until <= since:
         raise SetupError(f"--mute {text}: it ends ({end}) before it begins ({begin})")
     return _named(_numbered(name, rig), rig), since, until
@@ -76,6 +86,13 @@ def _named(name: str, rig: Rig) -> np.ndarray:
     if name == "displacement":
         return ~rig.is_thermometer
     return np.arange(len(rig.names)) == rig.index(name)
+
+
+def _long(word: str, text: str) -> float:
+    try:
+        return seconds(word)
+    except ValueError:
+        raise SetupError(f"--mute {text}: '{word}' is no time; write 2h, 90min, 45s or seconds") from None
 
 
 def _time(word: str, text: str, recording: Recording) -> float:

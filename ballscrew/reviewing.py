@@ -98,7 +98,8 @@ def review_options(command: Callable[..., Any]) -> Callable[..., Any]:
         join_option,
         channel_options,
         click.option(
-            "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO]",
-            help="Do not use a channel, `telemeter` or `displacement` from FROM to TO: s from the start, or stop1 ...",
+            "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO|+TIME]",
+            help="Do not use a channel, `telemeter` or `displacement` from FROM (s from the start, or stop1 ...) to TO, "
+            "or for TIME: 60min, 2h ...",
         ),
     )(with_asked)  # fmt: skip

@@ -36,6 +36,6 @@ def command(work: Workspace, out: Path, learned: bool, workers: int | None) -> i
     save_model(fitted.model, out)
     print_fit(work.terminal, fitted)
     print_use(work.terminal, fitted.uses, work.rig)
-    work.terminal.say(f"model: {out}")
+    work.terminal.say(f"model: {out}\nnext: ballscrew tune LOG... --model {out} -o {out}, for its noise levels")
     work.terminal.json(as_json(fitted))
     return INTERRUPTED if fitted.stopped else work.status

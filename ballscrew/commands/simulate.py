@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ballscrew.muting import seconds
 from ballscrew.options import bus_options, rig_option, terminal_options, writable
 from ballscrew.terminal import Terminal, duration
 from drivers.bus.bus import FAILURES, BusAddress, told
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from drivers.virtual_rig import Run  # here and below: what it is compiled with takes a while to import
 
 OWN_DBC = "rig.dbc"  # of the package: what the simulated rig sends by itself
-HOURS = {"h": 3600.0, "min": 60.0, "s": 1.0}
 
 
 class Seconds(click.ParamType):
@@ -29,12 +29,10 @@ class Seconds(click.ParamType):
     name = "time"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        text = str(value).strip()
-        unit = next((u for u in HOURS if text.endswith(u)), "")
         try:
-            return float(text.removesuffix(unit)) * HOURS.get(unit, 1.0)
+            return seconds(str(value))
         except ValueError:
-            self.fail(f"'{text}' is no time; write 2h, 90min, 45s or seconds", param, ctx)
+            self.fail(f"'{value}' is no time; write 2h, 90min, 45s or seconds", param, ctx)
 
 
 def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> Path | None:

@@ -128,8 +128,9 @@ def skipped(reviews: Sequence[Review]) -> list[tuple[str, int]]:
 
 
 def unused(reviews: Sequence[Review]) -> list[str]:
-    """What was dropped, and every note with its place."""
-    dropped = ", ".join(f"{count} x {reason}" for reason, count in skipped(reviews))
+    """What was dropped, and every note with its place; a reading of before the log is none of it."""
+    counts = [one for one in skipped(reviews) if not one[0].startswith("held since before the log")]
+    dropped = ", ".join(f"{count} x {reason}" for reason, count in counts)
     notes = [f"{review.recording.name}: {note}" for review in reviews for note in review.recording.notes]
     return [*([f"not used: {dropped}"] if dropped else []), *notes]
 

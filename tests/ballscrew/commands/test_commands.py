@@ -170,7 +170,7 @@ def test_no_displacement_and_mute_take_readings_away(fs20_log, plain):
     assert blind["filter"]["rms_um"] != plain["filter"]["rms_um"]
     assert same["filter"]["band_um"] == pytest.approx(blind["filter"]["band_um"], abs=1e-4)
     assert blind["polyline"] == plain["polyline"]
-    late = reviewed(fs20_log, "--mute", "telemeter:stop1", "--mute", "displacement:stop1")
+    late = reviewed(fs20_log, "--mute", "telemeter:stop1+2h", "--mute", "displacement:stop1")
     assert late["filter"]["cooldown_max_um"] != plain["filter"]["cooldown_max_um"]
     assert late["filter"]["band_um"] != blind["filter"]["band_um"]
 
@@ -178,10 +178,11 @@ def test_no_displacement_and_mute_take_readings_away(fs20_log, plain):
 @pytest.mark.parametrize(
     ("span", "text"),
     [
-        ("telemeter", "error: --mute telemeter: write NAME:FROM or NAME:FROM-TO, like telemeter:stop1-9000"),
+        ("telemeter", "--mute telemeter: write NAME:FROM, NAME:FROM-TO or NAME:FROM+TIME, like telemeter:stop1+60min"),
         ("telemeter:stop2", "error: --mute telemeter:stop2: FS-20.log has 1 stops"),
         ("telemeter:soon", "error: --mute telemeter:soon: 'soon' is neither seconds nor stop1, stop2, ..."),
         ("T7:5", "no channel 'T7'; did you mean 'T07'?"),
+        ("T07:100+soon", "error: --mute T07:100+soon: 'soon' is no time; write 2h, 90min, 45s or seconds"),
         ("T07:100-50", "error: --mute T07:100-50: it ends (50) before it begins (100)"),
         ("T07:stop1-5", "T07:stop1-5: it ends (5) before it begins (stop1)"),
     ],
