@@ -99,7 +99,7 @@ def review_options(command: Callable[..., Any]) -> Callable[..., Any]:
         channel_options,
         click.option(
             "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO|+TIME]",
-            help="Do not use a channel, `telemeter` or `displacement` from FROM (s from the start, or stop1 ...) to TO, "
-            "or for TIME: 60min, 2h ...",
+            help="Do not use a channel, `telemeter` or `displacement` from FROM, s from the start or stop1 ..., to TO, "
+            "or for TIME, like 60min",
         ),
     )(with_asked)  # fmt: skip
