@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.effect import Param
 from estimator.fit.curvature import Curvature
 from estimator.fit.misfits import Misfits, Products
 from estimator.fit.noise import levels_in
@@ -35,6 +36,7 @@ ROUGH, ENOUGH = 0.1, 0.002  # readings' worth of cost: steps that gain less, 0.0
 STEPS, POOR = 100, 2  # of one search; that gain less than enough in a row
 TRIES, SHORTER = 3, (0.1, 0.5)  # along one step; each by such a part of the one before
 EDGE = 1e-6  # from a bound
+AT_BOUND = 0.05  # of a prior's sd: nearer to a bound is at it
 LOWER = 0.01  # readings' worth of cost: what lies lower by more, one sd beside an optimum, shows that it is none
 ALIKE = 0.1  # a change of the scatter of quick or bodies' misfits after which it is the same
 ROUNDS = 4  # of the search, each from the lowest place beside the optimum before, or with misfits weighed anew
@@ -89,10 +91,10 @@ class Search:
     ) -> None:
         self._misfits, self._model, self._paths, self._progress = misfits, model, paths, progress
         params = [model.param(path) for path in paths]
-        start = np.array([model[path] for path in paths])
+        self._belief = belief(model, paths, paths if learned else ())
+        start = _begun(np.array([model[path] for path in paths]), params, self._belief.middle)
         self._unit = np.array([size(value, p.lo, p.hi) for value, p in zip(start, params, strict=True)])
         self._bounds = np.array([(p.lo, p.hi) for p in params]).T / self._unit + [[EDGE], [-EDGE]]
-        self._belief = belief(model, paths, paths if learned else ())
         self.best, self._least = np.clip(start / self._unit, *self._bounds), np.inf
         self.runs, self.converged, self.stopped = 0, False, False
         self._known: tuple[Array, Products] | None = None
@@ -203,6 +205,15 @@ class Search:
         """Of all misfits, and of how far each parameter is from its prior's middle."""
         lasting, others = self._misfits.weighed(found)
         return float(lasting[0, 0] + others[0, 0] + self._belief.unlikely(scaled * self._unit))
+
+
+def _begun(values: Array, params: Sequence[Param], middle: Array) -> Array:
+    """Values (p,) to begin with: what an earlier fit left at its bound begins at its prior's middle (p,).
+
+    A bound is a corner that no slope may lead out of: two circuits of balls seen as one are as wide as the nut.
+    """
+    room = np.array([min(value - p.lo, p.hi - value) for value, p in zip(values, params, strict=True)])
+    return np.where(room < AT_BOUND * np.array([p.sd or 0.0 for p in params]), middle, values)
 
 
 def _left(misfits: Misfits, model: Model, paths: Sequence[str], learned: bool) -> dict[str, str]:

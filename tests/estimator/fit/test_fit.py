@@ -245,3 +245,11 @@ def test_a_users_own_parameter_is_fitted_like_the_others(rig, full, drive, live)
     (leak,) = fit(only(model, "leak.power"), Runs(rig, [recording])).parameters
     assert leak.value == pytest.approx(12.0, abs=max(3 * leak.sd, 0.1))
     assert not leak.at_bound
+
+
+def test_what_lies_at_a_bound_begins_at_its_prior_s_middle(rig, full, lived):
+    """Seen as one, two circuits of balls are as wide as the nut, and no slope leads from there to their gap."""
+    paths = ("nut_balls.gap", "nut_balls.width")
+    at_bound = full.with_values({"nut_balls.gap": 1e-15, "nut_balls.width": 0.8})
+    begun = Search(Misfits(at_bound, Runs(rig, [lived])), at_bound, paths).model
+    assert [begun[path] for path in paths] == pytest.approx([full.param("nut_balls.gap").value, 0.8])
