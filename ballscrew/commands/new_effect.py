@@ -13,7 +13,7 @@ from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_rig
 from estimator.effects import CATALOGUE
 from estimator.errors import SetupError, nearest
-from estimator.inputs.follower import LOSS_TURNING, NAMES, Follower, known_followers
+from estimator.inputs.follower import LOSSES, NAMES, Follower, known_followers
 from estimator.rig import Rig
 from estimator.unknown.effect_text import ALL, VOCABULARY, Wanted, effect_text
 
@@ -45,8 +45,8 @@ def command(
     Then change it: its numbers are guesses.
     """
     rig = open_rig([out], rig_path, terminal)
-    if reading is not None and follows == LOSS_TURNING.name:
-        raise SetupError(f"--follows {follows}: heat that goes to the air; a reading may follow temperature or speed")
+    if reading is not None and follows in [loss.name for loss in LOSSES]:
+        raise SetupError(f"--follows {follows}: heat that goes to the air; a reading may follow the drive, say")
     cls, place = _class_name(name), _place(at, reading, rig)
     wanted = Wanted(cls, _follower(follows, rig), *place, reading=_channel(reading, rig))
     text = out.read_text() if out.is_file() else HEAD

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from estimator.inputs.inputs import Inputs
+from estimator.inputs.phase import turns
 from estimator.record import Array
-from estimator.rig import Rig
+from estimator.rig import AT_REST, Rig
 
 FADING_S = 300.0
 HOUR = 3600.0
@@ -90,6 +91,11 @@ LOSS_TURNING = replace(
     SPEED, name="temperature_speed", words="the temperature there, times the speed",
     when="in step with the temperature and the speed", loss=True,
 )  # fmt: skip
+LOSS_DRIVE = replace(  # by the speed of a regime: of a conductance no other motion is known
+    DRIVE, name="temperature_drive", words="the temperature there, while the screw turns",
+    when="in step with the temperature while the screw turns", formula=f"1.0 * (u.omega > {AT_REST})",
+    values=lambda u, rig: 1.0 * turns(u.omega), loss=True,
+)  # fmt: skip
 RATE = replace(TEMPERATURE, name="rate", words="how fast the temperature there changes", when="while that changes")
 
 
@@ -132,7 +138,8 @@ PRODUCTS = (
     _fading_speed(FADING_S, "speed_early_drive", "first minutes"),
     _fading_speed(3 * FADING_S, "speed_fading", "first quarter of an hour"),
 )
-COMING = (LATE_DRIVE, LATE_REST, LOSS_TURNING)  # asked only where a search has found something
+LOSSES = (LOSS_TURNING, LOSS_DRIVE)  # heat to the air, which a reading cannot follow
+COMING = (LATE_DRIVE, LATE_REST, *LOSSES)  # asked only where a search has found something
 NAMES = tuple(follower.name for follower in (ALWAYS, *MOTION, TIME, TEMPERATURE, *PRODUCTS, *COMING))
 
 

@@ -20,7 +20,7 @@ def test_every_follower_and_reading_makes_an_effect_that_passes_as_written(own_e
     (own_effects / "effects.py").unlink()
     rig_inputs = [*NAMES, "board", "ambient", "position"]
     for i, follows in enumerate(rig_inputs):
-        reading = READINGS[i % 3 + 1] if i % 2 and follows != "temperature_speed" else None
+        reading = READINGS[i % 3 + 1] if i % 2 and not follows.startswith("temperature_") else None
         words = ["--reading", reading] if reading else ["--at", "350mm"] if i % 4 else []
         assert "effects.py: Effect" in done("new-effect", f"effect {chr(97 + i)}", "--follows", follows, *words)
     status, out, err = run("effects", "effects.py", "--check", "--json")

@@ -66,4 +66,5 @@ def test_shapes_are_what_they_say():
     np.testing.assert_allclose(known["late_rest"], (1.0 - fading ** (1 / 3)) * [1, 0, 0])
     np.testing.assert_allclose(known["late_drive"], (1.0 - fading ** (1 / 3)) * [0, 1, 1])
     np.testing.assert_array_equal(known["temperature_speed"], known["speed"])
+    np.testing.assert_array_equal(known["temperature_drive"], known["drive"])
     np.testing.assert_allclose(known["time"], np.array([900.0, 901.0, 902.0]) / 3600.0)
