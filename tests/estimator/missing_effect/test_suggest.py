@@ -11,7 +11,7 @@ from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
 from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.ground import as_given
-from estimator.inputs.follower import REST, TEMPERATURE, followers
+from estimator.inputs.follower import LOSS_DRIVE, REST, TEMPERATURE, followers
 from estimator.missing_effect import suggest as search_
 from estimator.missing_effect.improve import improve
 from estimator.missing_effect.suggest import suggest
@@ -21,6 +21,7 @@ from estimator.model import Model, Prior
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.terms import SCREW, Link, Store
+from estimator.unknown.stand_ins import unknown_of
 from estimator.work import Runs
 from tests.estimator.conftest import with_effect
 
@@ -129,6 +130,24 @@ def test_what_no_catalogue_has_is_placed_and_followed(plain, bar, lives):
     at = found.unexplained.candidate.at
     assert at["unknown_heat.at"] == pytest.approx(60.0, abs=30.0)
     assert at["unknown_heat.follows"] == follows
+
+
+class Jet(Effect):
+    """A jet takes heat from the screw at 60 mm while it turns."""
+
+    g = Param(0.5, "W/K", lo=0.0, hi=20.0, null=0.0)
+
+    def terms(self, p, u, rig):
+        at = rig.screw.overlap(50.0, 70.0)
+        yield Link(SCREW, "ambient", p.g * (u.omega > 0.5) * at / at.sum())
+
+
+def test_what_a_jet_takes_goes_by_the_temperature_while_the_screw_turns(plain, bar, lives):
+    found = suggest(plain, Runs(bar, lives(plain + Jet)[:3]), [], taken=())
+    unknown = unknown_of(found.unexplained.candidate, bar)
+    assert (found.verdict, unknown.follower) == ("nothing_in_catalogue", LOSS_DRIVE)
+    assert unknown.at_mm == pytest.approx(60.0, abs=5.0)
+    assert found.composed.hypothesis.misfit < GOOD
 
 
 def test_heat_that_grows_with_the_temperature_there_can_be_tried(plain, bar, lives):
