@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from ballscrew.completion import followers, words
 from ballscrew.options import output_file, rig_option, terminal_options
 from ballscrew.own_effect.class_file import HEAD, with_class
 from ballscrew.own_effect.composed_file import text_in
@@ -28,7 +29,7 @@ UNDER_NUT = "under-nut"
     help="Heat around this place, into this body, or into what the nut covers; default: all along the screw.",
 )  # fmt: skip
 @click.option(
-    "--follows", default="always", metavar="WORD",
+    "--follows", default="always", metavar="WORD", shell_complete=words(followers),
     help=f"{', '.join(NAMES)}, or an input of the rig, of which it follows the rise; default: always.",
 )  # fmt: skip
 @click.option("--reading", metavar="CHANNEL|all", help="Shift this channel's readings, or all thermometers', not heat.")
