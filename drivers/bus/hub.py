@@ -43,7 +43,7 @@ class Hub:
         try:
             self._server = await asyncio.get_running_loop().create_server(lambda: _Client(self), host, port)
         except OSError as error:
-            why = (error.strerror or str(error)).rpartition(": ")[2].lower()
+            why = (error.strerror or str(error)).rpartition(": ")[2].rpartition("] ")[2].lower()  # "[errno 98] address ..."
             raise SetupError(
                 f"port {port} on {host} cannot be used: {why}; name another with --port or --bind"
             ) from None
