@@ -192,7 +192,7 @@ def _tell(table: Table, step: float, tick_s: float) -> None:
         how = "none is measured in the ticks between" if step > tick_s else "the last of a tick counts"
         table.said.append(f"a row each {step:g} s, a tick each {tick_s:g} s: {how}")
     if table.said:
-        table.tally.notes.insert(0, ", ".join(table.said))
+        table.tally.first(", ".join(table.said))
 
 
 def _fresh(table: Table, name: str, rule: Signal) -> Array:
