@@ -141,7 +141,7 @@ def strangers(paths: list[Path], unwanted: Callable[[str], bool]) -> dict[str, s
 
 
 def test_the_estimator_needs_numbers_and_toml_only():
-    allowed = {"numba", "numpy", "scipy", "filterpy", "tomlkit", "estimator"} | sys.stdlib_module_names
+    allowed = {"numba", "numpy", "scipy", "filterpy", "threadpoolctl", "tomlkit", "estimator"} | sys.stdlib_module_names
     assert not strangers(files("estimator"), lambda module: top(module) not in allowed)
 
 

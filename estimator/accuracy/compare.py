@@ -20,7 +20,7 @@ from estimator.faults.use import Use
 from estimator.inputs.phase import PHASES, phase_of, speed_of
 from estimator.model import Model
 from estimator.record import Array
-from estimator.work import Runs
+from estimator.work import Runs, one_thread
 
 ByHorizon = Mapping[str, Error]
 
@@ -51,6 +51,7 @@ class Comparison:
     uses: tuple[Use, ...]
 
 
+@one_thread
 def compare(model: Model, runs: Runs, truths: Sequence[Array | None] | None = None) -> Comparison:
     """Judge one model on recordings.
 

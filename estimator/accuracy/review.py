@@ -22,6 +22,7 @@ from estimator.rig import Rig
 from estimator.state.gate import Mute
 from estimator.state.warmth import Warmth, warmth
 from estimator.step import Mode, TableErrors, Track
+from estimator.work import one_thread
 
 OURS = ("filter", "smoothed", "open_loop")  # what counts from the rig's zero_C; all else from the first sample
 
@@ -85,6 +86,7 @@ class Review:
         return {name: rms(z[:, i]) ** 2 for i, name in enumerate(track.names)}
 
 
+@one_thread
 def review(
     recording: Recording,
     rig: Rig,

@@ -28,7 +28,7 @@ from estimator.fit.open_loop_fit import Followed, follow
 from estimator.fit.tune import Factors, scaled
 from estimator.model import Model
 from estimator.record import Array
-from estimator.work import Runs
+from estimator.work import Runs, one_thread
 
 AT_BOUND = 0.1  # sd
 ALIKE = 0.95  # a correlation worth naming
@@ -76,6 +76,7 @@ class Fit:
     uses: tuple[Use, ...]
 
 
+@one_thread
 def fit(model: Model, runs: Runs, learned: bool = False) -> Fit:
     """Fit all free parameters to all recordings; those that say nothing of any of them are an InputError.
 

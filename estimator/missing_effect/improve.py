@@ -25,7 +25,7 @@ from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.wrong_always import inputs_in
 from estimator.model import Model
 from estimator.unknown.composed import Composed
-from estimator.work import Runs
+from estimator.work import Runs, one_thread
 
 MOST = 6  # steps: no machine of the studies lacked so much
 MOST_COMPOSED = 3  # of them that add what no catalogue has
@@ -73,6 +73,7 @@ class Improvement:
         return {one.apart for one in self.apart}
 
 
+@one_thread
 def improve(
     model: Model,
     runs: Runs,
