@@ -49,6 +49,10 @@ class Filter:
         self._transitions: dict[int, Transition] = {}
         self._read: tuple[Sample, Drive] | None = None  # a sample that an effect has failed in
 
+    def __repr__(self) -> str:
+        since = "running" if self.run else "before its first thermometer"
+        return f"Filter: {self.model.name} on {self.rig.name}, {since}"
+
     @one_thread
     def step(self, sample: Sample) -> Step:
         """Take one tick: begin with the first sample with a thermometer in it; then predict, compare, update."""

@@ -96,6 +96,10 @@ class Recording:
     def __len__(self) -> int:
         return len(self.time_s)
 
+    def __repr__(self) -> str:
+        channels = f"{self.channels.shape[-1]} channels, inputs {', '.join(self.inputs)}"
+        return "\n".join([f"{self.name}: {len(self)} ticks, {self.time_s[-1] / 60:.1f} min, {channels}", *self.notes])
+
     @cached_property
     def fingerprint(self) -> str:
         """Short hash of what was measured: tells a recording again whatever its file is called, and by a part of it."""

@@ -60,6 +60,9 @@ class Runs:
     workers: Workers = map
     progress: Progress = silent
 
+    def __repr__(self) -> str:
+        return f"Runs: {', '.join(one.name for one in self.recordings)} on {self.rig.name}"
+
     def each(self, job: Callable[[Recording], Any]) -> list[Any]:
         """What a job makes of every recording."""
         return list(kept(self.workers)(job, self.recordings))

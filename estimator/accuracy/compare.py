@@ -50,6 +50,10 @@ class Comparison:
     match: Match
     uses: tuple[Use, ...]
 
+    def __repr__(self) -> str:
+        """Its errors by horizon, rms."""
+        return "\n".join([f"{self.name}: rms", *(f"  {name:12} {error}" for name, error in self.whole.items())])
+
 
 @one_thread
 def compare(model: Model, runs: Runs, truths: Sequence[Array | None] | None = None) -> Comparison:

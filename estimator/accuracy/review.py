@@ -66,6 +66,11 @@ class Review:
     start: Warmth | None
     table: TableErrors
 
+    def __repr__(self) -> str:
+        """Its errors, an estimate a line."""
+        errors = [f"  {name:17} {self.accuracy(name)}" for name in self.errors]
+        return "\n".join([f"{self.recording.name}: {self.reference_name} - estimate", *errors])
+
     def accuracy(self, name: str) -> Accuracy:
         """Accuracy of one estimate on this recording."""
         return overall([self], name)

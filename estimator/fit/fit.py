@@ -52,6 +52,9 @@ class Fitted:
     determined: bool = False
     like: str = ""
 
+    def __str__(self) -> str:
+        return f"{self.path:32} {self.before:.5g} -> {self.value:.5g} +- {self.sd:.2g} {self.unit}"
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -74,6 +77,11 @@ class Fit:
     stopped: bool
     steps: int
     uses: tuple[Use, ...]
+
+    def __repr__(self) -> str:
+        """Its parameters, then the errors of the model alone before and after."""
+        alone = f"the model alone: {self.before['open_loop']} -> {self.after['open_loop']}"
+        return "\n".join([*map(str, self.parameters), alone])
 
 
 @one_thread

@@ -80,6 +80,10 @@ class Tuned:
     missing: float
     uses: tuple[Use, ...]
 
+    def __repr__(self) -> str:
+        """Its noise levels."""
+        return "\n".join(f"{one.path:32} {one.before:.4g} -> {one.after:.4g} {one.unit}" for one in self.levels)
+
 
 @one_thread
 def tune(model: Model, runs: Runs) -> Tuned:

@@ -46,6 +46,10 @@ class ImprovedModel:
     cross_validated: Error
     held_out: Error | None
 
+    def __str__(self) -> str:
+        held_out = f"; held out {self.held_out}" if self.held_out else ""
+        return f"{self.added or 'no effect more':32} cross-validated {self.cross_validated}{held_out}"
+
 
 @dataclass(frozen=True)
 class Improvement:
@@ -61,6 +65,10 @@ class Improvement:
     uses: tuple[Use, ...]
     apart: tuple[Suggestion, ...] = ()
     composed: tuple[Composed, ...] = ()
+
+    def __repr__(self) -> str:
+        """Its steps, and the last verdict."""
+        return "\n".join([*map(str, self.steps), self.last.verdict if self.last else "stopped"])
 
     @property
     def model(self) -> Model:

@@ -52,6 +52,9 @@ class Diagnosis:
     maps: tuple[MissingHeat, ...]
     uses: tuple[Use, ...]
 
+    def __repr__(self) -> str:
+        return "\n".join(self.sentences)
+
 
 @one_thread
 def diagnose(model: Model, runs: Runs) -> Diagnosis:
