@@ -143,3 +143,18 @@ def test_names_that_are_others_are_shown_as_they_are_separated(tmp_path: Path, r
     assert said.startswith(
         "no column of any channel; expected left, B, P/kW, ambient, found Time, left Ave. (°C), right"
     )
+
+
+def test_a_column_of_times_before_each_signal(tmp_path: Path, rig: Rig) -> None:
+    """As TwinCAT's Scope exports them; where they are not alike none can stand for all."""
+    rig = replace(rig, log=replace(rig.log, time_column="Name"))
+    head = "Name;Scope\nFile;x.svdx\n\n"
+    names = [word for name in NAMES[1:] for word in ("Name", name)]
+    cells = [[word for cell in row[1:] for word in (f"{float(row[0]) * 1000:.0f}", cell)] for row in rows()]
+    path = write(tmp_path / "a.csv", [["SampleTime[ms]", "5000"] * 4, *cells], names, ";", head=head)
+    record = read_recording(path, rig)
+    plain = read_recording(write(tmp_path / "plain.csv", rows(), ["Name", *NAMES[1:]]), rig)
+    np.testing.assert_allclose(record.channels, plain.channels)
+    assert "the first of 4 columns 'Name', which are alike" in record.notes[0]
+    cells[5][2] = "25001"
+    assert complaint(write(path, cells, names, ";"), rig).startswith("'Name' stands in columns 1 and 3 and 5 and 7:")
