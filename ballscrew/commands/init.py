@@ -76,11 +76,9 @@ def _row(guess: Guess) -> tuple[Any, ...]:
 
 
 def _print(terminal: Terminal, found: Found, new: NewRig) -> None:
-    is_csv = found.paths[0].suffix.lower() == ".csv"
-    kind = "a lab CSV" if is_csv else f"CAN frames, read with {found.dbc.name}" if found.dbc else "decoded signals"
     ticks = new.recording
     terminal.say(
-        f"{found.paths[0].name}: {kind}, {len(found.seen)} signals, {duration(float(ticks.time_s[-1]))}, "
+        f"{found.paths[0].name}: {_kind(found)}, {len(found.seen)} signals, {duration(float(ticks.time_s[-1]))}, "
         f"{len(ticks)} ticks of {found.tick_s:g} s"
     )
     head = ["signal" if found.dbc else "column", "rate, 1/s", "range", "taken as", "why"]
@@ -106,6 +104,13 @@ def _print(terminal: Terminal, found: Found, new: NewRig) -> None:
     terminal.say()
     for k, line in enumerate(_next(new.folder)):
         terminal.say(f"{'next:' if k == 0 else '     '} {line}")
+
+
+def _kind(found: Found) -> str:
+    """What the recordings are."""
+    if found.dbc:
+        return f"CAN frames, read with {found.dbc.name}"
+    return "a lab CSV" if found.paths[0].suffix.lower() == ".csv" else "decoded signals"
 
 
 def _texts(guess: Guess) -> list[str]:
