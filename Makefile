@@ -14,7 +14,7 @@ HIDDEN := recordings/machine-7
 MODEL := $(HIDDEN)/healthy.toml
 SHOWN := FS-20
 
-.PHONY: demo live review test check bench bench-engine bench-search bench-live bench-faults study-fit study-hidden study-machines pictures pictures-improve recordings model machine-7 tuning tuning-test clean
+.PHONY: demo live review test newest check bench bench-engine bench-search bench-live bench-faults study-fit study-hidden study-machines pictures pictures-improve recordings model machine-7 tuning tuning-test clean
 
 demo: $(READY)
 	$(BIN)/ballscrew diagnose $(HIDDEN) --model $(MODEL)
@@ -35,6 +35,12 @@ live: $(READY)
 
 test: $(READY)
 	$(BIN)/python -m pytest -n 2 --dist worksteal
+
+# the same with the newest packages that pyproject.toml allows, whatever constraints.txt says; PYTHON names another Python
+newest:
+	$(PYTHON) -m venv .newest
+	.newest/bin/python -m pip install --quiet --disable-pip-version-check --upgrade --editable '.[dev]'
+	.newest/bin/python -m pytest -n 2 --dist worksteal
 
 check: $(READY)
 	$(BIN)/ruff format --check .
@@ -123,4 +129,4 @@ $(PEERS): $(READY)
 	touch $@
 
 clean:
-	rm -rf $(VENV) build *.egg-info *.rrd improved* recorded
+	rm -rf $(VENV) .newest build *.egg-info *.rrd improved* recorded

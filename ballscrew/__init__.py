@@ -10,8 +10,8 @@
     class CoolantJet(Effect): ...              physics of your own, its numbers each a Param
 
 Each name is imported when it is used. The command begins in cli, and shares workspace, reviewing, search, machine,
-began, at_a_glance, options, muting and terminal; then commands/, report/, page/, table/, monitor/, fleet/, workers/,
-new_rig/, doubts/ and own_effect/.
+began, at_a_glance, options, completion, muting and terminal; then commands/, report/, page/, table/, monitor/,
+fleet/, workers/, new_rig/, doubts/ and own_effect/.
 """
 
 from importlib import import_module

@@ -73,7 +73,7 @@ def main() -> None:
     atexit.register(gc.freeze)  # to take apart what is left costs a third of a second, on a busy machine three
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads take twice as long on 30 states; numpy reads it once
     try:
-        status = root.main(all_named(json_apart(sys.argv[1:])), standalone_mode=False)
+        status = root.main(all_named(json_apart(sys.argv[1:])), "ballscrew", standalone_mode=False)
     except click.ClickException as error:
         error.show()
         status = 2

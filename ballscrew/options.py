@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from ballscrew.completion import thermometers, words
 from ballscrew.terminal import STDOUT, Terminal
 from drivers.lab.estimates import is_estimates
 from estimator.errors import SetupError
@@ -205,9 +206,12 @@ table_option = click.option(
 )  # fmt: skip
 view_option = click.option("--view", is_flag=True, help="Open the views in the rerun viewer, where there is a screen.")
 channel_options = stacked(
-    click.option("--channels", metavar="2,4,..", help="Use only these thermometers, by number or name; default: all."),
+    click.option(
+        "--channels", metavar="2,4,..", shell_complete=words(thermometers, listed=True),
+        help="Use only these thermometers, by number or name; default: all.",
+    ),
     click.option("--no-displacement", is_flag=True, help="Do not use the displacement readings."),
-)
+)  # fmt: skip
 join_option = click.option(
     "--join", is_flag=True, help="The LOGs are parts of one recording: one estimate runs through them."
 )

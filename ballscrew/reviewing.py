@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from ballscrew.completion import mutes, words
 from ballscrew.machine import MachineVerdict
 from ballscrew.muting import chosen_thermometers, muted
 from ballscrew.options import channel_options, join_option, stacked
@@ -98,7 +99,7 @@ def review_options(command: Callable[..., Any]) -> Callable[..., Any]:
         join_option,
         channel_options,
         click.option(
-            "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO|+TIME]",
+            "--mute", "spans", multiple=True, metavar="NAME:FROM[-TO|+TIME]", shell_complete=words(mutes),
             help="Do not use a channel, `telemeter` or `displacement` from FROM, s from the start or stop1 ..., to TO, "
             "or for TIME, like 60min",
         ),

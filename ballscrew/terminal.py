@@ -100,7 +100,7 @@ class Terminal:
         if self.json_path == STDOUT:
             print(text)
         else:
-            Path(self.json_path).write_text(text + "\n")
+            Path(self.json_path).write_text(text + "\n", encoding="utf-8")
 
 
 def plain(value: Any, digits: int = 6) -> Any:

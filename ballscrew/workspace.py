@@ -11,6 +11,7 @@ from importlib.resources import files
 from pathlib import Path
 
 import click
+import numpy as np
 
 from ballscrew.doubts.guesses import guesses
 from ballscrew.own_effect.patience import patience
@@ -226,8 +227,9 @@ def load(logs: Sequence[Path], rig: Rig, terminal: Terminal, join: bool = False)
         terminal.error(message)
     _name_apart(loaded)
     for one in loaded:
-        for note in (note for note in one.recording.notes if ": no " in note):
-            terminal.warn(f"{one.path.name}: {note}")
+        if np.isfinite(one.recording.channels[:, rig.is_thermometer]).any():  # or an error will say it
+            for doubt in one.recording.doubts:
+                terminal.warn(f"{one.path.name}: {doubt}")
     return loaded, failed
 
 

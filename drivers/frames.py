@@ -34,12 +34,14 @@ class Tally:
     """What was skipped, by reason, and sentences that say where: filled by every stage from the file to the ticks.
 
     refused  readings of each channel or input that came and are none;   of_readings  the reasons that count such
+    doubts   those of the notes that change how figures are read: they come first
     """
 
     skipped: Counter[str] = field(default_factory=Counter)
     notes: list[str] = field(default_factory=list)
     refused: Counter[str] = field(default_factory=Counter)
     of_readings: set[str] = field(default_factory=set)
+    doubts: set[str] = field(default_factory=set)
 
     def skip(self, reason: str, count: int | np.integer[Any] = 1) -> None:
         """Count `count` things that were not used. A hostile log invents reasons: past 300 they are lumped."""
@@ -65,6 +67,16 @@ class Tally:
             self.notes.append(sentence)
         else:
             self.skip("further notes")
+
+    def doubt(self, sentence: str) -> None:
+        """Keep a sentence that changes how figures are read, before all that do not."""
+        self.doubts.add(sentence)
+        self.first(sentence)
+
+    def first(self, sentence: str) -> None:
+        """Keep a sentence before all but doubts."""
+        if sentence not in self.notes:
+            self.notes.insert(len(self.doubts.intersection(self.notes)), sentence)
 
 
 @dataclass(frozen=True)

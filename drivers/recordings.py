@@ -80,7 +80,8 @@ def recording_of(path: Path, frames: Frames, rig: Rig, tally: Tally, budget: Bud
 
 def _told(rows: Recording, name: str, rig: Rig, tally: Tally) -> Recording:
     silences(rows, rig, tally)
-    return replace(rows, name=name, skipped=tally.counts(), notes=tuple(tally.notes))
+    doubts = tuple(note for note in tally.notes if note in tally.doubts)
+    return replace(rows, name=name, skipped=tally.counts(), notes=tuple(tally.notes), doubts=doubts)
 
 
 def read_joined(

@@ -92,6 +92,9 @@ class Effect:
         for wrong in _wrong(cls, own):
             raise SetupError(f"effect {cls.__name__}: {wrong}")
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}()"
+
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         """Yield the effect's terms for parameters `p`, inputs `u` and the rig; structure never depends on values."""
         raise SetupError(f"effect {self.name}: 'terms' is missing")

@@ -30,6 +30,7 @@ from estimator.state.moves import Course, Moves
 from estimator.state.report import Estimates, Reporter
 from estimator.state.run import Run, begin, variances
 from estimator.step import Step, TableErrors, Track
+from estimator.work import one_thread
 
 KEPT = 256  # regimes whose matrices are kept, 20 MB or so
 
@@ -48,6 +49,11 @@ class Filter:
         self._transitions: dict[int, Transition] = {}
         self._read: tuple[Sample, Drive] | None = None  # a sample that an effect has failed in
 
+    def __repr__(self) -> str:
+        since = "running" if self.run else "before its first thermometer"
+        return f"Filter: {self.model.name} on {self.rig.name}, {since}"
+
+    @one_thread
     def step(self, sample: Sample) -> Step:
         """Take one tick: begin with the first sample with a thermometer in it; then predict, compare, update."""
         rows = collect("", [sample])

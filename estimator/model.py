@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
+from textwrap import indent
 from traceback import extract_tb
 from types import MappingProxyType, SimpleNamespace
 from typing import Any
@@ -49,6 +50,10 @@ class Value:
     lo: float | None = None
     hi: float | None = None
 
+    def __str__(self) -> str:
+        known = f" +- {self.sd:.2g}" if self.sd is not None else ""
+        return f"{self.value:.5g}{known}"
+
     def over(self, param: Param) -> Param:
         """The declaration with what the model knows better."""
         own = {key: bound for key in ("lo", "hi") if (bound := getattr(self, key)) is not None}
@@ -80,6 +85,15 @@ class Model:
     about: Mapping[str, Any] = field(default_factory=dict)
     name: str = "model"
     folder: Path | None = None
+
+    def __repr__(self) -> str:
+        """Its equations, each with the values of its parameters."""
+        return "\n".join([f"{self.name}: {len(self.effects)} effects", *(self._told(name) for name in self.effects)])
+
+    def _told(self, name: str) -> str:
+        effect = self.effects[name]
+        values = [f"    {key} = {self.values[f'{name}.{key}']} {param.unit}" for key, param in effect.params.items()]
+        return "\n".join(["", f"{name}: {effect.sentence()}", indent(effect.equation(), "    "), *values])
 
     def __add__(self, effect: type[Effect]) -> Model:
         """The model with one more effect, at its defaults."""

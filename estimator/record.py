@@ -60,8 +60,9 @@ class Recording:
     """All ticks of one run, K rows one nominal tick apart; a tick that never came is a row of NaN.
 
     Fields as in Sample with a leading axis K. `skipped` counts what was not used, by reason; `notes` are sentences
-    about torn ends, clock jumps and the like, with place. `began_s`: when time_s is 0, s since 1970; None where the
-    log's clock tells no date. `part_of`: fingerprint of the recording that these ticks are a stretch of, "": of none.
+    about torn ends, clock jumps and the like, with place, `doubts` those of them that change how figures are read.
+    `began_s`: when time_s is 0, s since 1970; None where the log's clock tells no date. `part_of`: fingerprint of the
+    recording that these ticks are a stretch of, "": of none.
     """
 
     name: str
@@ -74,6 +75,7 @@ class Recording:
     frames: int = 0
     skipped: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
     unevenness: Array = field(default_factory=lambda: np.ones(1))
     apart_s: Array = field(default_factory=lambda: np.zeros(1))
     pace: Array = field(default_factory=lambda: np.full(1, np.nan))
@@ -93,6 +95,10 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.time_s)
+
+    def __repr__(self) -> str:
+        channels = f"{self.channels.shape[-1]} channels, inputs {', '.join(self.inputs)}"
+        return "\n".join([f"{self.name}: {len(self)} ticks, {self.time_s[-1] / 60:.1f} min, {channels}", *self.notes])
 
     @cached_property
     def fingerprint(self) -> str:

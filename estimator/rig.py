@@ -86,6 +86,9 @@ class Rig:
     zero_sd_K: float = 0.0
     folder: Path = Path()
 
+    def __repr__(self) -> str:
+        return f"Rig: {self.name}, {len(self.thermometers)} thermometers, a tick of {self.tick_s:g} s"
+
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Channel names in order, (m,)."""

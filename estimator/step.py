@@ -79,6 +79,9 @@ class Step:
     nis_channels: int
     position_mm: float
 
+    def __repr__(self) -> str:
+        return f"{self.time_s:.0f} s, {self.mode.name}: {self.elongation_um:.2f} +- {self.sigma_um:.2f} um"
+
 
 @dataclass(frozen=True)
 class Track:

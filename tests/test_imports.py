@@ -141,7 +141,7 @@ def strangers(paths: list[Path], unwanted: Callable[[str], bool]) -> dict[str, s
 
 
 def test_the_estimator_needs_numbers_and_toml_only():
-    allowed = {"numba", "numpy", "scipy", "filterpy", "tomlkit", "estimator"} | sys.stdlib_module_names
+    allowed = {"numba", "numpy", "scipy", "filterpy", "threadpoolctl", "tomlkit", "estimator"} | sys.stdlib_module_names
     assert not strangers(files("estimator"), lambda module: top(module) not in allowed)
 
 
@@ -167,6 +167,17 @@ def test_drivers_and_views_know_the_estimator_s_types_only(package, beside):
         return parts[0] != "estimator" or (len(parts) > 1 and parts[1] not in TYPES)
 
     assert not strangers(files(package), lambda m: top(m) in OURS - {package} and m not in beside and unknown(m))
+
+
+def test_nothing_runs_on_one_system_only():
+    """Windows has none of these modules, and there a text without an encoding is in that of the country."""
+    limits_memory = ROOT / "drivers" / "logs" / "outside_reader.py"  # and does without
+    absent = {"fcntl", "grp", "posix", "pty", "pwd", "readline", "resource", "syslog", "termios", "tty"}
+    assert not strangers([path for path in FILES if path != limits_memory], lambda module: top(module) in absent)
+    for path in FILES:
+        for call in (node for node in ast.walk(tree(path)) if isinstance(node, ast.Call)):
+            if isinstance(call.func, ast.Attribute) and call.func.attr in {"read_text", "write_text"}:
+                assert "encoding" in {word.arg for word in call.keywords}, f"{name(path)}, line {call.lineno}"
 
 
 def test_nobody_imports_the_application():

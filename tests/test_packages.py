@@ -1,4 +1,4 @@
-"""What is installed: one version of each package, and one that the ranges of pyproject.toml allow."""
+"""What is installed: one version of each package, one that the ranges of pyproject.toml allow, and our own files."""
 
 import tomllib
 
@@ -18,3 +18,11 @@ def test_each_package_is_kept_at_one_version_which_its_range_allows():
     every = [*project["dependencies"], *(word for words in extras.values() for word in words)]
     for asked in map(Requirement, every):
         assert asked.name == project["name"] or version[asked.name] in asked.specifier, asked
+
+
+def test_every_file_that_the_code_reads_is_installed():
+    data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]
+    installed = {path for top, patterns in data.items() for pattern in patterns for path in (ROOT / top).glob(pattern)}
+    there = [path for top in ("ballscrew", "drivers", "estimator", "viz") for path in (ROOT / top).rglob("*.*")]
+    there += (ROOT / "recordings").glob("*.toml")
+    assert {path for path in there if path.suffix not in {".py", ".pyc", ".nbc", ".nbi"}} == installed

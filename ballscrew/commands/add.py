@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from ballscrew.completion import effect_names, words
 from ballscrew.options import PATH, model_output, rig_option, terminal_options
 from ballscrew.own_effect.named import named_effect
 from ballscrew.own_effect.patience import patience
@@ -19,7 +20,7 @@ from estimator.rig_folder.model_toml import load_model, save_model
 
 
 @click.command("add")
-@click.argument("effect", metavar="EFFECT")
+@click.argument("effect", metavar="EFFECT", shell_complete=words(effect_names, or_file=True))
 @click.argument("model_path", type=PATH, metavar="MODEL")
 @model_output("Write the model here; the same file to change it in place.")
 @rig_option("Rig folder that it must fit; else the nearest one at or above MODEL, else the built-in rig.")

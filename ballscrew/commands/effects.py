@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 from rich.markup import escape
 
+from ballscrew.completion import effect_names, words
 from ballscrew.options import model_option, rig_option, terminal_options
 from ballscrew.own_effect.named import Named, named_effects
 from ballscrew.own_effect.printed import as_json, print_effect
@@ -23,7 +24,7 @@ KINDS = {"structure": STRUCTURE, "mounting": MOUNTING, "heat": HEAT, "reading": 
 
 
 @click.command("effects")
-@click.argument("name", required=False, metavar="[NAME]")
+@click.argument("name", required=False, metavar="[NAME]", shell_complete=words(effect_names, or_file=True))
 @click.option("--check", is_flag=True, help="Run the battery on it that every effect must pass.")
 @rig_option("Check it on this rig folder; else the nearest at or above the file, else the built-in rig.")
 @model_option("Check it beside this model's effects; else the rig folder's model.toml.")

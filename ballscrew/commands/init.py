@@ -33,7 +33,7 @@ _SHOWN = 12  # of what is not used
 def command(
     terminal: Terminal, logs: tuple[Path, ...], folder: Path, dbc: Path | None, places: str | None, force: bool
 ) -> None:
-    """Make a rig folder that works from each LOG: CAN frames with their DBC, or a lab CSV.
+    """Make a rig folder that works from each LOG: CAN frames with their DBC, a lab CSV, or an MF4 of signals.
 
     It looks at what is in the recordings, guesses what is a thermometer, the speed, the position and so on, and writes
     rig.toml with every guess marked, a first model.toml, and copies of the recordings. What no recording tells, such as
@@ -76,10 +76,9 @@ def _row(guess: Guess) -> tuple[Any, ...]:
 
 
 def _print(terminal: Terminal, found: Found, new: NewRig) -> None:
-    kind = f"CAN frames, read with {found.dbc.name}" if found.dbc else "a lab CSV"
     ticks = new.recording
     terminal.say(
-        f"{found.paths[0].name}: {kind}, {len(found.seen)} signals, {duration(float(ticks.time_s[-1]))}, "
+        f"{found.paths[0].name}: {_kind(found)}, {len(found.seen)} signals, {duration(float(ticks.time_s[-1]))}, "
         f"{len(ticks)} ticks of {found.tick_s:g} s"
     )
     head = ["signal" if found.dbc else "column", "rate, 1/s", "range", "taken as", "why"]
@@ -105,6 +104,13 @@ def _print(terminal: Terminal, found: Found, new: NewRig) -> None:
     terminal.say()
     for k, line in enumerate(_next(new.folder)):
         terminal.say(f"{'next:' if k == 0 else '     '} {line}")
+
+
+def _kind(found: Found) -> str:
+    """What the recordings are."""
+    if found.dbc:
+        return f"CAN frames, read with {found.dbc.name}"
+    return "a lab CSV" if found.paths[0].suffix.lower() == ".csv" else "decoded signals"
 
 
 def _texts(guess: Guess) -> list[str]:

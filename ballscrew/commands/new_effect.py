@@ -7,8 +7,10 @@ from pathlib import Path
 
 import click
 
+from ballscrew.completion import followers, words
 from ballscrew.options import output_file, rig_option, terminal_options
 from ballscrew.own_effect.class_file import HEAD, with_class
+from ballscrew.own_effect.composed_file import text_in
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import open_rig
 from estimator.effects import CATALOGUE
@@ -27,7 +29,7 @@ UNDER_NUT = "under-nut"
     help="Heat around this place, into this body, or into what the nut covers; default: all along the screw.",
 )  # fmt: skip
 @click.option(
-    "--follows", default="always", metavar="WORD",
+    "--follows", default="always", metavar="WORD", shell_complete=words(followers),
     help=f"{', '.join(NAMES)}, or an input of the rig, of which it follows the rise; default: always.",
 )  # fmt: skip
 @click.option("--reading", metavar="CHANNEL|all", help="Shift this channel's readings, or all thermometers', not heat.")
@@ -49,8 +51,8 @@ def command(
         raise SetupError(f"--follows {follows}: heat that goes to the air; a reading may follow the drive, say")
     cls, place = _class_name(name), _place(at, reading, rig)
     wanted = Wanted(cls, _follower(follows, rig), *place, reading=_channel(reading, rig))
-    text = out.read_text() if out.is_file() else HEAD
-    out.write_text(with_class(text, effect_text(wanted, rig), VOCABULARY, out))
+    text = text_in(out) or HEAD
+    out.write_text(with_class(text, effect_text(wanted, rig), VOCABULARY, out), encoding="utf-8")
     use = f"{out}:{wanted.cls}"
     terminal.say(f"{out}: {wanted.cls} written; its numbers are guesses: put in yours, and say where they come from")
     terminal.say(f"next: ballscrew effects {use} --check")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ballscrew.completion import experiments, plants, words
 from ballscrew.muting import seconds
 from ballscrew.options import bus_options, rig_option, terminal_options, writable
 from ballscrew.terminal import Terminal, duration
@@ -48,7 +49,7 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
 
 
 @click.command("simulate")
-@click.argument("name", metavar="NAME")
+@click.argument("name", metavar="NAME", shell_complete=words(experiments))
 @click.option(
     "-o", "out", type=click.Path(path_type=Path), metavar="FILE", callback=_checked,
     help="Recording to write; its suffix says the format: .log, .blf, .asc, .trc or .mf4.",
@@ -60,8 +61,11 @@ def _checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> 
     help="0: the paper's machine; N: another of the same build, its constants drawn by N.",
 )  # fmt: skip
 @click.option("--seed", default=1, show_default=True, help="The same seed is the same rig with the same noise.")
-@click.option("--plant", multiple=True, metavar="EFFECT[=STRENGTH]", help="Switch an effect on; strength 1 is nominal.")
-@click.option("--without", multiple=True, metavar="EFFECT", help="Switch an effect off.")
+@click.option(
+    "--plant", multiple=True, metavar="EFFECT[=STRENGTH]", shell_complete=words(plants),
+    help="Switch an effect on; strength 1 is nominal.",
+)  # fmt: skip
+@click.option("--without", multiple=True, metavar="EFFECT", shell_complete=words(plants), help="Switch an effect off.")
 @click.option(
     "--onset",
     type=Seconds(),

@@ -13,11 +13,11 @@ from ballscrew.doubts.growth import growth
 from ballscrew.doubts.guesses import guesses
 from ballscrew.doubts.order import order
 from ballscrew.new_rig.bus_log import bus_log_of
-from ballscrew.new_rig.lab_table import read_lab_table
+from ballscrew.new_rig.lab_table import is_lab_table, read_lab_table
 from drivers.budget import Budget
 from drivers.decode.dbc import find_dbc
 from drivers.frames import Tally
-from drivers.logs.logs import is_lab_csv, read_log
+from drivers.logs.logs import read_log
 from drivers.recordings import read_recording, recording_of
 from estimator.model import Model
 from estimator.rig import Rig
@@ -48,7 +48,7 @@ def of_the_folder(rig: Rig) -> Iterator[Doubt]:
 
 def of_recording(path: Path, rig: Rig, model: Model) -> Iterator[Doubt]:
     """What is in doubt beside a recording; one that cannot be used is an InputError."""
-    if is_lab_csv(path):
+    if is_lab_table(path):
         case = Case(rig, model, read_recording(path, rig), read_lab_table(path, Tally(), rig.log.csv))
     else:
         tally, budget = Tally(), Budget()

@@ -61,9 +61,9 @@ class Explainer:
         self._running = None
         if not self._told.is_file():
             self._due = time.monotonic() + SOON_S
-            last = self._errors.read_text(errors="replace").strip().splitlines()[-1:]
+            last = self._errors.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-1:]
             return f"could not be explained: {' '.join(last) or f'diagnose ended with {ended.returncode}'}"
-        told = json.loads(self._told.read_text())
+        told = json.loads(self._told.read_text(encoding="utf-8"))
         self._told.unlink()
         if told["adequate"] and not told["events"]:
             self._due = time.monotonic() + SOON_S

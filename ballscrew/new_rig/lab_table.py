@@ -1,4 +1,4 @@
-"""A lab CSV of a rig that nobody has described yet: its times, and every column of numbers."""
+"""A lab CSV, or an MF4 of signals, of a rig that nobody has described yet: its times, and every column of numbers."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ from drivers.lab.columns import kind_in
 from drivers.lab.lab import Table
 from drivers.lab.numerals import decimal_mark, numbers
 from drivers.lab.sheet import Sheet, read_sheet
+from drivers.lab.signals import every_signal, is_decoded
+from drivers.logs.logs import is_lab_csv
 from drivers.units import unit_of
 from estimator.errors import InputError
 from estimator.rig import Channel, Rig
@@ -38,28 +40,32 @@ _LONG_S, _LONGEST_S = 120.0, 10 * 86400.0  # from row to row, and of a run: long
 
 @dataclass(frozen=True)
 class LabTable:
-    """What a lab CSV holds.
+    """What a lab CSV holds, or an MF4, whose signals have times of their own.
 
     time_column  as rig.toml has to call it      csv   what its reader has to be told, with `guessed` for whom it is
-    step_s       from row to row                 said  what was recognised, in words
     empty        columns without a number
     """
 
     path: Path
-    time_column: str
-    csv: Csv
-    guessed: str
-    step_s: float
     seen: tuple[Seen, ...]
-    said: tuple[str, ...]
     empty: tuple[str, ...]
+    time_column: str = Log.time_column
+    csv: Csv = _RULES[0]
+    guessed: str = ""
+
+
+def is_lab_table(path: Path) -> bool:
+    """Whether a recording has its signals by their names, and no frames."""
+    return is_lab_csv(path) or is_decoded(path)
 
 
 def read_lab_table(path: Path, tally: Tally, told: Csv = _RULES[0]) -> LabTable:
-    """Read a CSV of which only its own names are known, and what its reader was `told`.
+    """Read a CSV of which only its own names are known, and what its reader was `told`; or the signals of an MF4.
 
     One that cannot be read in any way is an InputError.
     """
+    if is_decoded(path):
+        return _of_signals(path)
     sheet = read_sheet(path, Csv(), (), Tally(), Budget())
     if not sheet.rows:
         names = f"below the names {', '.join(sheet.names[:6])}" if sheet.names else "and no names"
@@ -86,10 +92,18 @@ def _told(path: Path, time: str, table: Table, units: dict[str, str], csv: Csv, 
         known = np.isfinite(value) & np.isfinite(table.time)
         if known.any():
             seen.append(Seen(name, units.get(name, ""), table.time[known], value[known]))
-    steps = np.diff(table.time)
-    step_s = float(np.median(steps[steps > 0])) if (steps > 0).any() else 1.0
     empty = tuple(name for name in table.columns if name not in {one.source for one in seen})
-    return LabTable(path, time, csv, guessed, step_s, tuple(seen), tuple(table.said), empty)
+    return LabTable(path, tuple(seen), empty, time, csv, guessed)
+
+
+def _of_signals(path: Path) -> LabTable:
+    every = every_signal(path)
+    seen = [
+        Seen(name, unit_of(one.unit) or one.unit or unit_in_tail(name), one.timestamps, one.samples.astype(float))
+        for name, one in every.items()
+        if one is not None
+    ]
+    return LabTable(path, tuple(seen), tuple(name for name, one in every.items() if one is None))
 
 
 def _rig(sheet: Sheet, time: str, csv: Csv, tick_s: float) -> Rig:

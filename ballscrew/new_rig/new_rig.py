@@ -16,7 +16,7 @@ from ballscrew.new_rig.bus_log import OURS, BusLog, read_bus_log
 from ballscrew.new_rig.drive import drive
 from ballscrew.new_rig.geometry import Geometry, geometry
 from ballscrew.new_rig.growth import growth
-from ballscrew.new_rig.lab_table import LabTable, read_lab_table
+from ballscrew.new_rig.lab_table import LabTable, is_lab_table, read_lab_table
 from ballscrew.new_rig.model_file import EFFECTS, write_model
 from ballscrew.new_rig.rig_file import lines_of, log_of_bus, log_of_csv, rig_text
 from ballscrew.new_rig.scan import scan_of
@@ -24,7 +24,6 @@ from ballscrew.new_rig.seen import Guess, Seen, behind_each_other, named_apart
 from ballscrew.new_rig.temperatures import THERMOMETER, temperatures
 from drivers.frames import Array, Tally
 from drivers.logs.joined import Progress
-from drivers.logs.logs import is_lab_csv
 from drivers.recordings import read_recording
 from estimator.battery.admitted import admit
 from estimator.errors import SetupError
@@ -84,14 +83,14 @@ class NewRig:
 
 def find(paths: Sequence[Path], dbc: Path | None, progress: Progress | None = None) -> Found:
     """Look at recordings, all of a kind; signals of several are one behind the other."""
-    kinds = [is_lab_csv(path) for path in paths]
+    kinds = [is_lab_table(path) for path in paths]
     if len({*kinds}) > 1:
         other = paths[kinds.index(not kinds[0])]
         raise SetupError(
-            f"{paths[0]} and {other}: logs of CAN frames and lab CSVs are of two rig folders; take one kind"
+            f"{paths[0]} and {other}: logs of CAN frames and tables of a lab are of two rig folders; take one kind"
         )
     if kinds[0] and dbc is not None:
-        raise SetupError(f"--dbc {dbc}: {paths[0]} is a lab CSV, whose columns have their names; leave it out")
+        raise SetupError(f"--dbc {dbc}: {paths[0]} holds no frames, its signals have their names; leave it out")
     sources: list[BusLog | LabTable] = []
     for k, path in enumerate(paths):
         share = progress and (lambda done, k=k: progress((k + done) / len(paths)))

@@ -12,7 +12,7 @@ from ballscrew.new_rig.scan import ScanGuess
 from ballscrew.new_rig.seen import Guess
 from ballscrew.new_rig.temperatures import THERMOMETER
 from estimator.rig import Signal
-from estimator.rig_log import Csv
+from estimator.rig_log import Csv, Log
 from estimator.screw import Screw
 
 HEAD = """A rig that `ballscrew init` made from {names}.
@@ -42,7 +42,8 @@ def rig_text(
         why = {"free": "at the first thermometer", "anchor": "the fixed bearing, at the last thermometer"}
         rows = [(key, vars(one), MARK.format(why[key])) for key, one in parts.supports.items()]
         document.add("supports", _table(rows))
-    document.add("log", _table([(key, value, why and MARK.format(why)) for key, (value, why) in log.items()]))
+    if log:
+        document.add("log", _table([(key, value, why and MARK.format(why)) for key, (value, why) in log.items()]))
     document.add("channels", _table(_channels(guesses, parts)))
     document.add("inputs", _table([*_inputs(guesses), *_missing(guesses, parts)]))
     return tomlkit.dumps(document)
@@ -58,7 +59,8 @@ def lines_of(text: str, keys: Collection[str]) -> str:
 def log_of_csv(time_column: str, csv: Csv, guessed: str) -> dict[str, tuple[Any, str]]:
     """[log] of a rig whose recordings are CSVs."""
     told = {key: value for key, value in vars(csv).items() if value != getattr(Csv(), key)}
-    return {"time_column": (time_column, "")} | ({"csv": (told, guessed)} if told else {})
+    column = {"time_column": (time_column, "")} if time_column != Log.time_column else {}
+    return column | ({"csv": (told, guessed)} if told else {})
 
 
 def log_of_bus(dbc: str, bus: str, scan: ScanGuess) -> dict[str, tuple[Any, str]]:

@@ -16,7 +16,7 @@ def taken_in(path: Path) -> list[str]:
     """Names that a file has already; nothing of it runs. A SetupError where no effect can be put behind them."""
     if path.suffix != ".py":
         raise SetupError(f"{path}: effects are Python: take a file whose name ends with .py")
-    text = _text(path)
+    text = text_in(path)
     names = names_in(tree_of(text, path))
     if foreign := sorted(names & set(VOCABULARY) - imported_names(tree_of(text, path))):
         raise SetupError(
@@ -28,13 +28,13 @@ def taken_in(path: Path) -> list[str]:
 def write_composed(made: Sequence[Composed], path: Path) -> list[Named]:
     """Put the classes behind what the file has; how a model uses each."""
     for one in made:
-        text = _text(path) or HEAD
+        text = text_in(path) or HEAD
         path.write_text(with_class(text, one.text, VOCABULARY, path), encoding="utf-8")
     return [Named(one.effect, path) for one in made]
 
 
-def _text(path: Path) -> str:
-    """What a file has; nothing where there is none yet."""
+def text_in(path: Path) -> str:
+    """What a file has, "" where there is none yet; a SetupError if it is not UTF-8."""
     try:
         return path.read_text(encoding="utf-8-sig") if path.is_file() else ""
     except UnicodeDecodeError as error:

@@ -61,6 +61,7 @@ def left_out(found: Reviewed, rig: Rig) -> str:
     failed = list(dict.fromkeys(name for r in reviews for name in _failed(r, rig)))
     count, notes = sum(n for _, n in skipped(reviews)), sum(len(r.recording.notes) for r in reviews)
     said = [f"As asked without {', '.join(found.without)}."] if found.without else []
+    said += [f"{r.recording.name}: {doubt}." for r in reviews for doubt in r.recording.doubts]
     said += [f"Could not be used: {len(found.failed)}."] if found.failed else []
     said += [f"Sensors to check: {', '.join(failed)}." if failed else "No sensor failed."]
     rest = [f"{count} x not used" if count else "", f"{notes} x noted" if notes else ""]

@@ -39,7 +39,7 @@ def write_report(path: Path, out: Outcome, workers: Workers, draw: Callable[[Pat
     """
     found = list(parts(out, workers))
     if path.suffix.lower() != ".html":
-        path.write_text(as_markdown(found, draw(path.with_suffix(""))))
+        path.write_text(as_markdown(found, draw(path.with_suffix(""))), encoding="utf-8")
         return
     with TemporaryDirectory() as folder:
         made = made_by(out.work.rig.name, "improve")

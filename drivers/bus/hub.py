@@ -42,8 +42,8 @@ class Hub:
         """Listen; returns the port, any free one for port 0. One that cannot be used is a SetupError."""
         try:
             self._server = await asyncio.get_running_loop().create_server(lambda: _Client(self), host, port)
-        except OSError as error:
-            why = (error.strerror or str(error)).rpartition(": ")[2].lower()
+        except OSError as error:  # "... on address (...): [errno 98] address already in use", from Python 3.13 on
+            why = (error.strerror or str(error)).rpartition(": ")[2].rpartition("] ")[2].lower()
             raise SetupError(
                 f"port {port} on {host} cannot be used: {why}; name another with --port or --bind"
             ) from None

@@ -156,4 +156,4 @@ def together(frames: Frames, tally: Tally) -> None:
         begins, ends = float(other[0] - buses[0][0]), float(other[-1] - buses[0][-1])
         if abs(begins) > _APART_S and abs(begins - ends) < _APART_S / 2:
             names = [frames.buses[bus] for bus in np.unique(frames.bus)]
-            tally.note(f"{names[k]} begins and ends {begins:+.1f} s from {names[0]}: are their clocks apart by that?")
+            tally.doubt(f"{names[k]} begins and ends {begins:+.1f} s from {names[0]}: are their clocks apart by that?")

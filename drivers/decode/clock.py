@@ -178,7 +178,7 @@ class RigClock:
             self.tally.note(f"clock jumps {'ahead' if jump > 0 else 'back'} {abs(jump):.3f} s {at}: ticks go on")
             self._offset = stamp - to
         elif jump > self.budget.gap_s:
-            self.tally.note(f"silent for {jump / 3600:.1f} h {at}: the recording ends there")
+            self.tally.doubt(f"silent for {jump / 3600:.1f} h {at}: the recording ends there")
             self.tally.skip("after the end of the recording", len(waiting))
             self.ended = True
             return []

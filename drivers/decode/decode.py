@@ -45,7 +45,7 @@ class Decoder:
             tally.note(f"{self.dbc.path.name}: '{name}' is not read: {why}")
         for (said, unit), names in self._in_other_units().items():
             few = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
-            tally.note(
+            tally.doubt(
                 f"{few}: in {said} by {self.dbc.path.name}, in {unit} by rig.toml: convert there, scale and offset"
             )
         self.used = [m for m in self.dbc.messages.values() if m.name in used or m == self.scan.closing]
@@ -79,7 +79,7 @@ class Decoder:
     def never_came(self, frames: Frames) -> None:
         """Say first which messages of the rig are not there, or never whole, and what is not measured for that."""
         there = set(np.unique(frames.key).tolist())
-        for message in reversed(self.used):
+        for message in self.used:
             sizes = np.unique(frames.dlc[frames.key == message.key]) if message.key in there else np.empty(0)
             if message.length in sizes:
                 continue
@@ -88,7 +88,7 @@ class Decoder:
                 bits = 29 if message.extended else 11
                 why += f", but {_id(message.key ^ 1)} did: {self.dbc.path.name} has it with {bits} bits"
             lost = ", ".join(source.name for source in self.sources.get(message.name, ()))
-            self.tally.notes.insert(0, f"{message.name} (0x{message.id:X}) {why}{f': no {lost}' if lost else ''}")
+            self.tally.doubt(f"{message.name} (0x{message.id:X}) {why}{f': no {lost}' if lost else ''}")
 
     def closings(self, frames: Frames) -> tuple[Mask, Whole]:
         """Which frames close a scan, (n,), and their scan number, (n,), -1 where there is none."""

@@ -87,7 +87,7 @@ def split(
     for index in np.flatnonzero(closes).tolist():
         timed(ticks.due(float(now[index])))
         if len(ends) >= most:
-            tally.note(f"longer than {most} ticks: the recording ends at {dates[most - 1]:.1f} s")
+            tally.doubt(f"longer than {most} ticks: the recording ends at {dates[most - 1]:.1f} s")
             break
         if ticks.close(float(now[index])):
             ends.append(index + 1)
@@ -107,6 +107,6 @@ def told_step(date: Array, tick_s: float, tally: Tally) -> None:
     """A note where ticks, dated (n,) s, are not as far apart as the rig says: each is one step of the model."""
     step = float(np.median(np.diff(date))) if len(date) > _FEW else tick_s
     if abs(step / tick_s - 1.0) > _EVEN:
-        tally.note(
+        tally.doubt(
             f"ticks come each {step:.3g} s, and each counts as {tick_s:g} s; in rig.toml say tick_s = {step:.3g}"
         )

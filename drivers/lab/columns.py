@@ -93,6 +93,10 @@ def _layout(sheet: Sheet, names: set[str]) -> str:
 
 
 def _times(sheet: Sheet, name: str, taken: set[int]) -> tuple[int, ...]:
+    same = [k for k, other in enumerate(sheet.names) if other == name]
+    if len(same) > 1 and all(sheet.column(k) == sheet.column(same[0]) for k in same):
+        sheet.said.append(f"the first of {len(same)} columns '{name}', which are alike")
+        return (same[0],)
     place = place_of(sheet, name, taken)
     free = [k for k in range(len(sheet.names)) if k not in taken]
     kinds = {k: kind_in(sheet, k) for k in free}

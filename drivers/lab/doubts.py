@@ -68,4 +68,4 @@ def hot(rig: Rig, read: Mapping[str, Readings], tally: Tally) -> None:
         ("temperatures", [*first.values()]) if min(first.values(), default=0.0) > _HOT_C else ("thermometers", on_it)
     )
     if len(hot) > 2 and min(hot) > _HOT_C and (hot is not on_it or np.ptp(hot) < _ALIKE_K):
-        tally.note(f"all {what} begin at {min(hot):.0f} degC or more: in degF? Then scale and offset convert")
+        tally.doubt(f"all {what} begin at {min(hot):.0f} degC or more: in degF? Then scale and offset convert")

@@ -109,6 +109,11 @@ class Table:
             self.time, changes = order.summer_time(self.time)
             for row, to in changes:
                 self.tally.note(f"the clock was put {to} an hour at line {self.line[row]}: no time passes there")
+            shown = [self.columns[name] for name in self.rig.thermometers if name in self.columns]
+            self.time, put = order.set_by_hand(self.time, np.array(shown).reshape(len(shown), len(self.time)))
+            for row, by in put:
+                what = f"the clock was put forward {by} at line {self.line[row]}, and no thermometer shows it"
+                self.tally.note(f"{what}: no time passes there (times with a zone count as they are)")
         self.time, begun = order.going_on(self.time)
         self.said += [begun] if begun else []
         again = order.told_again(self.time, np.array(list(self.columns.values())))
@@ -187,7 +192,7 @@ def _tell(table: Table, step: float, tick_s: float) -> None:
         how = "none is measured in the ticks between" if step > tick_s else "the last of a tick counts"
         table.said.append(f"a row each {step:g} s, a tick each {tick_s:g} s: {how}")
     if table.said:
-        table.tally.notes.insert(0, ", ".join(table.said))
+        table.tally.first(", ".join(table.said))
 
 
 def _fresh(table: Table, name: str, rule: Signal) -> Array:

@@ -15,6 +15,8 @@ _PART = 3  # rows that are alike to the last digit by no accident
 _ROOM = 0.5  # of a usual step: rows closer than this share a time
 _OF_ONE_CLOCK = 0.6  # of a usual step: rows out of order are as far apart, those of two clocks are closer somewhere
 _PERIODS_S = (DAY_S, DAY_S / 2, HOUR_S, 7 * DAY_S, 2**32 * 1e-6, 2**31 * 1e-6, 2**32 * 1e-3, 2**31 * 1e-3, 2.0**16)
+_MOST_ZONES = 14  # hours: no zone is further ahead
+_ABOUT = 50  # rows on either side that show by how much a reading changes
 _YEAR_S = 3.15e7  # parts of one run are not years apart: a clock that lost its date
 
 
@@ -71,6 +73,31 @@ def summer_time(time: Array) -> tuple[Array, list[tuple[int, str]]]:
     hours[np.abs(hours) != 1] = 0.0
     time = time - HOUR_S * np.concatenate(([0.0], np.cumsum(hours)))[: len(time)]
     return time, [(int(row) + 1, "forward" if hours[row] > 0 else "back") for row in np.flatnonzero(hours)]
+
+
+def set_by_hand(time: Array, thermometers: Array) -> tuple[Array, list[tuple[int, str]]]:
+    """Local times without whole hours by which a clock was put forward, its zone say, and at which rows it was by what.
+
+    Each is a step that is usual but for these hours, over which no thermometer (m, n) changes by more than it does from
+    row to row about there. One that has stood still all along tells nothing.
+    """
+    steps = np.diff(time)
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    hours = np.rint((steps - usual) / HOUR_S)
+    whole = (hours >= 1) & (hours <= _MOST_ZONES) & (np.abs(steps - usual - hours * HOUR_S) < _ROOM * usual)
+    change = np.abs(np.diff(thermometers, axis=1))
+    put = np.array([k for k in np.flatnonzero(whole) if usual < HOUR_S and _unseen(change, int(k))], np.intp)
+    ahead = np.zeros(len(time))
+    ahead[put + 1] = hours[put]
+    return time - HOUR_S * np.cumsum(ahead), [(int(row) + 1, f"{hours[row]:.0f} h") for row in put]
+
+
+def _unseen(change: Array, row: int) -> bool:
+    """Whether no column changes more at this row than at those about it, and some change there at all."""
+    about = np.delete(change[:, max(row - _ABOUT, 0) : row + _ABOUT + 1], min(row, _ABOUT), axis=1)
+    most = np.fmax.reduce(about, axis=1, initial=0.0)
+    here = change[:, row]
+    return bool((np.isfinite(here) & (most > 0)).any() and not (here > most).any())
 
 
 def going_on(time: Array) -> tuple[Array, str]:

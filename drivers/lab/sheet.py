@@ -80,6 +80,8 @@ def _fill(sheet: Sheet, reader: Iterator[list[str]], at: int, most: int, tally: 
     odd: list[int] = []
     known = {*sheet.names} - {""}
     for row in islice(reader, most):
+        if len(row) == width - 1 and sheet.names[-1] == "Comment":
+            row.append("")  # LabVIEW writes no cell where there is none
         if not known.isdisjoint(row) and not any(map(is_numeric, row)) and 2 * len(known & {*row}) > len(known):
             if row[:width] != sheet.names or any(row[width:]):
                 raise InputError(
@@ -136,7 +138,9 @@ def _names_at(head: list[str], rule: Csv, wanted: Collection[str]) -> tuple[str,
         return sum(_names(cell, [row[k] for row in below]) for k, cell in enumerate(rows[0]))
 
     places = [(line, separator) for line in lines for separator in separators]
-    line, separator = max(places, key=score if asked else shape, default=(0, ","))
+    line, separator = max(places, key=score, default=(0, ","))
+    if places and not score((line, separator))[0]:  # none is asked for, or there: the error shows those that are
+        line, separator = max(places, key=shape)
     return separator, line
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import mmap
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -64,27 +66,42 @@ class SignalTable(Table):
         return values
 
 
+def every_signal(path: Path) -> dict[str, Any]:
+    """All signals of an MF4 by name, as asammdf has them, the first of a name; None where one holds no numbers."""
+    with _opened(path) as (mdf, places):
+        first = dict(reversed(places))
+        return {name: _numbers(mdf, *first[name]) for name in reversed(first)}
+
+
 def _signals(path: Path, names: dict[str, str]) -> tuple[dict[str, Any], Sheet]:
     """What an MF4 has of these channels and inputs, and all names in it."""
+    with _opened(path) as (mdf, places):
+        sheet = Sheet(path, ",", [name for name, _ in places], [], [], [])
+        taken = {k for k, name in enumerate(sheet.names) if name in names.values()}
+        of = {name: place_of(sheet, wanted, taken) for name, wanted in names.items()}
+        found = {name: _numbers(mdf, *places[k][1]) for name, k in of.items() if k is not None}
+    return {name: one for name, one in found.items() if one is not None}, sheet
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[tuple[Any, list[tuple[str, tuple[int, int]]]]]:
+    """An MF4, with name, group and index of each of its signals but times; one that is broken is an InputError."""
     from asammdf import MDF  # a second
 
     try:
         with path.open("rb") as file, MDF(file) as mdf:
-            places = [(k, n) for k, one in enumerate(mdf.groups) for n in range(len(one.channels))]
-            places = [(group, k) for group, k in places if k != mdf.masters_db.get(group)]
-            sheet = Sheet(path, ",", [mdf.groups[g].channels[k].name for g, k in places], [], [], [])
-            taken = {k for k, name in enumerate(sheet.names) if name in names.values()}
-            of = {name: place_of(sheet, wanted, taken) for name, wanted in names.items()}
-            found = {name: _numbers(mdf, *places[k]) for name, k in of.items() if k is not None}
+            every = [(k, n) for k, one in enumerate(mdf.groups) for n in range(len(one.channels))]
+            places = [(group, k) for group, k in every if k != mdf.masters_db.get(group)]
+            yield mdf, [(mdf.groups[group].channels[k].name, (group, k)) for group, k in places]
     except InputError:
         raise
     except Exception as error:  # whatever asammdf raises on a broken file
         why = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
         raise InputError(f"{path}: cannot be read as MF4: {why}") from None
-    return {name: one for name, one in found.items() if one is not None and len(one.timestamps)}, sheet
 
 
 def _numbers(mdf: Any, group: int, index: int) -> Any:
-    """A signal with those of its samples that are valid; None where they are no numbers."""
+    """A signal with those of its samples that are valid; None where there are none, or no numbers."""
     signal = mdf.get(group=group, index=index).validate()
-    return signal if signal.samples.ndim == 1 and signal.samples.dtype.kind in "fiub" else None
+    numbers = signal.samples.ndim == 1 and signal.samples.dtype.kind in "fiub" and len(signal.timestamps)
+    return signal if numbers else None

@@ -18,7 +18,7 @@ from estimator.errors import InputError, nearest
 # What a file of each suffix must be, and what reads it.
 _READERS = {
     ".log": ("drivers.logs.candump:read_candump", 'candump text like "(1699999999.123456) can0 210#0011223344556677"'),
-    ".asc": ("drivers.logs.outside:read_outside", "a Vector ASC log"),
+    ".asc": ("drivers.logs.outside:read_outside", "a Vector ASC log; a table as text is read as .csv: rename it"),
     ".blf": ("drivers.logs.outside:read_outside", "a Vector BLF log"),
     ".trc": ("drivers.logs.outside:read_outside", "a PEAK TRC log"),
     ".mf4": ("drivers.logs.outside:read_outside", "an ASAM MDF 4 file with frames of a CAN bus"),

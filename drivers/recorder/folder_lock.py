@@ -31,11 +31,11 @@ def lock_folder(folder: Path) -> BaseFileLock:
             raise SetupError(f"{folder}: cannot record there: {error.strerror}; name another folder") from None
     else:
         with suppress(OSError):  # a full disk, or Windows: the lock holds all the same
-            path.write_text(str(os.getpid()))
+            path.write_text(str(os.getpid()), encoding="ascii")
     return lock
 
 
 def _holder(path: Path) -> str:
     with suppress(OSError):  # Windows lets nobody read a file that is locked
-        return path.read_text(errors="replace").strip() or "of another ballscrew"
+        return path.read_text(encoding="ascii", errors="replace").strip() or "of another ballscrew"
     return "of another ballscrew"

@@ -24,6 +24,10 @@ class Accuracy:
     cooldown_max_um: float = float("nan")
     coverage_2sigma: float = float("nan")
 
+    def __str__(self) -> str:
+        low, high = self.band_um
+        return f"{low:+.2f} ... {high:+.2f} um, rms {self.rms_um:.2f}, after stops {self.cooldown_max_um:.2f}"
+
     @property
     def width_um(self) -> float:
         """The accuracy band: highest minus lowest."""

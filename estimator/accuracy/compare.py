@@ -20,7 +20,7 @@ from estimator.faults.use import Use
 from estimator.inputs.phase import PHASES, phase_of, speed_of
 from estimator.model import Model
 from estimator.record import Array
-from estimator.work import Runs
+from estimator.work import Runs, one_thread
 
 ByHorizon = Mapping[str, Error]
 
@@ -50,7 +50,12 @@ class Comparison:
     match: Match
     uses: tuple[Use, ...]
 
+    def __repr__(self) -> str:
+        """Its errors by horizon, rms."""
+        return "\n".join([f"{self.name}: rms", *(f"  {name:12} {error}" for name, error in self.whole.items())])
 
+
+@one_thread
 def compare(model: Model, runs: Runs, truths: Sequence[Array | None] | None = None) -> Comparison:
     """Judge one model on recordings.
 

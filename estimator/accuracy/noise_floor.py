@@ -43,6 +43,9 @@ class Error:
     temperature_K: float
     elongation_um: float
 
+    def __str__(self) -> str:
+        return f"{self.temperature_K:.3f} K, {self.elongation_um:.2f} um"
+
 
 def rms_by_family(misfits: Sequence[Array], rig: Rig) -> Error:
     """rms of what models miss on some recordings of a rig, (T, m) each."""

@@ -22,6 +22,7 @@ from estimator.rig import Rig
 from estimator.state.gate import Mute
 from estimator.state.warmth import Warmth, warmth
 from estimator.step import Mode, TableErrors, Track
+from estimator.work import one_thread
 
 OURS = ("filter", "smoothed", "open_loop")  # what counts from the rig's zero_C; all else from the first sample
 
@@ -65,6 +66,11 @@ class Review:
     start: Warmth | None
     table: TableErrors
 
+    def __repr__(self) -> str:
+        """Its errors, an estimate a line."""
+        errors = [f"  {name:17} {self.accuracy(name)}" for name in self.errors]
+        return "\n".join([f"{self.recording.name}: {self.reference_name} - estimate", *errors])
+
     def accuracy(self, name: str) -> Accuracy:
         """Accuracy of one estimate on this recording."""
         return overall([self], name)
@@ -85,6 +91,7 @@ class Review:
         return {name: rms(z[:, i]) ** 2 for i, name in enumerate(track.names)}
 
 
+@one_thread
 def review(
     recording: Recording,
     rig: Rig,

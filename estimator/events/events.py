@@ -24,7 +24,7 @@ from estimator.missing_heat.causes import Averages, most_likely
 from estimator.model import Model
 from estimator.rig import Rig
 from estimator.sensitivity.objective import GOOD_K, GOOD_UM
-from estimator.work import Runs, Workers
+from estimator.work import Runs, Workers, one_thread
 
 LEAST_GAIN = 50.0  # 43 was the most in 51 recordings of nine machines with nothing planted, all by machine 0's model
 SHOWS = 2.0  # times what a good model leaves, by which an event moves readings: less is not worth a person's look
@@ -34,6 +34,7 @@ TOGETHER_S = 900.0  # what begins so soon after another belongs to it
 FEWEST = 40  # averages, below which a recording tells no times
 
 
+@one_thread
 def events(model: Model, runs: Runs) -> list[Event]:
     """What began within some recordings."""
     return events_of(model, slow_trials_of(model, runs), runs)

@@ -28,7 +28,7 @@ from estimator.fit.open_loop_fit import Followed, follow
 from estimator.fit.tune import Factors, scaled
 from estimator.model import Model
 from estimator.record import Array
-from estimator.work import Runs
+from estimator.work import Runs, one_thread
 
 AT_BOUND = 0.1  # sd
 ALIKE = 0.95  # a correlation worth naming
@@ -51,6 +51,9 @@ class Fitted:
     at_bound: bool = False
     determined: bool = False
     like: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.path:32} {self.before:.5g} -> {self.value:.5g} +- {self.sd:.2g} {self.unit}"
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,13 @@ class Fit:
     steps: int
     uses: tuple[Use, ...]
 
+    def __repr__(self) -> str:
+        """Its parameters, then the errors of the model alone before and after."""
+        alone = f"the model alone: {self.before['open_loop']} -> {self.after['open_loop']}"
+        return "\n".join([*map(str, self.parameters), alone])
 
+
+@one_thread
 def fit(model: Model, runs: Runs, learned: bool = False) -> Fit:
     """Fit all free parameters to all recordings; those that say nothing of any of them are an InputError.
 

@@ -34,7 +34,7 @@ from estimator.fit.likelihood import likely
 from estimator.fit.noise import channels_of, coloured, noise_levels, of_places
 from estimator.fit.unseen import unseen
 from estimator.model import Model
-from estimator.work import Progress, Runs, silent
+from estimator.work import Progress, Runs, one_thread, silent
 
 WIDEST = np.log(30.0)  # the factor on process noise is sought between 1/30 and 30
 STEP = 0.5  # of its logarithm, from which the search begins: there may be several peaks
@@ -80,7 +80,12 @@ class Tuned:
     missing: float
     uses: tuple[Use, ...]
 
+    def __repr__(self) -> str:
+        """Its noise levels."""
+        return "\n".join(f"{one.path:32} {one.before:.4g} -> {one.after:.4g} {one.unit}" for one in self.levels)
 
+
+@one_thread
 def tune(model: Model, runs: Runs) -> Tuned:
     """Set the noise levels of a model by some recordings; every other parameter stays."""
     trials, progress = trials_of(model, runs), runs.progress

@@ -45,6 +45,10 @@ class Hypothesis:
     told: float
     freed: str = ""
 
+    def __str__(self) -> str:
+        own = ", ".join(f"{path} {value} {self.model.param(path).unit}" for path, value in self.own().items())
+        return f"{' + '.join(self.names) or 'the model alone'}: misfit {self.misfit:.4g}{', ' * bool(own)}{own}"
+
     @property
     def refit(self) -> bool:
         """Whether only tables hold the model's own parameters."""

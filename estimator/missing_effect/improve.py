@@ -27,7 +27,7 @@ from estimator.missing_effect.suggestion import Suggestion
 from estimator.missing_effect.wrong_always import inputs_in
 from estimator.model import Model
 from estimator.unknown.composed import Composed
-from estimator.work import Runs
+from estimator.work import Runs, one_thread
 
 MOST = 6  # steps: no machine of the studies lacked so much
 MOST_COMPOSED = 3  # of them that add what no catalogue has
@@ -58,6 +58,10 @@ class ImprovedModel:
         both = {name: (was, getattr(self.held_out, name)) for name, was in vars(before.held_out).items()}
         return {name: (was, now) for name, (was, now) in both.items() if now > WORSE * was}
 
+    def __str__(self) -> str:
+        held_out = f"; held out {self.held_out}" if self.held_out else ""
+        return f"{self.added or 'no effect more':32} cross-validated {self.cross_validated}{held_out}"
+
 
 @dataclass(frozen=True)
 class Improvement:
@@ -73,6 +77,10 @@ class Improvement:
     uses: tuple[Use, ...]
     apart: tuple[Suggestion, ...] = ()
     composed: tuple[Composed, ...] = ()
+
+    def __repr__(self) -> str:
+        """Its steps, and the last verdict."""
+        return "\n".join([*map(str, self.steps), self.last.verdict if self.last else "stopped"])
 
     @property
     def model(self) -> Model:
@@ -90,6 +98,7 @@ class Improvement:
         return {one.apart for one in self.apart}
 
 
+@one_thread
 def improve(
     model: Model,
     runs: Runs,

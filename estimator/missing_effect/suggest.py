@@ -40,11 +40,12 @@ from estimator.model import Model
 from estimator.sensitivity.objective import GOOD_K, GOOD_UM
 from estimator.unknown.composed import Composed, composed
 from estimator.unknown.unexplained import Unexplained, best_stand_in
-from estimator.work import Runs
+from estimator.work import Runs, one_thread
 
 FAR = 5.0  # times what a good model or the sensors leave, from which on something is missing, explained or not
 
 
+@one_thread
 def suggest(
     model: Model,
     runs: Runs,

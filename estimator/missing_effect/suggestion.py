@@ -51,6 +51,11 @@ class Suggestion:
     far: bool = False
     partly: str = ""
 
+    def __repr__(self) -> str:
+        """The verdict, then what was found: misfit on recordings left out, 1 is a good model's, and parameters."""
+        found = [self.before, *self.found, *([self.composed.hypothesis] if self.composed else [])]
+        return "\n".join([self.verdict, *(f"  {one}" for one in found)])
+
     @property
     def apart(self) -> str:
         """The one recording with which something is wrong, that is none of the rest's; "" where there is none."""

@@ -25,7 +25,7 @@ from estimator.missing_heat.where import SHADOW, Deficit, together, where
 from estimator.missing_heat.wrong_reading import Wrong, wrong_readings
 from estimator.model import Model
 from estimator.sensitivity.objective import GOOD_K, GOOD_UM
-from estimator.work import Runs
+from estimator.work import Runs, one_thread
 
 FLOORS = 2.0  # times what the sensors leave
 
@@ -52,7 +52,11 @@ class Diagnosis:
     maps: tuple[MissingHeat, ...]
     uses: tuple[Use, ...]
 
+    def __repr__(self) -> str:
+        return "\n".join(self.sentences)
 
+
+@one_thread
 def diagnose(model: Model, runs: Runs) -> Diagnosis:
     """Judge a model by recordings."""
     rig, progress = runs.rig, runs.progress

@@ -72,7 +72,7 @@ def save_model(model: Model, path: Path) -> None:
             table.add(key, item)
             item.comment(param.unit)
         document.add(name, table)
-    path.write_text(tomlkit.dumps(document))
+    path.write_text(tomlkit.dumps(document), encoding="utf-8")
 
 
 def _seen_from(folder: Path, model: Model, name: str) -> str:

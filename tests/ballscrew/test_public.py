@@ -9,8 +9,10 @@ from importlib.metadata import version
 import matplotlib.image
 import matplotlib.pyplot as plt
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import ballscrew
+from estimator.work import one_thread
 from tests.conftest import PAPER
 
 NAMES = {
@@ -27,6 +29,20 @@ def test_the_public_names_are_these_and_each_is_there():
     assert ballscrew.__version__ == version("ballscrew")
     with pytest.raises(AttributeError, match="has no attribute 'fits'"):
         _ = ballscrew.fits
+
+
+def test_small_matrices_are_computed_by_one_thread_and_the_process_has_its_own_number_again():
+    for name in ("compare", "diagnose", "events", "fit", "improve", "review", "suggest", "tune"):
+        assert hasattr(getattr(ballscrew, name), "__wrapped__")
+    assert hasattr(ballscrew.Filter.step, "__wrapped__")
+    libraries = len(one_thread(threads)())
+    with threadpool_limits(2, "blas"):
+        assert one_thread(threads)() == [1] * libraries
+        assert threads() == [2] * libraries
+
+
+def threads() -> list[int]:
+    return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
 
 
 def test_to_import_it_is_to_load_nothing():

@@ -70,5 +70,5 @@ def _marks(axes: Axes, drift: Drift, minutes: Array) -> None:
                 axes.errorbar(at, (low + high) / 2, (high - low) / 2, color=colour, capsize=3, lw=1)
                 axes.annotate(
                     f"{one.whole_um:.1f}", (at, high), (0, 2), textcoords="offset points", ha="left", color=colour,
-                    fontsize=8, rotation=45,
+                    fontsize=8, rotation=45, bbox={"facecolor": DRAWN["paper"], "lw": 0, "alpha": 0.8, "pad": 0.5},
                 )  # fmt: skip

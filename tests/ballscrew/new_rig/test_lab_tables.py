@@ -40,6 +40,36 @@ def test_two_thermometers_are_on_two_bodies_and_begin_as_they_warmed(tmp_path):
     assert ballscrew("review", tmp_path / "two")[0] == 0
 
 
+def mf4(path: Path, table: Path) -> Path:
+    """The columns of a CSV as signals of an MF4, each in a group of its own, and one that is text."""
+    asammdf = pytest.importorskip("asammdf")  # late: it takes most of a second
+    names = table.read_text().partition("\n")[0].split(",")
+    columns = np.loadtxt(table, delimiter=",", skiprows=1, unpack=True)
+    with asammdf.MDF(version="4.10") as mdf:
+        for name, column in zip(names[1:], columns[1:], strict=True):
+            known = np.isfinite(column)
+            unit = "W" if name.endswith("_W") else "degC"
+            mdf.append([asammdf.Signal(column[known], columns[0][known], name=name, unit=unit)])
+        mdf.append([asammdf.Signal(np.array([b"idle", b"on"]), np.arange(2.0), name="mode", encoding="utf-8")])
+        mdf.save(str(path), overwrite=True)
+    return path
+
+
+def test_an_mf4_of_signals_is_the_rig_that_its_csv_is(tmp_path):
+    signals = mf4(tmp_path / "rod.mf4", ROD)
+    told, of_csv = made(signals, "-o", tmp_path / "rod"), made(ROD, "-o", tmp_path / "csv")
+    assert roles(told) == roles(of_csv)
+    assert load_rig(tmp_path / "rod").channels == load_rig(tmp_path / "csv").channels
+    assert ballscrew("review", tmp_path / "rod")[0] == 0
+    text = (tmp_path / "rod" / "rig.toml").read_text()
+    assert "time_column" not in text
+    (tmp_path / "rod" / "rig.toml").write_text(text.replace("TC3 = {", 'TC3 = {column = "mode", '))
+    code, out, _ = ballscrew("check", tmp_path / "rod")
+    assert code == 0
+    assert "rig.toml: channels.TC3: column 'mode' holds no number; look at that sensor and its logger" in out
+    assert "it names none of these temperatures: TC3" in out
+
+
 HEADS = ["Zeit [s]", "Temp 1 [°C]", "Temp 2 [°C]", "Temp 3 [°C]", "Raumluft [K]", "Drehzahl [1/min]", "Lage [mm]"]
 
 

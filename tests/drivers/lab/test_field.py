@@ -127,3 +127,34 @@ def test_names_that_stand_again_in_the_middle(tmp_path: Path, rig: Rig) -> None:
     for names in ([*NAMES[:1], *NAMES[2:0:-1], *NAMES[3:]], [*NAMES, "C"]):
         path = write(tmp_path / "a.csv", [*plain[:20], names, *plain[20:]])
         assert complaint(path, rig) == "line 22 has other names than line 1: split the file there"
+
+
+def test_the_comments_of_labview_may_be_left_out(tmp_path: Path, rig: Rig) -> None:
+    """As in a .lvm that was renamed: a head of its own, tabs, a last column that most rows do not have."""
+    head = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\nDelta_X\t5\t5\n***End_of_Header***\t\n"
+    cells = [row + (["began"] if k == 0 else []) for k, row in enumerate(rows())]
+    path = write(tmp_path / "a.csv", cells, [*NAMES, "Comment"], "\t", head=head)
+    assert_as_plain(path, rig, "tabs between cells", "names in line 7")
+
+
+def test_names_that_are_others_are_shown_as_they_are_separated(tmp_path: Path, rig: Rig) -> None:
+    names = ["Time", "left Ave. (°C)", "right Ave. (°C)", "power Ave. (W)", "air Ave. (°C)"]
+    said = complaint(write(tmp_path / "a.csv", rows(), names), rig)
+    assert said.startswith(
+        "no column of any channel; expected left, B, P/kW, ambient, found Time, left Ave. (°C), right"
+    )
+
+
+def test_a_column_of_times_before_each_signal(tmp_path: Path, rig: Rig) -> None:
+    """As TwinCAT's Scope exports them; where they are not alike none can stand for all."""
+    rig = replace(rig, log=replace(rig.log, time_column="Name"))
+    head = "Name;Scope\nFile;x.svdx\n\n"
+    names = [word for name in NAMES[1:] for word in ("Name", name)]
+    cells = [[word for cell in row[1:] for word in (f"{float(row[0]) * 1000:.0f}", cell)] for row in rows()]
+    path = write(tmp_path / "a.csv", [["SampleTime[ms]", "5000"] * 4, *cells], names, ";", head=head)
+    record = read_recording(path, rig)
+    plain = read_recording(write(tmp_path / "plain.csv", rows(), ["Name", *NAMES[1:]]), rig)
+    np.testing.assert_allclose(record.channels, plain.channels)
+    assert "the first of 4 columns 'Name', which are alike" in record.notes[0]
+    cells[5][2] = "25001"
+    assert complaint(write(path, cells, names, ";"), rig).startswith("'Name' stands in columns 1 and 3 and 5 and 7:")

@@ -210,6 +210,21 @@ def test_summer_time_begins_and_ends_in_local_stamps(tmp_path: Path, rod: Rig, z
     assert len(record.notes) == 2  # no column B
 
 
+@pytest.mark.parametrize(("hours", "zone", "colder", "goes_on"), [
+    (1, "", 0.0, True), (2, "", 0.0, True), (1, "", 0.5, False), (1, "+01:00", 0.0, False),
+])  # fmt: skip
+def test_a_clock_whose_zone_was_set_by_hand_goes_on(tmp_path: Path, rod: Rig, hours, zone, colder, goes_on) -> None:
+    """A thermometer that has changed since shows that the time has really passed."""
+    begin = datetime.fromisoformat(f"2026-05-12T10:23:05{zone}")
+    stamps = [begin + timedelta(seconds=5 * k, hours=hours * (k >= 40)) for k in range(80)]
+    shown = 20 + 0.02 * np.random.default_rng(1).standard_normal(80) - colder * (np.arange(80) >= 40)
+    rows = zip(stamps, shown, strict=True)
+    (tmp_path / "a.csv").write_text("\n".join(["t,left", *(f"{t.isoformat()},{T:.2f}" for t, T in rows), ""]))
+    record = read_recording(tmp_path / "a.csv", replace(rod, tick_s=5.0))
+    said = f"put forward {hours} h at line 42, and no thermometer shows it: no time passes there"
+    assert (any(said in note for note in record.notes), len(record) >= 79) == (goes_on, goes_on)
+
+
 def test_an_hour_that_is_missing_otherwise_is_a_silence(tmp_path: Path, rod: Rig) -> None:
     for first, zone in (("01:59:10", "+01:00"), ("01:40:10", "")):
         begin = datetime.fromisoformat(f"2026-03-29T{first}{zone}")

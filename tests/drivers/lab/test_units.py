@@ -122,8 +122,10 @@ def test_thermometers_alone_in_degrees_fahrenheit_are_asked_about(tmp_path: Path
     names = [*NAMES, "C"]
     wide = {name: replace(rig.channels["B"], column=name, hi=200.0) for name in ("left", "B", "C")}
     cells = [[r[0], *("71.6", "71.8"), *r[3:], "71.7"] for r in rows()]
-    notes = read_recording(write(tmp_path / "a.csv", cells, names), replace(rig, channels=wide)).notes
-    assert any(note.startswith("all thermometers begin at 72 degC or more: in degF?") for note in notes)
+    record = read_recording(write(tmp_path / "a.csv", cells, names, ";"), replace(rig, channels=wide))
+    assert record.notes[0].startswith("all thermometers begin at 72 degC or more: in degF?")
+    assert record.notes[1:] == ("';' between cells",)
+    assert record.doubts == record.notes[:1]
     warm = [[r[0], *("61.6", "91.8"), *r[3:], "71.7"] for r in rows()]
     notes = read_recording(write(tmp_path / "a.csv", warm, names), replace(rig, channels=wide)).notes
     assert not any("degF" in note for note in notes)

@@ -168,7 +168,8 @@ def test_files_that_are_no_log(tmp_path: Path) -> None:
         "read up to there); expected a Vector BLF log"
     )
     assert complaint(path := file("a.asc", b"some text\n" * 3)) == (
-        f"{path}: 0 usable frames (3 lines read; 3 x line without a frame); expected a Vector ASC log"
+        f"{path}: 0 usable frames (3 lines read; 3 x line without a frame); expected a Vector ASC log; a "
+        "table as text is read as .csv: rename it"
     )
     assert "expected a PEAK TRC log" in complaint(file("a.trc", b"some text\n" * 3))
     with mock.patch("drivers.logs.logs.find_spec", return_value=None):
