@@ -23,7 +23,7 @@ from estimator.inputs.moved import moved
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
-from estimator.terms import Link
+from estimator.terms import Link, Store
 from estimator.work import Runs
 
 CLOSE = 5e-3  # of the widest
@@ -119,11 +119,14 @@ def _mislabel(run: str, rig: Rig, signal: str, size: float, judged: Explanation)
 def signals(model: Model, rig: Rig) -> list[str]:
     """Inputs of which a wrong scale or shift would matter: temperatures that heat flows to, and all that are none.
 
-    Speed and position may be wrong together.
+    A body of the model's is none of these, though an input of its name says what it starts with. Speed and position may
+    be wrong together.
     """
     drive = [name for name in DRIVE if name in rig.inputs]
     both = ["speed and position"] if len(drive) == 2 else []
-    ends = {end for term in model.terms(nothing(rig), rig) if isinstance(term, Link) for end in (term.a, term.b)}
+    terms = list(model.terms(nothing(rig), rig))
+    ends = {end for term in terms if isinstance(term, Link) for end in (term.a, term.b)}
+    ends -= {term.node for term in terms if isinstance(term, Store)}
     used = [name for name in rig.inputs if name in ends or rig.inputs[name].unit != "degC"]
     zero = [ZERO] if "position" in drive and rig.nut else []
     return [*drive, *both, *zero, *(n for n in used if n not in (*DRIVE, "current", "displacement_direct"))]

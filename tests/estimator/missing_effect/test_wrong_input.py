@@ -13,7 +13,7 @@ from estimator.hypotheses.hypothesis import refined
 from estimator.missing_effect.odd_run import odd_run
 from estimator.missing_effect.side import Side
 from estimator.missing_effect.suggest import suggest
-from estimator.missing_effect.wrong_input import ZERO, _likely, corrected, gone
+from estimator.missing_effect.wrong_input import ZERO, _likely, corrected, gone, signals
 from estimator.work import Runs
 
 OF_SPEED = [CATALOGUE[name] for name in ("nut_speed_exponent", "churning")]  # what a wrong speed comes nearest to
@@ -84,3 +84,9 @@ def test_a_law_of_other_exponents_is_no_wrong_speed(plain, bar, lives):
     assert side.best.misfit > 1.3 * side.loosest.misfit
     assert side.loosest.misfit < GOOD
     assert side.loosest.model["nut_friction.n"] == pytest.approx(1.3, abs=0.03)
+
+
+def test_a_body_of_the_model_is_no_input_of_its_name(full, rig):
+    assert "nut" in rig.inputs
+    assert {"ambient", "base", "speed"} <= set(signals(full, rig))
+    assert "nut" not in signals(full, rig)
