@@ -126,5 +126,5 @@ def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tal
     told_step(date, rig.tick_s, tally)
     inside = slice(len(row))
     began_s = float(frames.time[0]) if len(frames) and frames.time[0] > A_DATE else None
-    rows = decoder.rows(frames.take(inside), 0, now[inside], row, date)
+    rows = decoder.whole(frames.take(inside), now[inside], row, date)
     return replace(rows, frames=len(frames), began_s=began_s)
