@@ -112,7 +112,7 @@ class Frames:
 
     def on_clock(self, time: Array) -> Frames:
         """The same frames with other stamps, (n,) s."""
-        return replace(self, time=time)
+        return self if time is self.time else replace(self, time=time)
 
     def where(self, index: int) -> str:
         """Where one frame stands, as text: "line 1204"."""

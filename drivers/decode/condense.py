@@ -12,7 +12,7 @@ from drivers.frames import Array, Index, Mask, Tally, Whole
 from estimator.record import Recording
 from estimator.rig import RAD_S, Rig
 
-AT_ONCE = 4096  # ticks
+AT_ONCE = 2048  # ticks
 
 
 class Readings(NamedTuple):
