@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
-BLOCK = 2048  # ticks that are numbers at a time: 4 MB
+LONG = 20_000  # ticks; a longer run is worked out some ticks at a time, a shorter one at once, and models share more
+AT_ONCE = 4096  # so many, whose covers are 9 MB
 
 
 class Cover(NDArrayOperatorsMixin):
@@ -66,8 +67,8 @@ class Cover(NDArrayOperatorsMixin):
         return Cover(self._at[which], self._first, self._ends, self._values, self.shape[1])
 
     def __iter__(self) -> Iterator[Array]:
-        for k in range(0, len(self), BLOCK):
-            yield from np.asarray(self[k : k + BLOCK])
+        for k in range(0, len(self), AT_ONCE):
+            yield from np.asarray(self[k : k + AT_ONCE])
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         low, high = (int(self._at.min()), int(self._at.max()) + 1) if len(self) else (0, 0)

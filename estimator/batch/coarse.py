@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimator.inputs.inputs import AT_ONCE
+from estimator.cover import AT_ONCE
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from estimator.cover import Cover
+from estimator.cover import LONG, Cover
 from estimator.errors import SetupError, nearest
 from estimator.inputs.gate import InputGate
 from estimator.inputs.motion import Motion, MotionReader
@@ -20,8 +20,6 @@ from estimator.screw import Screw
 from estimator.terms import START
 
 TICKS = 2
-LONG = 20_000  # ticks; a longer run is worked out some ticks at a time, a shorter one at once, and models share more
-AT_ONCE = 4096
 
 
 @dataclass(frozen=True)

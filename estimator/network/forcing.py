@@ -13,8 +13,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from estimator.cover import AT_ONCE, LONG
 from estimator.faults.travel import Travel
-from estimator.inputs.inputs import AT_ONCE, LONG, InputReader, Inputs, no_inputs, nothing
+from estimator.inputs.inputs import InputReader, Inputs, no_inputs, nothing
 from estimator.inputs.start import Start
 from estimator.inputs.untold import Untold
 from estimator.model import Model
