@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.cover import Cover
+from estimator.cover import AT_ONCE, Cover
 
 POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
 Array = NDArray[Any]  # float64, or whole numbers where it holds indices
@@ -128,14 +128,15 @@ class Recording:
     def __iter__(self) -> Iterator[Sample]:
         """Tick after tick, numbers as Python has them: one by one an array hands them out ten times as slowly."""
         series = self.time_s, self.omega, self.unevenness, self.apart_s, self.pace, self.slip_mm, self.idle
-        names, columns = [*self.inputs], [column.tolist() for column in self.inputs.values()]
-        values = zip(*columns, strict=True) if columns else repeat(())
-        for channels, ages_s, coverage, stay, inputs, (time_s, omega, *rest, idle) in zip(
-            self.channels, self.ages_s, self.coverage, self.stay, values,
-            zip(*(each.tolist() for each in series), strict=True),
-        ):  # fmt: skip
-            inputs = dict(zip(names, inputs, strict=True))
-            yield Sample(time_s, channels, ages_s, inputs, omega, coverage, *(*rest, stay, idle))
+        for at in (slice(k, k + AT_ONCE) for k in range(0, len(self), AT_ONCE)):
+            names, columns = [*self.inputs], [column[at].tolist() for column in self.inputs.values()]
+            values = zip(*columns, strict=True) if columns else repeat(())
+            for channels, ages_s, coverage, stay, inputs, (time_s, omega, *rest, idle) in zip(
+                self.channels[at], self.ages_s[at], self.coverage[at], self.stay[at], values,
+                zip(*(each[at].tolist() for each in series), strict=True),
+            ):  # fmt: skip
+                inputs = dict(zip(names, inputs, strict=True))
+                yield Sample(time_s, channels, ages_s, inputs, omega, coverage, *(*rest, stay, idle))
 
 
 def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:
