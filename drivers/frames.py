@@ -113,7 +113,9 @@ class Frames:
         return self.id.astype(np.int64) << 1 | self.extended
 
     def take(self, which: Mask | Index | slice) -> Frames:
-        """The frames at these indices, or where a mask is true."""
+        """The frames at these indices, or where a mask is true; if that is all of them, themselves and no copy."""
+        if not isinstance(which, slice) and len(which) == len(self) and _is_all(which):
+            return self
         return Frames(*(getattr(self, name)[which] for name in _COLUMNS), self.unit, self.buses)
 
     def with_ids(self, ids: NDArray[np.uint32]) -> Frames:
@@ -122,16 +124,16 @@ class Frames:
 
     def on_clock(self, time: Array) -> Frames:
         """The same frames with other stamps, (n,) s."""
-        return replace(self, time=time)
+        return self if time is self.time else replace(self, time=time)
 
     def where(self, index: int) -> str:
         """Where one frame stands, as text: "line 1204"."""
         return f"{self.unit} {int(self.number[index])}"
 
     @classmethod
-    def of(cls, table: NDArray[np.void], unit: str, buses: Sequence[str] = ("can0",)) -> Frames:
-        """From a table of dtype FRAME."""
-        return cls(*(np.ascontiguousarray(table[name]) for name in _COLUMNS), unit, tuple(buses))
+    def of(cls, tables: Sequence[NDArray[np.void]], unit: str, buses: Sequence[str] = ("can0",)) -> Frames:
+        """From tables of dtype FRAME, one behind the other."""
+        return cls(*(np.concatenate([table[name] for table in tables]) for name in _COLUMNS), unit, tuple(buses))
 
     @classmethod
     def joined(cls, parts: Sequence[Frames]) -> Frames:
@@ -143,6 +145,11 @@ class Frames:
         ]
         columns = (np.concatenate([getattr(part, name) for part in parts]) for name in _COLUMNS[:-1])
         return cls(*columns, np.concatenate(same), parts[0].unit, buses)
+
+
+def _is_all(which: Mask | Index) -> bool:
+    """Whether a mask, or as many indices as there are frames, say each of them in order."""
+    return bool(which.all() if which.dtype == bool else (which == np.arange(len(which))).all())
 
 
 def words_of(data: NDArray[np.uint8]) -> tuple[NDArray[np.uint64], NDArray[np.uint64]]:

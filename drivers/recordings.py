@@ -15,7 +15,7 @@ from drivers.decode.buses import chosen, in_order, of_the_rig, on_one_clock, tog
 from drivers.decode.clock import RigClock
 from drivers.decode.decode import Decoder
 from drivers.decode.ticks import Ticks, at_the_pace, split, told_step
-from drivers.frames import Frames, Tally
+from drivers.frames import Array, Frames, Tally
 from drivers.lab.estimates import is_estimates
 from drivers.lab.lab import read_lab
 from drivers.lab.signals import is_decoded, read_signals
@@ -102,6 +102,21 @@ def read_joined(
 
 def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tally: Tally, budget: Budget) -> Recording:
     decoder = Decoder(rig, tally)
+    frames, now = _on_the_rigs_clock(name, frames, where, decoder, budget)
+    ticks = Ticks(rig.tick_s, rig.log.closes is not None)
+    what, closes = f"{name}: {len(frames)} frames", decoder.closings(frames)[0]
+    row, date = split(what, now, closes, ticks, budget.ticks, tally)
+    told_step(date, rig.tick_s, tally)
+    began_s = float(frames.time[0]) if len(frames) and frames.time[0] > A_DATE else None
+    rows = decoder.whole(frames.take(slice(len(row))), now[: len(row)], row, date)
+    return replace(rows, frames=len(frames), began_s=began_s)
+
+
+def _on_the_rigs_clock(
+    name: str, frames: Frames, where: Callable[[int], str], decoder: Decoder, budget: Budget
+) -> tuple[Frames, Array]:
+    """The rig's frames in order, and the rig's clock at each, (n,) s; what else that takes is let go with it."""
+    rig, tally = decoder.rig, decoder.tally
     rigs = told_once(frames, rig.tick_s, tally)
     rigs = rigs[chosen(frames.take(rigs), rig.log.bus, name)]
     frames = addressed(frames.take(rigs), decoder.used, decoder.dbc, name, tally)
@@ -119,13 +134,5 @@ def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tal
     closes, scan = decoder.closings(frames)
     at_the_pace(name, frames.time[closes], rig.tick_s)
     now = clock.run(frames.time, closes, scan)
-    kept = np.isfinite(now)
-    if not kept.all():
-        frames, now, closes = frames.take(kept), now[kept], closes[kept]
-    ticks = Ticks(rig.tick_s, rig.log.closes is not None)
-    row, date = split(f"{name}: {len(frames)} frames", now, closes, ticks, budget.ticks, tally)
-    told_step(date, rig.tick_s, tally)
-    inside = slice(len(row))
-    began_s = float(frames.time[0]) if len(frames) and frames.time[0] > A_DATE else None
-    rows = decoder.rows(frames.take(inside), 0, now[inside], row, date)
-    return replace(rows, frames=len(frames), began_s=began_s)
+    known = np.isfinite(now)
+    return (frames, now) if known.all() else (frames.take(known), now[known])

@@ -92,4 +92,4 @@ class Ticker:
 
 
 def _frames(packed: list[bytes]) -> Frames:
-    return Frames.of(np.frombuffer(b"".join(packed), FRAME), "frame")
+    return Frames.of([np.frombuffer(b"".join(packed), FRAME)], "frame")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import repeat
@@ -13,8 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.cover import AT_ONCE, Cover
+
 POWER_ON_C = (85.0, 0.0)  # what thermometers say that have not converted yet
 Array = NDArray[Any]  # float64, or whole numbers where it holds indices
+_COVERS = ("coverage", "stay")
+_SERIES = ("time_s", "channels", "ages_s", "omega", "unevenness", "apart_s", "pace", "slip_mm", "idle")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +63,9 @@ class Sample:
 class Recording:
     """All ticks of one run, K rows one nominal tick apart; a tick that never came is a row of NaN.
 
-    Fields as in Sample with a leading axis K. `skipped` counts what was not used, by reason; `notes` are sentences
-    about torn ends, clock jumps and the like, with place, `doubts` those of them that change how figures are read.
+    Fields as in Sample with a leading axis K; `coverage` and `stay` of what was read are a Cover each. `skipped`
+    counts what was not used, by reason; `notes` are sentences about torn ends, clock jumps and the like, with place,
+    `doubts` those of them that change how figures are read.
     `began_s`: when time_s is 0, s since 1970; None where the log's clock tells no date. `part_of`: fingerprint of the
     recording that these ticks are a stretch of, "": of none.
     """
@@ -71,7 +76,7 @@ class Recording:
     ages_s: Array
     inputs: Mapping[str, Array]
     omega: Array
-    coverage: Array
+    coverage: Array | Cover
     frames: int = 0
     skipped: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -80,7 +85,7 @@ class Recording:
     apart_s: Array = field(default_factory=lambda: np.zeros(1))
     pace: Array = field(default_factory=lambda: np.full(1, np.nan))
     slip_mm: Array = field(default_factory=lambda: np.full(1, np.nan))
-    stay: Array = field(default_factory=lambda: np.empty(0))
+    stay: Array | Cover = field(default_factory=lambda: np.empty(0))
     idle: Array = field(default_factory=lambda: np.zeros(1))
     began_s: float | None = None
     part_of: str = ""
@@ -107,21 +112,20 @@ class Recording:
 
     def rows(self, which: slice) -> Recording:
         """Some of the ticks, in order."""
-        return replace(
-            self,
-            time_s=self.time_s[which],
-            channels=self.channels[which],
-            ages_s=self.ages_s[which],
-            inputs={name: column[which] for name, column in self.inputs.items()},
-            omega=self.omega[which],
-            coverage=self.coverage[which],
-            unevenness=self.unevenness[which],
-            apart_s=self.apart_s[which],
-            pace=self.pace[which],
-            slip_mm=self.slip_mm[which],
-            stay=self.stay[which],
-            idle=self.idle[which],
-        )
+        inputs = {name: column[which] for name, column in self.inputs.items()}
+        return replace(self, inputs=inputs, **{key: getattr(self, key)[which] for key in (*_SERIES, *_COVERS)})
+
+    def packed(self) -> Recording:
+        """The same, and where the nut was in a tenth of the memory."""
+        return replace(self, coverage=Cover.of(np.asarray(self.coverage)), stay=Cover.of(np.asarray(self.stay)))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Recording]) -> Recording:
+        """Packed parts, one behind the other; name and account are those of the first."""
+        series: dict[str, Any] = {key: np.concatenate([getattr(part, key) for part in parts]) for key in _SERIES}
+        series |= {key: Cover.joined([getattr(part, key) for part in parts]) for key in _COVERS}
+        inputs = {name: np.concatenate([part.inputs[name] for part in parts]) for name in parts[0].inputs}
+        return replace(parts[0], inputs=inputs, **series)
 
     def sample(self, k: int) -> Sample:
         """Tick k."""
@@ -130,14 +134,15 @@ class Recording:
     def __iter__(self) -> Iterator[Sample]:
         """Tick after tick, numbers as Python has them: one by one an array hands them out ten times as slowly."""
         series = self.time_s, self.omega, self.unevenness, self.apart_s, self.pace, self.slip_mm, self.idle
-        names, columns = [*self.inputs], [column.tolist() for column in self.inputs.values()]
-        values = zip(*columns, strict=True) if columns else repeat(())
-        for channels, ages_s, coverage, stay, inputs, (time_s, omega, *rest, idle) in zip(
-            self.channels, self.ages_s, self.coverage, self.stay, values,
-            zip(*(each.tolist() for each in series), strict=True),
-        ):  # fmt: skip
-            inputs = dict(zip(names, inputs, strict=True))
-            yield Sample(time_s, channels, ages_s, inputs, omega, coverage, *(*rest, stay, idle))
+        for at in (slice(k, k + AT_ONCE) for k in range(0, len(self), AT_ONCE)):
+            names, columns = [*self.inputs], [column[at].tolist() for column in self.inputs.values()]
+            values = zip(*columns, strict=True) if columns else repeat(())
+            for channels, ages_s, coverage, stay, inputs, (time_s, omega, *rest, idle) in zip(
+                self.channels[at], self.ages_s[at], self.coverage[at], self.stay[at], values,
+                zip(*(each[at].tolist() for each in series), strict=True),
+            ):  # fmt: skip
+                inputs = dict(zip(names, inputs, strict=True))
+                yield Sample(time_s, channels, ages_s, inputs, omega, coverage, *(*rest, stay, idle))
 
 
 def collect(name: str, samples: Iterable[Sample], **about: object) -> Recording:

@@ -8,6 +8,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from estimator.cover import LONG
 from estimator.record import Array, Recording
 
 
@@ -131,7 +132,7 @@ class Track:
         K, m = len(rows), len(names)
         said = {name: np.full(K, np.nan) for name in SERIES}
         said |= {name: np.full((K, m), np.nan) for name in LINES}
-        said |= {name: np.empty((K, 0)) for name in ("profile_C", "profile_sd_K", "bodies_C")}
+        said |= {name: np.empty((K, 0)) for name in (*PROFILES, "bodies_C")}
         said |= {"time_s": rows.time_s, "measured": rows.channels, "fused": np.zeros((K, m), dtype=bool)}
         said |= {"fault": np.zeros((K, m), dtype=np.int8), "begins": np.zeros(K, dtype=bool)}
         said |= {name: np.zeros((K, m)) for name in ("jump", "may_drift_K", "lacks_K")}
@@ -149,12 +150,14 @@ class Track:
     @classmethod
     def joined(cls, parts: Iterable[Track], ticks: int) -> Track:
         """Parts of one run of so many ticks, one after the other, each let go as the next comes, or a day would be in
-        memory twice. Ticks before the start have no places and no bodies, and are NaN there."""
+        memory twice; of a long one profiles, half of all, have the seven digits of single precision. Ticks before the
+        start have no places and no bodies, and are NaN there."""
         series, at = dict[str, Array](), 0
         x_mm, bodies, names = np.empty(0), tuple[str, ...](), tuple[str, ...]()
         for part in parts:
             for key in SERIES:
                 rows = getattr(part, key)
+                rows = rows.astype(np.float32) if ticks > LONG and key in PROFILES else rows
                 series[key] = _room(series.get(key), rows, ticks, at)
                 series[key][at : at + len(part)] = rows if rows.shape[1:] == series[key].shape[1:] else np.nan
             if len(part.x_mm) or part.bodies:
@@ -203,6 +206,7 @@ class TableErrors:
         return TableErrors(self.at_mm[columns], self.error_um[:, columns], self.sd_um[:, columns])
 
 
+PROFILES = ("profile_C", "profile_sd_K")
 LINES = ("predicted", "innovation", "innovation_sd", "open_loop", "since_s")  # of channels, NaN before the start
 SERIES = tuple(field.name for field in fields(Track) if field.name not in ("x_mm", "bodies", "names"))
 

@@ -16,7 +16,7 @@ OURS = {"ballscrew", "drivers", "viz", "estimator", "recordings"}
 TYPES = {"record", "rig", "rig_log", "screw", "step", "errors", "alarms"}  # what an estimator is told and what it says
 FLOORS = {  # of each package, the ground first: a wing, or a file beside the wings, imports from its own and lower ones
     "estimator": (
-        "errors record terms screw rig rig_log step work",
+        "cover errors record terms screw rig rig_log step work",
         "faults",
         "inputs",
         "effect",

@@ -23,6 +23,8 @@ def addressed(frames: Frames, used: Sequence[Layout], dbc: Dbc, name: str, tally
     Only where that id never comes. Two senders of a group on one bus are an InputError.
     """
     there = set(np.unique(frames.key).tolist())
+    if not any(message.extended and message.key not in there for message in used):
+        return frames
     strangers = np.array(sorted(k for k in there - {*dbc.by_key} if k & 1), np.int64)
     ids = frames.id.copy()
     for message in used:

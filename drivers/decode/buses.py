@@ -66,8 +66,8 @@ def on_one_clock(frames: Frames, name: str, tally: Tally) -> Array:
 
     Clocks of which one runs unsteadily against the other are an InputError.
     """
-    time = frames.time.copy()
-    first, *others = dict.fromkeys(frames.bus.tolist()) or [0]
+    first, *others = sorted(np.unique(frames.bus).tolist(), key=lambda bus: int(np.argmax(frames.bus == bus))) or [0]
+    time = frames.time.copy() if others else frames.time
     for bus in others:
         index = np.flatnonzero((frames.bus == first) | (frames.bus == bus))
         is_other = frames.bus[index] == bus

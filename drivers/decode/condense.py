@@ -12,6 +12,8 @@ from drivers.frames import Array, Index, Mask, Tally, Whole
 from estimator.record import Recording
 from estimator.rig import RAD_S, Rig
 
+AT_ONCE = 2048  # ticks
+
 
 class Readings(NamedTuple):
     """Of one channel or input, in order: frame number in the log (n,), tick (n,), time (n,) s, value (n,)."""
@@ -25,9 +27,19 @@ class Readings(NamedTuple):
         """Those in a slice, or for which `use` (n,) is true."""
         return Readings(*(column[use] for column in self))
 
+    def of_ticks(self, ticks: slice) -> Readings:
+        """Those of some ticks, counted from the first of them."""
+        some = self.where(slice(*np.searchsorted(self.row, [ticks.start, ticks.stop])))
+        return some._replace(row=some.row - ticks.start)
+
     def after(self, other: Readings) -> Readings:
         """These behind the others."""
         return Readings(*map(np.concatenate, zip(other, self, strict=True)))
+
+
+def portions(ticks: int) -> list[slice]:
+    """Ticks that are worked out at a time."""
+    return [slice(k, min(k + AT_ONCE, ticks)) for k in range(0, ticks, AT_ONCE)]
 
 
 NONE = Readings(np.empty(0, np.int64), np.empty(0, np.intp), np.empty(0), np.empty(0))
@@ -57,6 +69,14 @@ class Condenser:
             inputs[name][readings.get(name, NONE).row] = readings.get(name, NONE).value
         drive = self._drive(readings.get("position", NONE), readings.get("speed", NONE), rows)
         return Recording("", date, channels, ages, inputs, **drive._asdict())
+
+    def whole(self, readings: Mapping[str, Readings], date: Array) -> Recording:
+        """The same of a whole log, some ticks at a time: the nut's cover of all cells would fill the memory."""
+        parts = []
+        for at in portions(len(date)):
+            some = {name: reading.of_ticks(at) for name, reading in readings.items()}
+            parts.append(self.rows(some, date[at]).packed())
+        return Recording.joined(parts)
 
     def _drive(self, position: Readings, speed: Readings, rows: int) -> Drive:
         position = position.after(self._position)

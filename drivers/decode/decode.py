@@ -8,7 +8,7 @@ from itertools import chain
 import numpy as np
 
 from drivers.decode.checks import frame_checksum, lost
-from drivers.decode.condense import Condenser, Readings
+from drivers.decode.condense import Condenser, Readings, portions
 from drivers.decode.dbc import Bits, Layout, find_dbc, load_dbc
 from drivers.decode.scan import Scan
 from drivers.decode.sources import Source, sources
@@ -128,6 +128,14 @@ class Decoder:
                 readings[source.name] = Readings(first + at, row[at], now[at], value[use])
         self._check_scans(readings, frames, last, rows)
         return self.condenser.rows(readings, date)
+
+    def whole(self, frames: Frames, now: Array, row: Index, date: Array) -> Recording:
+        """The same of a whole log, some ticks at a time, or what is made of its frames would fill the memory."""
+        parts = []
+        for ticks in portions(len(date)):
+            at = slice(*np.searchsorted(row, [ticks.start, ticks.stop]))
+            parts.append(self.rows(frames.take(at), at.start, now[at], row[at] - ticks.start, date[ticks]).packed())
+        return Recording.joined(parts)
 
     def _check_scans(self, readings: dict[str, Readings], frames: Frames, last: dict[str, Index], rows: int) -> None:
         bad, sound = self.scan.bad(frames, last, rows, self.tally), np.zeros(rows, bool)

@@ -87,7 +87,7 @@ def read_frame_table(
     table = np.frombuffer(b"".join(packed), FRAME).copy()
     if take is _savvy:
         table["time"] *= _count_s(table["time"], table["bus"], tally)
-    return Frames.of(table, "line", tuple(buses) or ("can0",)), f"{len(packed)} lines with frames"
+    return Frames.of([table], "line", tuple(buses) or ("can0",)), f"{len(packed)} lines with frames"
 
 
 def _count_s(time: Array, bus: NDArray[np.uint8], tally: Tally) -> float:

@@ -180,7 +180,7 @@ def ticks_of(table: Table, budget: Budget) -> Recording:
     admit(path, rig, table.columns, table.never, readings)
     hot(rig, readings, tally)
     held = max(2, int(np.ceil(1.5 * step / rig.tick_s)))
-    rows = Condenser(rig, tally, held).rows(readings, date)
+    rows = Condenser(rig, tally, held).whole(readings, date)
     for column in rows.inputs.values():
         _hold(column, held if step > rig.tick_s else 0)
     return rows

@@ -59,11 +59,11 @@ def read_candump(
                 rest = b""
                 break
     reader.finish(rest)
-    return Frames.of(reader.table(), "line", tuple(reader.buses) or ("can0",)), f"{reader.lines} lines read"
+    return Frames.of(reader.blocks, "line", tuple(reader.buses) or ("can0",)), f"{reader.lines} lines read"
 
 
 class _Reader:
-    """Carries line numbers, counts and decoded blocks from chunk to chunk."""
+    """Carries line numbers, counts and decoded blocks, of dtype FRAME, from chunk to chunk."""
 
     def __init__(self, tally: Tally) -> None:
         self.tally = tally
@@ -71,7 +71,7 @@ class _Reader:
         self.count = 0
         self.foreign = 0  # first line that is no frame
         self.buses: dict[str, int] = {}
-        self.blocks: list[NDArray[np.void]] = []
+        self.blocks: list[NDArray[np.void]] = [np.empty(0, FRAME)]
 
     def feed(self, text: bytes) -> bytes:
         """Decode the whole lines of `text`; returns what comes after the last line end."""
@@ -96,10 +96,6 @@ class _Reader:
         self.tally.skip("torn line")
         inside = f", {zeros} bytes of it zero" if zeros else ""
         self.tally.note(f"torn at line {self.lines}: it has no line end{inside}; read up to there")
-
-    def table(self) -> NDArray[np.void]:
-        """All frames in the order of the file, dtype FRAME."""
-        return np.concatenate(self.blocks) if self.blocks else np.empty(0, FRAME)
 
     def _endless(self, rest: bytes) -> bytes:
         # A line that never ends (zeros after a power cut, a binary file) must not pile up in memory.

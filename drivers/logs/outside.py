@@ -121,11 +121,11 @@ def read_outside(
         if progress:
             progress(min(block.share, 1.0))
     unit = "line" if path.suffix.lower() in {".asc", ".csv", ".trc"} else "frame"
-    table = np.concatenate(tables)
-    names = [*outside.buses, *(f"bus {k + 1}" for k in range(len(outside.buses), table["bus"].max(initial=0) + 1))]
+    buses = max(int(table["bus"].max(initial=0)) for table in tables) + 1
+    names = [*outside.buses, *(f"bus {k + 1}" for k in range(len(outside.buses), buses))]
     if path.suffix.lower() in {".asc", ".blf", ".trc"}:  # they number their channels from 1
         names = [re.sub(r"^can(\d+)$", lambda k: f"{k[0]} = channel {int(k[1]) + 1}", name) for name in names]
-    return Frames.of(table, unit, names), outside.found
+    return Frames.of(tables, unit, names), outside.found
 
 
 def _start(path: Path, how: str, memory: int) -> subprocess.Popen[bytes]:

@@ -74,8 +74,9 @@ def read_truth(path: Path) -> Truth | None:
         return None
     try:
         with file.open(encoding="utf-8-sig", newline="") as text:
-            header, *rows = csv.reader(text)
-        table = np.array([row for row in rows if row], dtype=float)
+            lines = (row for row in csv.reader(text) if row)
+            header, *rows = (np.array(row, float) if k else row for k, row in enumerate(lines))  # a day of text: 130 MB
+        table = np.array(rows)
     except (OSError, ValueError, csv.Error) as error:
         raise InputError(f"{file}: cannot be read as a truth file: {' '.join(str(error).split())[:120]}") from None
     for column in ("time_s", "elongation_um"):

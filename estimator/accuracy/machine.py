@@ -79,5 +79,5 @@ def _variance(trial: Trial, posed: Posed) -> Array:
     doubt, T = trial.doubt(posed), len(sd)
     ahead = trial.ahead(posed, doubt)
     parts = (ahead.rows(slice(k, min(k + TICKS, T))).readings for k in range(0, T, TICKS))
-    known = [doubt.known.doubtful(part, np.zeros(len(part))) for part in parts]
+    known = (doubt.known.doubtful(part, np.zeros(len(part))) for part in parts)
     return np.asarray(sd**2 + np.concatenate([np.vecdot(part, part) for part in known]))

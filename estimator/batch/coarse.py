@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from estimator.cover import AT_ONCE
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 
@@ -25,28 +26,32 @@ def coarse(recording: Recording, rig: Rig, ticks: int) -> tuple[Recording, Rig]:
     torque stays where and as large as it was; a channel keeps its last reading and that reading's age, and so does the
     direct reading of the displacement.
     """
-    groups = len(recording) // ticks
-    if groups == 0:
+    some = AT_ONCE // ticks * ticks
+    parts = [recording.rows(slice(k, k + some)) for k in range(0, len(recording) - ticks + 1, some)]
+    if not parts:
         return recording, rig
+    longer = Recording.joined([_coarse(part, ticks, rig.tick_s).packed() for part in parts])
+    return longer, replace(rig, tick_s=rig.tick_s * ticks)
+
+
+def _coarse(recording: Recording, ticks: int, tick_s: float) -> Recording:
+    groups = len(recording) // ticks
     last = recording.rows(slice(ticks - 1, groups * ticks, ticks))
     omega = _grouped(recording.omega, groups, ticks)
     turned = np.nan_to_num(omega) + 1e-9
-    coverage = _grouped(recording.coverage, groups, ticks)
-    channels, ages = _latest(recording, groups, ticks, rig.tick_s)
-    return (
-        replace(
-            last,
-            channels=channels,
-            ages_s=ages,
-            inputs={name: _shortened(name, recording, groups, ticks) for name in recording.inputs},
-            omega=_mean(omega),
-            apart_s=np.full(groups, np.nan),  # where the table is at the end of a tick is no longer told
-            unevenness=_unevenness(recording, groups, ticks),
-            stay=_mean(_grouped(recording.stay, groups, ticks)),
-            idle=_idle(_grouped(recording.idle, groups, ticks), omega),
-            coverage=np.einsum("gt,gtc->gc", turned, coverage) / turned.sum(axis=1)[:, None],
-        ),
-        replace(rig, tick_s=rig.tick_s * ticks),
+    coverage = _grouped(np.asarray(recording.coverage), groups, ticks)
+    channels, ages = _latest(recording, groups, ticks, tick_s)
+    return replace(
+        last,
+        channels=channels,
+        ages_s=ages,
+        inputs={name: _shortened(name, recording, groups, ticks) for name in recording.inputs},
+        omega=_mean(omega),
+        apart_s=np.full(groups, np.nan),  # where the table is at the end of a tick is no longer told
+        unevenness=_unevenness(recording, groups, ticks),
+        stay=_mean(_grouped(np.asarray(recording.stay), groups, ticks)),
+        idle=_idle(_grouped(recording.idle, groups, ticks), omega),
+        coverage=np.einsum("gt,gtc->gc", turned, coverage) / turned.sum(axis=1)[:, None],
     )
 
 

@@ -11,6 +11,7 @@ depends on noise levels.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -46,7 +47,7 @@ class Nominal:
         """What a reading taken before the tick's close had not yet seen."""
         return -np.diff(self.spot, axis=0) * self.late_share
 
-    @property
+    @cached_property
     def grown(self) -> Array:
         """Growth of the measured span since the start, um."""
         return (self.z[1:] - self.z[0]) @ self.growth

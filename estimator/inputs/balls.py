@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from estimator.cover import Cover
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.screw import Nut, Screw
@@ -38,7 +39,7 @@ class Balls:
 class ByBalls:
     """A cover (ticks, cells) by the balls, worked out where it is asked for."""
 
-    def __init__(self, cover: Array, rig: Rig, balls: Balls) -> None:
+    def __init__(self, cover: Array | Cover, rig: Rig, balls: Balls) -> None:
         self.cover, self._rig, self._balls = cover, rig, balls
 
     @property

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from estimator.cover import AT_ONCE
 from estimator.faults.fault import Fault
 from estimator.faults.standstill import Standstill
 from estimator.faults.suspects import STUCK
@@ -75,6 +76,13 @@ class InputGate:
 
     def passed(self, chunk: Recording) -> tuple[Array, Array]:
         """The inputs of the next ticks (K, p), NaN where they are refused, and the faults (K, p) that they have."""
+        if len(chunk) <= AT_ONCE:
+            return self._passed(chunk)
+        parts = [self._passed(chunk.rows(slice(k, k + AT_ONCE))) for k in range(0, len(chunk), AT_ONCE)]
+        passed, fault = map(np.concatenate, zip(*parts, strict=True))
+        return passed, fault
+
+    def _passed(self, chunk: Recording) -> tuple[Array, Array]:
         given = np.array([chunk.inputs[name] for name in self._names]).reshape(-1, len(chunk)).T
         readings = np.where(self._slow, given, np.nan)
         repeats = self._standstill.compare(readings)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from estimator.cover import LONG, Cover
 from estimator.errors import SetupError, nearest
 from estimator.inputs.gate import InputGate
 from estimator.inputs.motion import Motion, MotionReader
@@ -26,7 +27,7 @@ class Inputs:
     """Inputs of `ticks` ticks. Every scalar is a column (ticks, 1), so that it broadcasts against a place (cells,).
 
     omega     rad/s, mean of |speed| over the tick
-    coverage  (ticks, cells) share of the tick in which the nut covers each cell
+    coverage  (ticks, cells) share of the tick in which the nut covers each cell; of a long run a Cover
     seats     (cells,) share of each cell inside a bearing
     values    other inputs by name, in the rig file's unit; "start": the temperature at which the run started
     rises     their changes since they were first seen; 0 before that
@@ -37,7 +38,7 @@ class Inputs:
     """
 
     omega: Array
-    coverage: Array
+    coverage: Array | Cover
     values: Mapping[str, Array]
     rises: Mapping[str, Array]
     motion: Motion
@@ -71,7 +72,7 @@ class Inputs:
     @cached_property
     def bare(self) -> Array:
         """(ticks, cells) share of each cell's surface that the air sees: under no nut, in no bearing's seat."""
-        return _read_only((1.0 - self.coverage) * (1.0 - self.seats))
+        return np.asarray(_read_only((1.0 - self.coverage) * (1.0 - self.seats)))
 
     def speed_law(self, screw: Screw, n: Any) -> Array:
         """Mean of |omega / omega_ref|^n over each tick, (ticks, 1).
@@ -95,9 +96,8 @@ class Inputs:
         values, rises = ({name: column[at] for name, column in each.items()} for each in (self.values, self.rises))
         uneven, idle = (each[at] if isinstance(each, np.ndarray) else each for each in (self.unevenness, self.idle))
         motion = self.motion.rows(at)
-        return Inputs(
-            self.omega[at], self.coverage[at], values, rises, motion, uneven, self.seats, self.fault[at], idle
-        )
+        cover = np.asarray(self.coverage[at])
+        return Inputs(self.omega[at], cover, values, rises, motion, uneven, self.seats, self.fault[at], idle)
 
     def rise(self, name: str) -> Array:
         """Change of an input since the start, (ticks, 1); 0 where the rig has no such input or it was never seen."""
@@ -131,13 +131,14 @@ class InputReader:
         values[START] = np.full((len(chunk), 1), self._start.level_C)
         coverage = _carried(chunk.coverage, chunk, self._coverage)
         self._coverage = coverage[-1].copy()
+        coverage = coverage if len(chunk) > LONG else np.asarray(coverage)
         omega = np.nan_to_num(chunk.omega)
         uneven = np.where(np.isfinite(chunk.unevenness), chunk.unevenness, 1.0)
         idle = np.nan_to_num(chunk.idle)[:, None]
         motion = self._motion.read(omega)
         return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], self._rig.seats, fault, idle)
 
-    def stay(self, chunk: Recording) -> Array:
+    def stay(self, chunk: Recording) -> Array | Cover:
         """Coverage by time alone, which conductances go by, (ticks, cells); call in order of time."""
         stay = _carried(chunk.stay, chunk, self._stay)
         self._stay = stay[-1].copy()
@@ -161,17 +162,22 @@ def no_inputs(
     return Inputs(omega, coverage, none, none, Motion.none(len(omega)), unevenness, rig.seats, idle=idle)
 
 
-def _carried(cover: Array, chunk: Recording, before: Array) -> Array:
+def _carried(cover: Array | Cover, chunk: Recording, before: Array) -> Array | Cover:
     """Cover (ticks, cells) with ticks in which it is not known as the one before, the first as `before`."""
-    gaps = np.flatnonzero(np.isnan(chunk.omega) | np.isnan(cover).any(axis=1))
-    cover = cover.copy() if len(gaps) else np.asarray(cover)  # most of what a long recording is
-    for k in gaps:
-        cover[k] = cover[k - 1] if k else before
-    return cover
+    known = cover.known if isinstance(cover, Cover) else ~np.isnan(cover).any(axis=1)
+    gaps = np.isnan(chunk.omega) | ~known
+    if not gaps.any():  # most of what a long recording is
+        return cover
+    at = np.maximum.accumulate(np.where(gaps, 0, np.arange(1, len(gaps) + 1)))
+    if isinstance(cover, Cover):
+        return Cover.joined([Cover.of(before[None].astype(cover.dtype)), cover])[at]
+    return np.vstack([before, cover])[at]
 
 
-def _read_only(array: Array) -> Array:
+def _read_only(array: Array | Cover) -> Array | Cover:
     """The same numbers, not to be written."""
+    if isinstance(array, Cover):
+        return array
     view = array.view()
     view.flags.writeable = False
     return view

@@ -6,16 +6,17 @@ from typing import Any
 
 import numpy as np
 
+from estimator.cover import Cover
 from estimator.record import Array
 from estimator.rig import Rig
 
 
-def moved(coverage: Array, rig: Rig, share: Any = 1.0, shift_mm: Any = 0.0) -> Array:
+def moved(coverage: Array | Cover, rig: Rig, share: Any = 1.0, shift_mm: Any = 0.0) -> Array:
     """Coverage (ticks, cells) if every position p were share p + shift_mm: each cell looks where it would have been.
 
     Between cells by cubics whose slope has no jumps (Catmull-Rom); complex where share or shift is.
     """
-    screw, nut = rig.the_screw(), rig.the_nut()
+    screw, nut, coverage = rig.the_screw(), rig.the_nut(), np.asarray(coverage)
     came_from = nut.centre_mm + (screw.x_mm - nut.direction * shift_mm - nut.centre_mm) / share
     place = (came_from - screw.x_mm[0]) / (screw.length * 1e3)
     place = np.where(

@@ -6,13 +6,14 @@ bus tick by tick give the same numbers.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+from estimator.cover import AT_ONCE, LONG
 from estimator.faults.travel import Travel
 from estimator.inputs.inputs import InputReader, Inputs, no_inputs, nothing
 from estimator.inputs.start import Start
@@ -28,7 +29,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.terms import OF_READINGS
 
-MANY = 20_000  # ticks; a longer run is posed once or twice, and each projection of its coverage would stay for good
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -47,16 +48,20 @@ class Drive:
         """Some of the ticks."""
         return Drive(self.inputs.rows(at), self.regime[at], self.astray[at])
 
+    def by_parts(self, make: Callable[[Drive], Made]) -> Made:
+        """A record of arrays (K, ...) that is made of all ticks; of a long run some at a time, or they fill memory."""
+        if len(self.regime) <= LONG:
+            return make(self)
+        parts = [make(self.rows(slice(k, k + AT_ONCE))) for k in range(0, len(self.regime), AT_ONCE)]
+        return type(parts[0])(*map(np.concatenate, zip(*(vars(part).values() for part in parts), strict=True)))
+
     def spread(self, q: Any, over: Any, rows: Array) -> Array:
         """As `assemble.spread`, (K, n); the coverage is projected once for all models of a rig."""
         if over is not self.inputs.coverage or np.shape(q)[-1] != 1:
             return assemble.spread(q, over, rows)
-        covered = self._covered.get(rows.shape)
-        if covered is None:
-            covered = over @ rows
-            if len(covered) <= MANY:
-                self._covered[rows.shape] = covered
-        return np.asarray(q * covered)
+        if rows.shape not in self._covered:
+            self._covered[rows.shape] = over @ rows
+        return np.asarray(q * self._covered[rows.shape])
 
 
 @dataclass(frozen=True)
@@ -162,23 +167,25 @@ class Forcing:
         u, stay, regime, astray = self._reader.read(chunk), self._reader.stay(chunk), [], []
         unseen = self._untold.unseen(chunk)
         speeds = np.hstack([np.broadcast_to(each, u.omega.shape) for each in (u.omega, u.unevenness, u.idle)])
-        for k, sample in enumerate(chunk):
+        for k, (sample, under) in enumerate(zip(chunk, stay, strict=True)):
             self._travel.step(sample)
             lost = bool(unseen[k] or self._travel.why)
             omega, *rest = speeds[k].tolist()
-            regime.append(self._regimes.index(omega, stay[k], lost, *rest))
+            regime.append(self._regimes.index(omega, under, lost, *rest))
             astray.append(self._travel.astray)
         return Drive(u, np.array(regime), np.array(astray))
 
     def ticks(self, drive: Drive) -> Ticks:
         """What the model makes of these inputs; an EffectError where an effect makes no number of them."""
+        self._solve(sorted(set(drive.regime.tolist())))
+        return drive.by_parts(self._ticks)
+
+    def _ticks(self, drive: Drive) -> Ticks:
         u, regime = self.model.inputs(drive.inputs, self.rig), drive.regime
-        met = sorted(set(regime.tolist()))
-        self._solve(met)
         terms = self._sound.terms(u)
         heat = assemble.heat(terms, self.place, len(u), drive.spread)
         outside = assemble.outside(terms, u, self.place)
-        for r in met:
+        for r in sorted(set(regime.tolist())):
             heat[regime == r] += outside[regime == r] @ self._solved[r].inflow.T
         offset = assemble.offsets(terms, self.rig, len(u))
         if not (np.isfinite(heat).all() and np.isfinite(offset).all()):

@@ -96,6 +96,10 @@ class Moved:
         rig, place = self._forcing.rig, self._forcing.place
         if not self.in_ticks:
             return TicksTangent.none(len(drive.inputs), place.size, place.boundaries, len(rig.names))
+        return drive.by_parts(self._ticks)
+
+    def _ticks(self, drive: Drive) -> TicksTangent:
+        rig, place = self._forcing.rig, self._forcing.place
         u = self._model.inputs(drive.inputs, rig)
         terms = moving(self._model, self.effects_in_ticks, u, rig)
         outside = np.zeros((len(u), place.boundaries))

@@ -72,7 +72,7 @@ def test_one_clock_is_left_alone_even_where_it_jumps(tmp_path: Path) -> None:
 def frames_of(time: np.ndarray, bus: np.ndarray) -> Frames:
     table = np.zeros(len(time), FRAME)
     table["time"], table["bus"] = time, bus
-    return Frames.of(table, "line", ("can0", "can1"))
+    return Frames.of([table], "line", ("can0", "can1"))
 
 
 @given(lead=st.floats(-5, 5), drift=st.floats(-1e-3, 1e-3), seed=st.integers(0, 99))

@@ -175,7 +175,7 @@ def test_seven_channels_on_another_dbc(tmp_path: Path) -> None:
     np.testing.assert_allclose(record.channels[:, 0], 21 + 0.1 * np.arange(40))
     assert record.skipped == {"n/a C7": 40}
     np.testing.assert_allclose(record.omega[1:], 50)
-    np.testing.assert_allclose(record.coverage[1:].sum(axis=1), 80 / 800 * record.coverage.shape[1])
+    np.testing.assert_allclose(np.sum(record.coverage[1:], axis=1), 80 / 800 * record.coverage.shape[1])
 
 
 def test_a_message_that_came_with_29_bits_is_told_from_one_that_never_came(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from drivers import ticker as live
 from drivers.budget import Budget
-from drivers.decode import clock
+from drivers.decode import clock, condense
 from drivers.frames import Tally
 from drivers.logs.logs import read_log
 from drivers.recordings import read_recording
@@ -39,7 +39,7 @@ def streamed(path: Path, rig: Rig = RIG) -> tuple[Recording, Ticker]:
 
 
 def assert_same(one: Recording, other: Recording) -> None:
-    for name in ("time_s", "channels", "ages_s", "omega", "coverage"):
+    for name in ("time_s", "channels", "ages_s", "omega", "coverage", "stay"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
     for name, column in one.inputs.items():
         np.testing.assert_array_equal(column, other.inputs[name], err_msg=name)
@@ -104,13 +104,19 @@ BREAK = st.tuples(st.sampled_from(BREAKS), st.integers(0, 19), st.floats(0.01, 8
 
 
 @settings(max_examples=22, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(breaks=st.lists(BREAK, max_size=4), hertz=st.sampled_from([5, 20]), seed=st.integers(0, 3))
-def test_live_and_review_agree(tmp_path: Path, breaks: list, hertz: int, seed: int) -> None:
+@given(
+    breaks=st.lists(BREAK, max_size=4), hertz=st.sampled_from([5, 20]), seed=st.integers(0, 3),
+    at_once=st.sampled_from([4, 2048]),
+)  # fmt: skip
+def test_live_and_review_agree(tmp_path: Path, breaks: list, hertz: int, seed: int, at_once: int) -> None:
+    """However many ticks of a log are worked out at once."""
     rows = log_fake.log(18, hertz, (3, 12), seed)
     for change, k, s, n in breaks:
         rows = change(rows, k, s, n)
     path = log_fake.write(tmp_path / "a.log", rows)
-    whole = read_recording(path, RIG)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(condense, "AT_ONCE", at_once)
+        whole = read_recording(path, RIG)
     live, ticker = streamed(path)
     assert_same(whole, live)
     assert whole.skipped == ticker.tally.counts()

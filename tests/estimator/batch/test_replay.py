@@ -8,18 +8,22 @@ import pytest
 
 from drivers.recordings import read_recording
 from estimator import filter as filtering
+from estimator import step as steps
 from estimator.batch import replay as module
 from estimator.batch.replay import Replay, replay
+from estimator.cover import Cover
 from estimator.effect import Effect, Param
 from estimator.effects.readings import Thermometers
 from estimator.filter import Filter
+from estimator.inputs import inputs
 from estimator.model import model_of
-from estimator.network import regime
+from estimator.network import forcing, regime
 from estimator.record import Recording
 from estimator.rig import Channel, Rig, Signal
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
-from estimator.step import SERIES, Mode
+from estimator.sensitivity.tangent import tangent
+from estimator.step import PROFILES, SERIES, Mode
 from estimator.terms import Heat, Link, Store
 from tests.conftest import stepped
 from tests.estimator.batch.conftest import TICKS, both, copy
@@ -49,6 +53,28 @@ def test_counted_from_a_zero_only_lengths_are_others(anywhere):
     smooth = Replay(model, replace(rig, zero_C=20.0, zero_sd_K=0.1), recording, None, lambda _: None).smoothed()
     assert smooth.elongation_um[-1] == pytest.approx(counted.elongation_um[-1], abs=1e-9)
     assert smooth.sigma_um[-1] == pytest.approx(counted.sigma_um[-1], abs=1e-9)
+
+
+def test_a_long_run_is_worked_out_some_ticks_at_a_time(anywhere, monkeypatch):
+    """Of those in which nothing is known of the drive too; its profiles are kept in single precision."""
+    model, rig, recording = anywhere
+    recording = copy(recording)
+    recording.omega[40:43] = recording.coverage[60:64] = np.nan
+    path = next(path for path in model.free() if path.startswith("nut_friction"))
+    tracks, slopes = [], []
+    for long in (10**9, 20):
+        for each in (inputs, forcing, steps):
+            monkeypatch.setattr(each, "LONG", long)
+        monkeypatch.setattr(forcing, "AT_ONCE", 17)
+        found = Replay(model, rig, recording.packed(), None, lambda _: None)
+        assert isinstance(found.trial.drive.inputs.coverage, Cover) == (long == 20)
+        tracks.append(found.track)
+        slopes.append(tangent(found.trial, found.trial.pose(model), model, path))
+    for key in SERIES:
+        digits = {"rtol": 1e-7 if key in PROFILES else 0.0, "atol": 1e-12}
+        np.testing.assert_allclose(*(getattr(one, key) for one in tracks), **digits, err_msg=key)
+    for key in ("heat", "outside", "offset"):
+        np.testing.assert_allclose(*(getattr(one, key) for one in slopes), rtol=0, atol=1e-12, err_msg=key)
 
 
 def test_the_error_at_a_place_is_that_at_the_table_when_it_is_there(anywhere):

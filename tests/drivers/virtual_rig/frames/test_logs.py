@@ -26,7 +26,7 @@ def test_nothing_of_a_sound_log_is_skipped(log: Path) -> None:
     assert np.isfinite(record.omega).all()
     for name in ("position", "speed", "current", "ambient", "base", "nut", "probe", "bar", "board"):
         assert np.isfinite(record.inputs[name]).all(), name
-    np.testing.assert_allclose(record.coverage.sum(axis=1) * RIG.screw.length, 0.175, rtol=1e-6)
+    np.testing.assert_allclose(np.sum(record.coverage, axis=1) * RIG.screw.length, 0.175, rtol=1e-6)
 
 
 def test_readings_follow_the_truth(log: Path) -> None:
