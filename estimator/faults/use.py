@@ -172,7 +172,8 @@ def _why(told: Told) -> Array:
     words = np.array([fault.why or MUTED for fault in Fault], dtype=object)
     why = np.where(told.fused & ~early, "", words[told.fault])
     why = np.where(told.modelled, why, NO_MODEL)
-    why = np.where(early, np.where(np.isin(told.measured, POWER_ON_C), POWER_ON, EARLY), why)
+    begun = np.array([EARLY, POWER_ON], dtype=object)[np.isin(told.measured, POWER_ON_C).astype(int)]
+    why = np.where(early, begun, why)
     return np.where(np.isfinite(told.measured), why, NOT_MEASURED)
 
 
