@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from estimator.inputs.balls import ByBalls
+from estimator.inputs.balls import ByBalls, product
 from estimator.inputs.inputs import Inputs
 from estimator.network import mesh
 from estimator.network.growth import Growth
@@ -66,10 +66,8 @@ class Layout:
         products = self._products[node]
         if np.shape(weights)[-1:] in ((), (1,)):
             found = np.broadcast_to(weights, (regimes, 1)) * self._sums[node]
-        elif is_complex(weights := np.broadcast_to(weights, (regimes, len(products)))):
-            found = weights.real @ products + 1j * (weights.imag @ products)
         else:
-            found = weights @ products
+            found = product(np.broadcast_to(weights, (regimes, len(products))), products)
         return np.asarray(found).reshape(regimes, self.size, self.size)
 
     def spot(self, spot: Spot, rig: Rig) -> Array:
@@ -228,7 +226,7 @@ def spread(q: Any, over: Any, rows: Array) -> Array:
     """q over, (ticks, cells), projected on the states: (ticks, n); (1, n) for a q without ticks."""
     q = np.atleast_2d(q)
     if isinstance(over, ByBalls):
-        return np.asarray(q * over.onto(rows))
+        return over.carried(q, rows)
     if q.shape[1] == 1:
         return q * (over @ rows if np.shape(over)[-1:] == rows.shape[:1] else np.multiply(over, rows.sum(axis=0)))
     return np.asarray((q * over) @ rows)

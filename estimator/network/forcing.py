@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from estimator.faults.travel import Travel
+from estimator.inputs.balls import Balls, ByBalls
 from estimator.inputs.inputs import InputReader, Inputs, no_inputs, nothing
 from estimator.inputs.start import Start
 from estimator.inputs.untold import Untold
@@ -41,21 +42,25 @@ class Drive:
     inputs: Inputs
     regime: Array
     astray: Array
-    _covered: dict[tuple[int, ...], Array] = field(default_factory=dict)
+    _covered: dict[tuple[tuple[int, ...], bool], tuple[Balls | None, Array]] = field(default_factory=dict)
 
     def rows(self, at: slice) -> Drive:
         """Some of the ticks."""
         return Drive(self.inputs.rows(at), self.regime[at], self.astray[at])
 
     def spread(self, q: Any, over: Any, rows: Array) -> Array:
-        """As `assemble.spread`, (K, n); the coverage is projected once for all models of a rig."""
-        if over is not self.inputs.coverage or np.shape(q)[-1] != 1:
+        """As `assemble.spread`, (K, n); the coverage is projected once for all models of a rig, and that by the balls
+        for all that have them where the last model has."""
+        balls = over.balls if isinstance(over, ByBalls) and not over.is_complex else None
+        cover = over.cover if balls else over
+        if cover is not self.inputs.coverage or np.shape(q)[-1] != 1:
             return assemble.spread(q, over, rows)
-        covered = self._covered.get(rows.shape)
-        if covered is None:
-            covered = over @ rows
+        kind = (rows.shape, balls is not None)
+        known, covered = self._covered.get(kind, (None, None))
+        if covered is None or known != balls:
+            covered = assemble.spread(1.0, over, rows)
             if len(covered) <= MANY:
-                self._covered[rows.shape] = covered
+                self._covered[kind] = balls, covered
         return np.asarray(q * covered)
 
 
