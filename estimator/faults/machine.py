@@ -31,7 +31,7 @@ RENEWED_S, LEFT = 36000.0, 1e-3  # then parameters may have become others; least
 DETAILS = {True: 0.03, False: 0.2}  # K of a thermometer, um of a length
 OUTLYING = 3.0  # sd, from which on the worst thermometer is not heard
 YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each block; how often an older one is
-LED_SDS, LED_UM = 5.0, 0.4  # of the elongation by thermometers alone; 3.6 at most on machines 0 - 14
+LED_SDS = 5.0  # of the elongation by thermometers alone; 3.6 at most on machines 0 - 14
 LEAST = 0.005  # a smaller share makes no difference
 ELSEWHERE = 0.02  # what weighs another place of the nut's heat at first
 LEAST_ODDS, SURE = -10.0, 40.0  # logarithms of its odds: least, and from which on it is told
@@ -58,12 +58,11 @@ class Known:
         """
         if not self.whole.any():
             return np.zeros(len(led), dtype=bool)
-        far = np.abs(led.um) > LED_UM
-        if not far.any():
-            return np.asarray(far)
+        if not led.far.any():
+            return led.far
         place_um = 0.0 if self.shift is None else place_mm * led.doubt[:, self.shift]
         sd_um = led.worse * np.sqrt(self.elongation_var(led, np.full(len(led), share)) + place_um**2)
-        return np.asarray(far & (np.abs(led.um) > LED_SDS * sd_um))
+        return np.asarray(led.far & (np.abs(led.um) > LED_SDS * sd_um))
 
     def elongation_var(self, led: Led, share: Array) -> Array:
         """Of the elongation by thermometers alone, (K,) um^2, where parameters are off by shares (K,)."""
@@ -104,7 +103,7 @@ class Look:
         return cls(np.full(m, np.nan), np.zeros((m, p)), np.zeros(m))
 
     def hear(self, y: Array, moved: Array, sd: Array) -> None:
-        """Take some ticks, each (k, m, ...): misfit, NaN where it was not used, how that moves, sd of the innovation."""
+        """Take ticks, each (k, m, ...): misfit, NaN where it was not used, how that moves, sd of the innovation."""
         read = np.isfinite(y)
         some = np.flatnonzero(read.any(axis=0))
         last = len(y) - 1 - np.argmax(read[::-1, some], axis=0), some

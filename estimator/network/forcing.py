@@ -167,11 +167,13 @@ class Forcing:
         u, stay, regime, astray = self._reader.read(chunk), self._reader.stay(chunk), [], []
         unseen = self._untold.unseen(chunk)
         speeds = np.hstack([np.broadcast_to(each, u.omega.shape) for each in (u.omega, u.unevenness, u.idle)])
-        for k, sample in enumerate(chunk):
+        given = np.hstack([speeds, stay])
+        again = np.append(False, (given[1:] == given[:-1]).all(axis=1)).tolist()
+        for sample, row, cover, same, lost in zip(chunk, speeds.tolist(), stay, again, unseen.tolist(), strict=True):
             self._travel.step(sample)
-            lost = bool(unseen[k] or self._travel.why)
-            omega, *rest = speeds[k].tolist()
-            regime.append(self._regimes.index(omega, stay[k], lost, *rest))
+            omega, uneven, idle = row
+            unknown = lost or bool(self._travel.why)
+            regime.append(self._regimes.index(omega, cover, unknown, uneven, idle, again=same))
             astray.append(self._travel.astray)
         return Drive(u, np.array(regime), np.array(astray))
 

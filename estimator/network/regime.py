@@ -84,14 +84,28 @@ class Regimes:
     _due: int = 0  # of these ticks
     _most: float = 1.0
     _unsettled_s: float = 0.0
+    _rests: bool | None = None  # whether unknown, where the last tick stood and has changed nothing
 
     def index(
-        self, omega: float, coverage: Array, unknown: bool = False, unevenness: float = 1.0, idle: float = 0.0
-    ) -> int:
-        """Regime of the next tick, by speed (rad/s, with its unevenness and idle share) and coverage (cells,) by time;
-        `unknown`: nothing was heard of the drive."""
+        self, omega: float, coverage: Array, unknown: bool = False, unevenness: float = 1.0, idle: float = 0.0,
+        again: bool = False,
+    ) -> int:  # fmt: skip
+        """Regime of the next tick, by speed (rad/s, with its unevenness and idle share) and coverage (cells,) by time.
+
+        unknown  nothing was heard of the drive
+        again    speed and coverage are those of the tick before: where that stood, most often there is nothing to do
+        """
         self._unsettled_s = SETTLED_S if unknown else self._unsettled_s - self.tick_s
         unknown = self._unsettled_s > 0.0
+        if again and self._rests == unknown:
+            return self._current
+        before = self._current, self._due, self._most, self._ticks
+        found = self._next(omega, coverage, unknown, unevenness, idle)
+        unmoved = before == (self._current, self._due, self._most, self._ticks) and not turns(omega)
+        self._rests = unknown if unmoved else None
+        return found
+
+    def _next(self, omega: float, coverage: Array, unknown: bool, unevenness: float, idle: float) -> int:
         if turns(omega):
             self._moved(np.concatenate([[1.0, omega, unevenness * omega**2, idle], coverage]))
             now = _mean(self._sum, unknown)
