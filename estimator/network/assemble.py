@@ -8,7 +8,7 @@ speed and a place of the nut that hold for a while); q and d belong to a tick.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -183,21 +183,27 @@ def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
 
 def _dtype(terms: Sequence[Term]) -> Any:
     """complex where a term's value is, else float."""
-    return complex if any(is_complex(value) for term in terms for value in values(term)) else float
+    return complex if any(map(is_complex, terms)) else float
 
 
-def values(term: Term, but: str = "") -> Iterator[object]:
-    """Everything that a term says, the weights of a Read one by one; one field left out."""
+def is_complex(term: Term, but: str = "") -> bool:
+    """Whether anything that a term says is complex, one field left out."""
     for key, value in vars(term).items():
-        for part in value.values() if key == "weights" else () if key == but else (value,):
-            yield from (part.weight, part.deep) if isinstance(part, Spot) else (part,)
+        if key == "weights":
+            if any(map(is_complex_value, value.values())):
+                return True
+        elif key != but and is_complex_value(value):
+            return True
+    return False
 
 
-def is_complex(value: object) -> bool:
-    """Whether a value of a term, a number or an array, is complex."""
-    if isinstance(value, ByBalls):
-        return value.is_complex
-    return isinstance(value, complex) or (isinstance(value, np.ndarray) and value.dtype.kind == "c")
+def is_complex_value(value: object) -> bool:
+    """Whether a number, an array, a cover by the balls or one weight of a Read is complex."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.kind == "c"
+    if isinstance(value, Spot):
+        return is_complex_value(value.weight) or is_complex_value(value.deep)
+    return isinstance(value, complex) or (isinstance(value, ByBalls) and value.is_complex)
 
 
 def _squares(rows: Array, weights: Any, regimes: int) -> Array:
@@ -257,7 +263,8 @@ def span_growth(terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
 def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
     """d: what the channels read beside the temperatures, (ticks, m)."""
     reads = [term for term in terms if isinstance(term, Read)]
-    total = np.zeros((ticks, len(rig.names)), complex if any(is_complex(term.offset) for term in reads) else float)
+    moves = any(is_complex_value(term.offset) for term in reads)
+    total = np.zeros((ticks, len(rig.names)), complex if moves else float)
     for term in reads:
         i = rig.index(term.channel)
         total[:, i : i + 1] += term.offset
