@@ -154,3 +154,9 @@ def _mean(sums: Array | float, unknown: bool) -> Regime:
     """From weighted sums of 1, speed, its square, the idle share and coverage."""
     (weight, omega, square, idle), cover = np.asarray(sums)[:4].tolist(), np.asarray(sums)[4:]
     return Regime(omega / weight, square * weight / omega**2, idle / weight, cover / weight, unknown)
+
+
+def rows_of(regime: Array, r: int) -> Array | slice:
+    """Which of the ticks of `regime` (K,) are in r, as a slice if that is one stretch: no copy then."""
+    at = np.flatnonzero(regime == r)
+    return slice(int(at[0]), int(at[-1]) + 1) if at[-1] - at[0] == len(at) - 1 else at
