@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.faults.fault import Led, Seen
+from estimator.faults.fault import LED_SDS, Led, Seen
 from estimator.record import Array
 
 SHARES = np.array([0.0, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2])
@@ -31,7 +31,6 @@ RENEWED_S, LEFT = 36000.0, 1e-3  # then parameters may have become others; least
 DETAILS = {True: 0.03, False: 0.2}  # K of a thermometer, um of a length
 OUTLYING = 3.0  # sd, from which on the worst thermometer is not heard
 YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each block; how often an older one is
-LED_SDS = 5.0  # of the elongation by thermometers alone; 3.6 at most on machines 0 - 14
 LEAST = 0.005  # a smaller share makes no difference
 ELSEWHERE = 0.02  # what weighs another place of the nut's heat at first
 LEAST_ODDS, SURE = -10.0, 40.0  # logarithms of its odds: least, and from which on it is told
