@@ -47,13 +47,20 @@ class ByBalls:
     def carried(self, q: Array, rows: Array) -> Array:
         """What is carried, q (ticks or 1, 1), on states that say `rows` (cells, n) of the cells: (ticks, n). At rest,
         and that is most of many recordings, it is nothing, wherever the nut is."""
-        moves = product(self._moves, rows)
         if len(q) != len(self.cover):
-            return np.asarray(q * product(self.cover, moves))
+            return np.asarray(q * self._onto(slice(None), rows))
         at = np.flatnonzero(q)
-        carried = np.zeros((len(q), rows.shape[1]), np.result_type(q, self.cover, moves))
-        carried[at] = q[at] * product(self.cover[at], moves)
+        carried = np.zeros((len(q), rows.shape[1]), np.result_type(q, self.cover, self._moves))
+        if len(at):
+            carried[at] = q[at] * self._onto(at, rows)
         return carried
+
+    def _onto(self, at: Array | slice, rows: Array) -> Array:
+        """The cover at some ticks, projected, with the lesser of both products first."""
+        cover = self.cover[at]
+        if len(cover) < rows.shape[1]:
+            return product(product(cover, self._moves), rows)
+        return product(cover, product(self._moves, rows))
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         """Cell by cell."""
