@@ -63,12 +63,10 @@ class Layout:
             rows = self.rows(node)
             self._products[node] = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
             self._sums[node] = self._products[node].sum(axis=0)
-        products = self._products[node]
-        if np.shape(weights)[-1:] in ((), (1,)):
-            found = np.broadcast_to(weights, (regimes, 1)) * self._sums[node]
-        else:
-            found = product(np.broadcast_to(weights, (regimes, len(products))), products)
-        return np.asarray(found).reshape(regimes, self.size, self.size)
+        alike = np.shape(weights)[-1:] in ((), (1,))
+        products = self._sums[node][None] if alike else self._products[node]
+        found = product(np.broadcast_to(weights, (regimes, len(products))), products)
+        return found.reshape(regimes, self.size, self.size)
 
     def spot(self, spot: Spot, rig: Rig) -> Array:
         """What the states say of the screw's temperature at a spot, (n,)."""
@@ -188,22 +186,16 @@ def _dtype(terms: Sequence[Term]) -> Any:
 
 def is_complex(term: Term, but: str = "") -> bool:
     """Whether anything that a term says is complex, one field left out."""
-    for key, value in vars(term).items():
-        if key == "weights":
-            if any(map(is_complex_value, value.values())):
-                return True
-        elif key != but and is_complex_value(value):
-            return True
-    return False
+    said = (value for key, value in vars(term).items() if key not in (but, "weights"))
+    return any(map(is_complex_value, (*said, *getattr(term, "weights", {}).values())))
 
 
 def is_complex_value(value: object) -> bool:
     """Whether a number, an array, a cover by the balls or one weight of a Read is complex."""
     if isinstance(value, np.ndarray):
         return value.dtype.kind == "c"
-    if isinstance(value, Spot):
-        return is_complex_value(value.weight) or is_complex_value(value.deep)
-    return isinstance(value, complex) or (isinstance(value, ByBalls) and value.is_complex)
+    spot = isinstance(value, Spot) and (is_complex_value(value.weight) or is_complex_value(value.deep))
+    return spot or isinstance(value, complex) or (isinstance(value, ByBalls) and value.is_complex)
 
 
 def _squares(rows: Array, weights: Any, regimes: int) -> Array:
@@ -263,8 +255,9 @@ def span_growth(terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
 def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
     """d: what the channels read beside the temperatures, (ticks, m)."""
     reads = [term for term in terms if isinstance(term, Read)]
-    moves = any(is_complex_value(term.offset) for term in reads)
-    total = np.zeros((ticks, len(rig.names)), complex if moves else float)
+    total = np.zeros(
+        (ticks, len(rig.names)), complex if any(is_complex_value(each.offset) for each in reads) else float
+    )
     for term in reads:
         i = rig.index(term.channel)
         total[:, i : i + 1] += term.offset
