@@ -30,10 +30,11 @@ class Ahead:
     def rows(self, ticks: slice) -> Moves:
         """Of some ticks; those before them are not asked for again."""
         if self._end < ticks.stop:
-            kept = [moves.rows(slice(ticks.start - self._first, None)) for moves in self._kept]
+            left = slice(ticks.start - self._first, None)
+            kept = [moves.rows(left) for moves in self._kept] if ticks.start < self._end else []
             while self._end < ticks.stop:
                 kept.append(self._next())
-            self._kept, self._first = [Moves.joined(kept)], ticks.start
+            self._kept, self._first = [Moves.joined(kept) if kept[1:] else kept[0]], ticks.start
         return self._kept[0].rows(slice(ticks.start - self._first, ticks.stop - self._first))
 
     def _next(self) -> Moves:

@@ -63,9 +63,11 @@ def chunks_of(system: System) -> list[slice]:
     return _chunks(system, len(system.x0) ** 2, NEAR)
 
 
-def filtered(system: System, ticks: slice, use: Array, start: tuple[Array, Array], spread: bool = True) -> Chunk:
+def filtered(
+    system: System, ticks: slice, use: Array, start: tuple[Array, Array], spread: bool = True, gains: bool = True
+) -> Chunk:
     """Filter some ticks from x (n,), P (n, n) on, fusing the readings to `use` (K, m); `spread` as in `passes`."""
-    return _compared(system, ticks, use, _states(len(use), *start), spread, gains=True)
+    return _compared(system, ticks, use, _states(len(use), *start), spread, gains)
 
 
 def _compared(system: System, ticks: slice, use: Array, states: States, spread: Array | bool, gains: bool) -> Chunk:

@@ -4,7 +4,7 @@ anything of stays. Beside it goes one that hears no length."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,10 +73,18 @@ class Judged:
 
 
 class Unled:
-    """The filter that hears no length, some ticks at a time; where there is none to hear, the other one is asked."""
+    """The filter that hears no length, some ticks at a time; where there is none to hear, the other one is asked.
 
-    def __init__(self, system: System, state: State, doubt: Doubt, rig: Rig) -> None:
-        heat, self._tick_s = rig.is_thermometer, rig.tick_s
+    What its elongation is in doubt by is asked where lengths have led far, and that is most often never: as long as
+    nobody wants it for itself, `closely`, it is left behind, and goes once over all that it has left out.
+    """
+
+    def __init__(
+        self, system: System, state: State, doubt: Doubt, rig: Rig, closely: bool, again: Callable[[], Ahead]
+    ) -> None:
+        """again  the moves of the run, from its begin on"""
+        heat, self._tick_s, self._closely, self._again = rig.is_thermometer, rig.tick_s, closely, again
+        self._left = list[tuple[slice, Array, tuple[Array, Array]]]()  # ticks, what is fused, x and P before
         self._system, self._state, self._heat, self.doubt = system, state, heat, doubt.beside()
         self.last = system.x0, system.P0
         self._any = bool(system.data.use[:, ~heat].any())
@@ -87,13 +95,28 @@ class Unled:
         """How far lengths have led the other filter, at the tick before each."""
         if not self._any:
             return Led.nowhere(len(chunk.x), self._led.doubt.shape[1])
-        system, doubt = self._system, self.doubt.beside()
-        own = batch.filtered(system, chunk.ticks, chunk.fused & self._heat, self.last, spread=False)
-        growth = doubt.slopes(moves, own.gain)[1]
-        um, var = self._state.led(system.grown[chunk.ticks], chunk.x, (own.x, own.P))
+        fused, doubt = chunk.fused & self._heat, self.doubt.beside()
+        own = self._filtered(chunk.ticks, fused, self.last)
+        um, var = self._state.led(self._system.grown[chunk.ticks], chunk.x, (own.x, own.P))
+        growth = np.zeros((len(um), self._led.doubt.shape[1]))
         led = Led(um, var, growth, *self._led.worsened(own.nis / own.fused.sum(axis=1).clip(1), self._tick_s))
+        if led.far.any() and not self._closely:
+            self._catch_up()
+            return self.led(chunk, moves)
+        if self._closely:
+            led = replace(led, doubt=doubt.slopes(moves, own.gain)[1])
         self._found = own, doubt, led
         return led.later(self._led)
+
+    def _filtered(self, ticks: slice, fused: Array, start: tuple[Array, Array]) -> Chunk:
+        return batch.filtered(self._system, ticks, fused, start, spread=False, gains=self._closely)
+
+    def _catch_up(self) -> None:
+        """Go over all that was left out, and leave out nothing from now on."""
+        self._closely, ahead = True, self._again()
+        for ticks, fused, start in self._left:
+            self.doubt.slopes(ahead.rows(ticks), self._filtered(ticks, fused, start).gain)
+        self._left.clear()
 
     def take(self, chunk: Chunk, judgement: Judgement, moves: Moves, after: tuple[Array, Array]) -> tuple[Array, Led]:
         """The ticks as they have been judged; its own x, (K, size), and how far lengths have led from it."""
@@ -103,6 +126,8 @@ class Unled:
         if not np.array_equal(self._found[0].fused, chunk.fused & self._heat):
             self.led(chunk, moves)
         own, self.doubt, led = self._found
+        if not self._closely:
+            self._left.append((chunk.ticks, own.fused, self.last))
         self.last = self._state.judged(own.x[-1], own.P[-1], judgement)
         own.x[-1] = self.last[0]
         at = slice(chunk.ticks.stop - 1, chunk.ticks.stop)
@@ -112,12 +137,14 @@ class Unled:
         return own.x, Led.joined(led[:-1], self._led)
 
 
-def judged(system: System, readings: Readings, judge: Judge, state: State, unled: Unled) -> Iterator[Judged]:
-    """All ticks of a system, some at a time, up to one with which the run begins anew."""
+def judged(
+    system: System, readings: Readings, judge: Judge, state: State, unled: Unled, gains: bool
+) -> Iterator[Judged]:
+    """All ticks of a system, some at a time, with their gains if asked, up to one with which the run begins anew."""
     start, at, length = (system.x0, system.P0), 0, LONGEST
     while at < len(system.y):
         ticks = slice(at, min(at + length, len(system.y)))
-        chunk = batch.filtered(system, ticks, system.data.use[ticks] & judge.well, start)
+        chunk = batch.filtered(system, ticks, system.data.use[ticks] & judge.well, start, gains=gains)
         moves = readings.ahead.rows(ticks)
         judgement = judge.judge(readings.seen(system, chunk, moves, unled.led(chunk, moves)))
         K = len(judgement.fault)
@@ -139,4 +166,4 @@ def _as_judged(system: System, chunk: Chunk, judgement: Judgement, start: tuple[
     if np.array_equal(use, chunk.fused[-1]):
         return chunk
     before = (chunk.x[-2], chunk.P[-2]) if len(chunk.x) > 1 else start
-    return chunk.with_last(batch.filtered(system, slice(last, last + 1), use[None], before))
+    return chunk.with_last(batch.filtered(system, slice(last, last + 1), use[None], before, gains=len(chunk.gain) > 0))

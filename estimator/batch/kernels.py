@@ -249,9 +249,17 @@ def _predict(model: Model, data: Data, t: int, now: Now) -> None:
 
 
 @part
-def _look(model: Model, data: Data, t: int, now: Now) -> None:
-    """H of the tick, H P and H P H'."""
-    _vary(model, now.H, data.grown[t])
+def _any(which: Array) -> bool:
+    """Whether any is True."""
+    found = False
+    for o in range(len(which)):
+        found |= which[o]
+    return found
+
+
+@part
+def _look(model: Model, now: Now) -> None:
+    """H' of the tick, H P and H P H'."""
     for o in range(len(now.H)):
         if model.spans[o] != 0.0:
             now.H_T[model.column, o] = now.H[o, model.column]
@@ -347,7 +355,9 @@ def forward(model: Model, data: Data, states: States) -> float:
     now, ticks, result = _begin(model, states), len(data.y), 0.0
     for t in range(ticks):
         _predict(model, data, t, now)
-        _look(model, data, t, now)
+        _vary(model, now.H, data.grown[t])
+        if _any(data.use[t]):
+            _look(model, now)
         count, squares, logarithm = _fuse(model, data, t, now)
         _keep(now, states, t + 1, ticks)
         result -= 0.5 * (squares + logarithm + count * LOG_2PI)
@@ -360,7 +370,9 @@ def compare(model: Model, data: Data, states: States, spread: Array, out: Compar
     now, ticks = _begin(model, states), len(data.y)
     for t in range(ticks):
         _predict(model, data, t, now)
-        _look(model, data, t, now)
+        _vary(model, now.H, data.grown[t])
+        if _any(data.use[t]) or _any(spread[t]):
+            _look(model, now)
         for o in range(len(now.H)):
             out.predicted[t, o] = _row_dot(model, now.H, o, now.x)
             if spread[t, o]:

@@ -119,7 +119,7 @@ class Trial:
     def _judge(self, model: Model, mute: Mute) -> None:
         """Leave out what is broken."""
         posed = self.pose(model)
-        for part in self.filtered(posed, self.doubt(posed)):
+        for part in self.filtered(posed, self.doubt(posed), closely=False):
             if part.judgement.anew:
                 self._begin(model, mute, since=self.begin + part.chunk.ticks.stop - 1)
                 self._judge(model, mute)
@@ -221,15 +221,16 @@ class Trial:
         """How the readings of the open-loop run move with doubtful parameters, in order of time."""
         return Ahead(doubt, posed.system, posed.run, self.drive, (posed.heat, posed.offset, posed.outside))
 
-    def filtered(self, posed: Posed, doubt: Doubt) -> Iterator[Judged]:
+    def filtered(self, posed: Posed, doubt: Doubt, closely: bool = True) -> Iterator[Judged]:
         """The ticks after the first as the filter leaves them, by the judge that the online filter has.
 
-        `doubt` is carried ahead of the filter; whoever needs it behind it has to do that part after part.
+        `doubt` is carried ahead of the filter; whoever needs it behind it has to do that part after part, `closely`:
+        who asks for the judgements alone needs neither gains nor what the filter without lengths is in doubt by.
         """
         alone, ahead, astray = posed.run.lagged + posed.offset[1:], self.ahead(posed, doubt), self.drive.astray[1:]
         readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, ahead, astray)
-        unled = Unled(posed.system, posed.state, doubt, self.rig)
-        return judged(posed.system, readings, self.run.judge(doubt.known), posed.state, unled)
+        unled = Unled(posed.system, posed.state, doubt, self.rig, closely, lambda: self.ahead(posed, self.doubt(posed)))
+        return judged(posed.system, readings, self.run.judge(doubt.known), posed.state, unled, closely)
 
     def loglike(self, model: Model) -> float:
         """Log-likelihood of the readings after the first sample, given that one."""

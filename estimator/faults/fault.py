@@ -11,6 +11,8 @@ from estimator.record import Array
 
 MINUTE_S, FORGOTTEN_S = 60.0, 1000.0  # of the thermometers' innovations
 
+LED_SDS, LED_UM = 5.0, 0.4  # by less no length is said to have led; 3.6 sd at most on machines 0 - 14
+
 MAY_DRIFT = "may drift"  # of a channel that is fused
 ELSEWHERE = "the nut's heat is not where the position says"
 
@@ -75,6 +77,11 @@ class Led:
 
     def __len__(self) -> int:
         return len(self.um)
+
+    @property
+    def far(self) -> Array:
+        """Whether that is so far that lengths may be wrong, if the model's parameters are right, (K,)."""
+        return np.asarray(np.abs(self.um) > np.maximum(LED_UM, LED_SDS * self.worse * np.sqrt(self.var)))
 
     def worsened(self, nis: Array, tick_s: float) -> tuple[Array, Array]:
         """`minute` and `worse` of ticks after these, by the square of a thermometer's innovation, (K,)."""

@@ -77,7 +77,7 @@ class Judge:
         used = self.well & np.isfinite(seen.value) & ~jumps.beyond
         neighbours = self._neighbours
         before = self.fault.copy(), self._said_since_s, neighbours.may_drift_K.copy()
-        added = neighbours.add(seen.first(ticks), used)
+        added = neighbours.add(seen.first(ticks), used[:ticks])
         ticks, drifting = added.ticks, added.drifting
         fault, since_s, may_drift_K = (np.tile(each, (ticks, 1)) for each in before)
         last = ticks - 1

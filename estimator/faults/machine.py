@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.faults.fault import Led, Seen
+from estimator.faults.fault import LED_SDS, Led, Seen
 from estimator.record import Array
 
 SHARES = np.array([0.0, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2])
@@ -31,7 +31,6 @@ RENEWED_S, LEFT = 36000.0, 1e-3  # then parameters may have become others; least
 DETAILS = {True: 0.03, False: 0.2}  # K of a thermometer, um of a length
 OUTLYING = 3.0  # sd, from which on the worst thermometer is not heard
 YOUNG_S, LOOK_S = 600.0, 30.0  # how old a run is that is looked at with each block; how often an older one is
-LED_SDS, LED_UM = 5.0, 0.4  # of the elongation by thermometers alone; 3.6 at most on machines 0 - 14
 LEAST = 0.005  # a smaller share makes no difference
 ELSEWHERE = 0.02  # what weighs another place of the nut's heat at first
 LEAST_ODDS, SURE = -10.0, 40.0  # logarithms of its odds: least, and from which on it is told
@@ -58,12 +57,11 @@ class Known:
         """
         if not self.whole.any():
             return np.zeros(len(led), dtype=bool)
-        far = np.abs(led.um) > LED_UM
-        if not far.any():
-            return np.asarray(far)
+        if not led.far.any():
+            return led.far
         place_um = 0.0 if self.shift is None else place_mm * led.doubt[:, self.shift]
         sd_um = led.worse * np.sqrt(self.elongation_var(led, np.full(len(led), share)) + place_um**2)
-        return np.asarray(far & (np.abs(led.um) > LED_SDS * sd_um))
+        return np.asarray(led.far & (np.abs(led.um) > LED_SDS * sd_um))
 
     def elongation_var(self, led: Led, share: Array) -> Array:
         """Of the elongation by thermometers alone, (K,) um^2, where parameters are off by shares (K,)."""
@@ -99,11 +97,17 @@ class Look:
     variance: Array
 
     @classmethod
-    def at(cls, ticks: list[tuple[Array, ...]]) -> Look:
-        """From ticks, each (k, m, ...): misfit, NaN where it was not used, how that moves, sd of the innovation."""
-        y, moved, sd = (np.concatenate(each) for each in zip(*ticks, strict=True))
-        last = len(y) - 1 - np.argmax(np.isfinite(y[::-1]), axis=0), np.arange(y.shape[1])
-        return cls(y[last], moved[last], sd[last] ** 2)
+    def none(cls, m: int, p: int) -> Look:
+        """No reading of any channel."""
+        return cls(np.full(m, np.nan), np.zeros((m, p)), np.zeros(m))
+
+    def hear(self, y: Array, moved: Array, sd: Array) -> None:
+        """Take ticks, each (k, m, ...): misfit, NaN where it was not used, how that moves, sd of the innovation."""
+        read = np.isfinite(y)
+        some = np.flatnonzero(read.any(axis=0))
+        last = len(y) - 1 - np.argmax(read[::-1, some], axis=0), some
+        self.y[some], self.moved[some], self.variance[some] = y[last], moved[last], sd[last] ** 2
+        self.variance[np.isnan(self.y)] = sd[-1, np.isnan(self.y)] ** 2
 
     def less(self, other: Look, by: Array | float = 1.0) -> tuple[Array, Array]:
         """Misfit (m,) and how it moves (m, p), less a part of those of another look."""
@@ -120,7 +124,7 @@ class Machine:
 
     def __init__(self, known: Known, heat: Array, tick_s: float) -> None:
         """heat (m,) bool, which channels are thermometers."""
-        self._heat, self._tick_s, self._ticks = heat, tick_s, list[tuple[Array, ...]]()
+        self._heat, self._tick_s = heat, tick_s
         self._told, self._shift = known.whole.any(), known.shift
         places = 1 if known.shift is None else 2
         self._shares = np.tile(SHARES, places)
@@ -128,13 +132,13 @@ class Machine:
         self._prior = known.root @ known.root.T + self._shares[:, None, None] ** 2 * np.diag(known.whole**2)
         if known.shift is not None:
             self._prior[self._shifted, known.shift, known.shift] = PLACE_MM**2
-        self._P, self._d = self._prior, np.zeros(self._prior.shape[:2])
+        self._P, self._d = self._prior.copy(), np.zeros(self._prior.shape[:2])
         weight = np.where(self._shares > 0.0, ANOTHER / (len(SHARES) - 1), 1.0 - ANOTHER)
         weight *= np.where(self._shifted, ELSEWHERE, 1.0 - ELSEWHERE if places > 1 else 1.0)
         self._first_log, self._log = np.log(weight), np.zeros(len(weight))
         self._details = np.where(heat, DETAILS[True], DETAILS[False]) ** 2
         m, p = len(heat), len(known.whole)
-        self._zero = Look(np.full(m, np.nan), np.zeros((m, p)), np.zeros(m))
+        self._zero, self._now, self._heard = Look.none(m, p), Look.none(m, p), False
         self._last, self._age_s, self._unsure = Look(np.zeros(m), np.zeros((m, p)), np.zeros(m)), 0.0 * heat, 0.0 * heat
         self._weight, self._learnt_s, self._waited_s = weight, 0.0, 0.0
         self._times, self.shift_mm, self.place_mm = 0, 0.0, 0.0
@@ -149,19 +153,25 @@ class Machine:
         """Take some ticks, of which readings `used` (k, m) are believed."""
         if self._told:
             y = np.where(used, seen.reading[some] - seen.alone[some], np.nan)
-            self._ticks.append((y, seen.doubt[some], seen.sd[some]))
+            self._now.hear(y, seen.doubt[some], seen.sd[some])
+            self._heard = True
 
     def forget(self, i: int) -> None:
         """Channel i has another zero from now on."""
-        self._zero.y[i], self._ticks = np.nan, []
+        self._zero.y[i] = np.nan
+        self._new()
 
     def block(self, ticks: int) -> None:
         """The end of a block of so many ticks: learn from what was taken, if it is time to."""
         self._waited_s += ticks * self._tick_s
-        if self._ticks and (self._learnt_s < YOUNG_S or self._waited_s >= LOOK_S):
-            now, self._ticks, passed_s = Look.at(self._ticks), [], self._waited_s
-            self._waited_s = 0.0
-            self._look(now, passed_s)
+        if self._heard and (self._learnt_s < YOUNG_S or self._waited_s >= LOOK_S):
+            passed_s, self._waited_s = self._waited_s, 0.0
+            self._look(self._now, passed_s)
+            self._new()
+
+    def _new(self) -> None:
+        """The next look begins."""
+        self._now, self._heard = Look.none(*self._now.moved.shape), False
 
     def _look(self, now: Look, passed_s: float) -> None:
         """Learn from a look, so long after the last one."""
@@ -211,7 +221,7 @@ class Machine:
 
     def _renew(self) -> None:
         """Learn the parameters anew, with the weights that shares have by now."""
-        self._P, self._d, self._learnt_s = self._prior, np.zeros_like(self._d), 0.0
+        self._P[:], self._d[:], self._learnt_s = self._prior, 0.0, 0.0
         self._first_log, self._log = np.log(np.maximum(self._weight, LEFT)), np.zeros_like(self._log)
         self._age_s[:] = np.inf  # what was heard last says nothing of them
 
@@ -232,6 +242,7 @@ class Machine:
         root = np.linalg.cholesky(D @ PD + np.diag((now.variance * (1.0 - r**2))[heard]))
         white = np.linalg.inv(root)  # to solve for as many columns as there are parameters takes three times as long
         K, e = white @ PD.mT, white @ (y - self._d @ D.T)[..., None]
-        self._d, self._P = self._d + (K.mT @ e)[..., 0], self._P - K.mT @ K
+        self._d += (K.mT @ e)[..., 0]
+        self._P -= K.mT @ K
         self._log -= np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1) + 0.5 * (e[..., 0] ** 2).sum(axis=1)
         self._last.y[heard], self._last.moved[heard], self._age_s[heard] = now.y[heard], now.moved[heard], 0.0

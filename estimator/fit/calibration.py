@@ -126,9 +126,8 @@ def _followed(trial: Trial, posed: Posed, doubt: Doubt, at: int) -> tuple[Array,
         grows[:, :q] += moves.readings[:, at, :q] - moves.elongation
         um.append((posed.state.elongation(moves.grown_um) * chunk.x).sum(axis=1))
         g.append(grows)
-        shown |= np.any(np.delete(moves.readings, at, axis=1)[:, :, :q], axis=(0, 1)) | np.any(
-            moves.states, axis=(0, 1)
-        )
+        read = np.delete(np.any(moves.readings[:, :, :q], axis=0), at, axis=0)
+        shown |= read.any(axis=0) | np.any(moves.states, axis=(0, 1))
     return np.concatenate(um), np.concatenate(g), ~shown
 
 

@@ -40,16 +40,30 @@ class ByBalls:
     """A cover (ticks, cells) by the balls, worked out where it is asked for."""
 
     def __init__(self, cover: Array | Cover, rig: Rig, balls: Balls) -> None:
-        self.cover, self._rig, self._balls = cover, rig, balls
+        self.cover, self._rig, self.balls = cover, rig, balls
 
     @property
     def is_complex(self) -> bool:
         """Whether where the balls carry is, or where the nut was."""
-        return np.iscomplexobj(self.cover) or any(isinstance(value, complex) for value in vars(self._balls).values())
+        return np.iscomplexobj(self.cover) or any(isinstance(value, complex) for value in vars(self.balls).values())
 
-    def onto(self, rows: Array) -> Array:
-        """Projected on states that say `rows` (cells, n) of the cells, (ticks, n)."""
-        return np.asarray(self.cover @ (self._moves @ rows))
+    def carried(self, q: Array, rows: Array) -> Array:
+        """What is carried, q (ticks or 1, 1), on states that say `rows` (cells, n) of the cells: (ticks, n). At rest,
+        and that is most of many recordings, it is nothing, wherever the nut is."""
+        if len(q) != len(self.cover):
+            return np.asarray(q * self._onto(slice(None), rows))
+        at = np.flatnonzero(q)
+        carried = np.zeros((len(q), rows.shape[1]), np.result_type(q, self.cover, self._moves))
+        if len(at):
+            carried[at] = q[at] * self._onto(at, rows)
+        return carried
+
+    def _onto(self, at: Array | slice, rows: Array) -> Array:
+        """The cover at some ticks, projected, with the lesser of both products first."""
+        cover = self.cover[at]
+        if len(cover) < rows.shape[1]:
+            return product(product(cover, self._moves), rows)
+        return product(cover, product(self._moves, rows))
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         """Cell by cell."""
@@ -57,7 +71,7 @@ class ByBalls:
 
     @property
     def _moves(self) -> Array:
-        return _moves(self._rig.the_screw(), self._rig.the_nut(), self._balls)
+        return _moves(self._rig.the_screw(), self._rig.the_nut(), self.balls)
 
 
 @lru_cache(maxsize=16)
@@ -69,8 +83,7 @@ def _moves(screw: Screw, nut: Nut, balls: Balls) -> Array:
     carry = (1.0 - balls.lean) * (to[1] - to[0]) + (1.0 + balls.lean) * (to[3] - to[2])
     some = carry.sum(axis=1, keepdims=True)
     more = carry * nut.length_mm / 1e3 / screw.length / np.where(some.real > 0.0, some, 1.0) - whole
-    moved = inverse @ more.real + (1j * (inverse @ more.imag) if np.iscomplexobj(more) else 0.0)
-    return np.asarray(np.eye(screw.cells) + moved)
+    return np.asarray(np.eye(screw.cells) + product(inverse, more))
 
 
 @lru_cache(maxsize=4)
@@ -81,3 +94,13 @@ def _whole(screw: Screw, nut: Nut) -> tuple[Array, Array, Array]:
     places = np.arange(screw.from_mm + half_mm + 0.3 * pitch_mm, screw.to_mm - half_mm, pitch_mm)  # off cells' borders
     cover = screw.overlap(places - half_mm, places + half_mm)
     return places, cover, np.linalg.pinv(cover, rcond=SURE)
+
+
+def product(a: Array, b: Array) -> Array:
+    """The product of two matrices, of which one may be complex: as one with the other's zero parts it takes four times
+    as long, and parts that do not lie in one piece take twenty times."""
+    if np.iscomplexobj(a) == np.iscomplexobj(b):
+        return np.asarray(a @ b)
+    parts = [[np.ascontiguousarray(part(each)) for each in (a, b)] for part in (np.real, np.imag)]
+    (a_real, b_real), (a_imag, b_imag) = parts
+    return np.asarray(a_real @ b_real + 1j * (a_imag @ b_real if np.iscomplexobj(a) else a_real @ b_imag))

@@ -8,13 +8,13 @@ speed and a place of the nut that hold for a while); q and d belong to a tick.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from estimator.inputs.balls import ByBalls
+from estimator.inputs.balls import ByBalls, product
 from estimator.inputs.inputs import Inputs
 from estimator.network import mesh
 from estimator.network.growth import Growth
@@ -63,14 +63,10 @@ class Layout:
             rows = self.rows(node)
             self._products[node] = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
             self._sums[node] = self._products[node].sum(axis=0)
-        products = self._products[node]
-        if np.shape(weights)[-1:] in ((), (1,)):
-            found = np.broadcast_to(weights, (regimes, 1)) * self._sums[node]
-        elif is_complex(weights := np.broadcast_to(weights, (regimes, len(products)))):
-            found = weights.real @ products + 1j * (weights.imag @ products)
-        else:
-            found = weights @ products
-        return np.asarray(found).reshape(regimes, self.size, self.size)
+        alike = np.shape(weights)[-1:] in ((), (1,))
+        products = self._sums[node][None] if alike else self._products[node]
+        found = product(np.broadcast_to(weights, (regimes, len(products))), products)
+        return found.reshape(regimes, self.size, self.size)
 
     def spot(self, spot: Spot, rig: Rig) -> Array:
         """What the states say of the screw's temperature at a spot, (n,)."""
@@ -185,21 +181,21 @@ def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
 
 def _dtype(terms: Sequence[Term]) -> Any:
     """complex where a term's value is, else float."""
-    return complex if any(is_complex(value) for term in terms for value in values(term)) else float
+    return complex if any(map(is_complex, terms)) else float
 
 
-def values(term: Term, but: str = "") -> Iterator[object]:
-    """Everything that a term says, the weights of a Read one by one; one field left out."""
-    for key, value in vars(term).items():
-        for part in value.values() if key == "weights" else () if key == but else (value,):
-            yield from (part.weight, part.deep) if isinstance(part, Spot) else (part,)
+def is_complex(term: Term, but: str = "") -> bool:
+    """Whether anything that a term says is complex, one field left out."""
+    said = (value for key, value in vars(term).items() if key not in (but, "weights"))
+    return any(map(is_complex_value, (*said, *getattr(term, "weights", {}).values())))
 
 
-def is_complex(value: object) -> bool:
-    """Whether a value of a term, a number or an array, is complex."""
-    if isinstance(value, ByBalls):
-        return value.is_complex
-    return isinstance(value, complex) or (isinstance(value, np.ndarray) and value.dtype.kind == "c")
+def is_complex_value(value: object) -> bool:
+    """Whether a number, an array, a cover by the balls or one weight of a Read is complex."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.kind == "c"
+    spot = isinstance(value, Spot) and (is_complex_value(value.weight) or is_complex_value(value.deep))
+    return spot or isinstance(value, complex) or (isinstance(value, ByBalls) and value.is_complex)
 
 
 def _squares(rows: Array, weights: Any, regimes: int) -> Array:
@@ -228,7 +224,7 @@ def spread(q: Any, over: Any, rows: Array) -> Array:
     """q over, (ticks, cells), projected on the states: (ticks, n); (1, n) for a q without ticks."""
     q = np.atleast_2d(q)
     if isinstance(over, ByBalls):
-        return np.asarray(q * over.onto(rows))
+        return over.carried(q, rows)
     if q.shape[1] == 1:
         return q * (over @ rows if np.shape(over)[-1:] == rows.shape[:1] else np.multiply(over, rows.sum(axis=0)))
     return np.asarray((q * over) @ rows)
@@ -259,7 +255,9 @@ def span_growth(terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
 def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
     """d: what the channels read beside the temperatures, (ticks, m)."""
     reads = [term for term in terms if isinstance(term, Read)]
-    total = np.zeros((ticks, len(rig.names)), complex if any(is_complex(term.offset) for term in reads) else float)
+    total = np.zeros(
+        (ticks, len(rig.names)), complex if any(is_complex_value(each.offset) for each in reads) else float
+    )
     for term in reads:
         i = rig.index(term.channel)
         total[:, i : i + 1] += term.offset

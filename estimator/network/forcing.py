@@ -15,6 +15,7 @@ import numpy as np
 
 from estimator.cover import AT_ONCE, LONG
 from estimator.faults.travel import Travel
+from estimator.inputs.balls import Balls, ByBalls
 from estimator.inputs.inputs import InputReader, Inputs, no_inputs, nothing
 from estimator.inputs.start import Start
 from estimator.inputs.untold import Untold
@@ -42,7 +43,7 @@ class Drive:
     inputs: Inputs
     regime: Array
     astray: Array
-    _covered: dict[tuple[int, ...], Array] = field(default_factory=dict)
+    _covered: dict[tuple[tuple[int, ...], bool], tuple[Balls | None, Array]] = field(default_factory=dict)
 
     def rows(self, at: slice) -> Drive:
         """Some of the ticks."""
@@ -56,12 +57,18 @@ class Drive:
         return type(parts[0])(*map(np.concatenate, zip(*(vars(part).values() for part in parts), strict=True)))
 
     def spread(self, q: Any, over: Any, rows: Array) -> Array:
-        """As `assemble.spread`, (K, n); the coverage is projected once for all models of a rig."""
-        if over is not self.inputs.coverage or np.shape(q)[-1] != 1:
+        """As `assemble.spread`, (K, n); the coverage is projected once for all models of a rig, and that by the balls
+        for all that have them where the last model has."""
+        balls = over.balls if isinstance(over, ByBalls) and not over.is_complex else None
+        cover = over.cover if balls else over
+        if cover is not self.inputs.coverage or np.shape(q)[-1] != 1:
             return assemble.spread(q, over, rows)
-        if rows.shape not in self._covered:
-            self._covered[rows.shape] = over @ rows
-        return np.asarray(q * self._covered[rows.shape])
+        kind = (rows.shape, balls is not None)
+        known, covered = self._covered.get(kind, (None, None))
+        if covered is None or known != balls:
+            covered = assemble.spread(1.0, over, rows)
+            self._covered[kind] = balls, covered
+        return np.asarray(q * covered)
 
 
 @dataclass(frozen=True)
@@ -167,12 +174,15 @@ class Forcing:
         u, stay, regime, astray = self._reader.read(chunk), self._reader.stay(chunk), [], []
         unseen = self._untold.unseen(chunk)
         speeds = np.hstack([np.broadcast_to(each, u.omega.shape) for each in (u.omega, u.unevenness, u.idle)])
-        for k, (sample, under) in enumerate(zip(chunk, stay, strict=True)):
+        before: tuple[list[float], Array] = [], np.empty(0)
+        for sample, row, under, lost in zip(chunk, speeds.tolist(), stay, unseen.tolist(), strict=True):
             self._travel.step(sample)
-            lost = bool(unseen[k] or self._travel.why)
-            omega, *rest = speeds[k].tolist()
-            regime.append(self._regimes.index(omega, under, lost, *rest))
+            omega, uneven, idle = row
+            unknown = lost or bool(self._travel.why)
+            again = row == before[0] and np.array_equal(under, before[1])
+            regime.append(self._regimes.index(omega, under, unknown, uneven, idle, again=again))
             astray.append(self._travel.astray)
+            before = row, under
         return Drive(u, np.array(regime), np.array(astray))
 
     def ticks(self, drive: Drive) -> Ticks:

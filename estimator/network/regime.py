@@ -84,14 +84,28 @@ class Regimes:
     _due: int = 0  # of these ticks
     _most: float = 1.0
     _unsettled_s: float = 0.0
+    _rests: bool | None = None  # whether unknown, where the last tick stood and has changed nothing
 
     def index(
-        self, omega: float, coverage: Array, unknown: bool = False, unevenness: float = 1.0, idle: float = 0.0
-    ) -> int:
-        """Regime of the next tick, by speed (rad/s, with its unevenness and idle share) and coverage (cells,) by time;
-        `unknown`: nothing was heard of the drive."""
+        self, omega: float, coverage: Array, unknown: bool = False, unevenness: float = 1.0, idle: float = 0.0,
+        again: bool = False,
+    ) -> int:  # fmt: skip
+        """Regime of the next tick, by speed (rad/s, with its unevenness and idle share) and coverage (cells,) by time.
+
+        unknown  nothing was heard of the drive
+        again    speed and coverage are those of the tick before: where that stood, most often there is nothing to do
+        """
         self._unsettled_s = SETTLED_S if unknown else self._unsettled_s - self.tick_s
         unknown = self._unsettled_s > 0.0
+        if again and self._rests == unknown:
+            return self._current
+        before = self._current, self._due, self._most, self._ticks
+        found = self._next(omega, coverage, unknown, unevenness, idle)
+        unmoved = before == (self._current, self._due, self._most, self._ticks) and not turns(omega)
+        self._rests = unknown if unmoved else None
+        return found
+
+    def _next(self, omega: float, coverage: Array, unknown: bool, unevenness: float, idle: float) -> int:
         if turns(omega):
             self._moved(np.concatenate([[1.0, omega, unevenness * omega**2, idle], coverage]))
             now = _mean(self._sum, unknown)
@@ -140,3 +154,9 @@ def _mean(sums: Array | float, unknown: bool) -> Regime:
     """From weighted sums of 1, speed, its square, the idle share and coverage."""
     (weight, omega, square, idle), cover = np.asarray(sums)[:4].tolist(), np.asarray(sums)[4:]
     return Regime(omega / weight, square * weight / omega**2, idle / weight, cover / weight, unknown)
+
+
+def rows_of(regime: Array, r: int) -> Array | slice:
+    """Which of the ticks of `regime` (K,) are in r, as a slice if that is one stretch: no copy then."""
+    at = np.flatnonzero(regime == r)
+    return slice(int(at[0]), int(at[-1]) + 1) if at[-1] - at[0] == len(at) - 1 else at

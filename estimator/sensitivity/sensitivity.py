@@ -11,6 +11,7 @@ import numpy as np
 from estimator.batch.kernels import coast
 from estimator.batch.nominal import lagging
 from estimator.batch.trial import Posed
+from estimator.network.regime import rows_of
 from estimator.record import Array
 from estimator.sensitivity.tangent import Tangent
 from estimator.state.open_loop import lag_filter
@@ -63,7 +64,7 @@ def pushed(posed: Posed, moved: Sequence[Tangent]) -> Array:
     shifts = [bool(np.any(each.network.inflow) or np.any(each.outside)) for each in moved]
     out = np.zeros((len(moved), *posed.heat.shape))
     for r in np.unique(regime):
-        at = _rows_of(regime, r)
+        at = rows_of(regime, r)
         J, outside, given = forcing.transition(r).J, posed.outside[at], np.hstack([posed.heat[at], before[at]])
         for b, each, conducted, shifted in zip(out, moved, conducts, shifts, strict=True):
             put = each.heat[at]
@@ -75,9 +76,3 @@ def pushed(posed: Posed, moved: Sequence[Tangent]) -> Array:
                 of_F, of_J = forcing.modes_of(r).along(each.network.mass, each.network.conductance[r])
                 b[at] += given @ np.hstack([of_J, of_F]).T
     return out
-
-
-def _rows_of(regime: Array, r: int) -> Array | slice:
-    """Where a regime holds, as a slice if that is one stretch: no copy then."""
-    at = np.flatnonzero(regime == r)
-    return slice(int(at[0]), int(at[-1]) + 1) if at[-1] - at[0] == len(at) - 1 else at

@@ -24,6 +24,7 @@ from estimator.effects.elsewhere import SHIFT, Elsewhere
 from estimator.faults.machine import Known
 from estimator.model import Model
 from estimator.network.forcing import Drive, Ticks
+from estimator.network.regime import rows_of
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.state.moves import Course, Doubtful, Kernels, Moves, carried, followed
@@ -144,15 +145,16 @@ class Doubt:
     def _pushes(self, drive: Drive, ticks: Ticks, course: Course) -> tuple[Array, Array, Array, Array]:
         """What of the sensitivities does not come from themselves: to states, readings, spots, lagged readings."""
         forcing, (heat, outside, offset) = self._run.forcing, self._own_pushes(drive, ticks)
-        B, ends = np.empty((*ticks.heat.shape, len(self._moved))), np.flatnonzero(outside.any(axis=(1, 2)))
+        B, ends = np.zeros((*ticks.heat.shape, len(self._moved))), np.flatnonzero(outside.any(axis=(1, 2)))
         given = np.hstack([course.z[:-1], ticks.heat, ticks.outside])
         for r, slopes in self._regime_slopes(sorted(set(ticks.regime.tolist()))):
-            at = ticks.regime == r
-            put, moved = heat[:, at], np.zeros((at.sum(), *B.shape[1:]))
+            at = rows_of(ticks.regime, r)
+            put, moved = heat[:, at], B[at]
             put[ends] += outside[ends][:, at] @ forcing.inflow(r).T
             moved[:, :, self._in_regimes] = (given[at] @ slopes).reshape(*moved.shape[:2], -1)
             moved[:, :, self._in_ticks] += (put @ forcing.transition(r).J.T).transpose(1, 2, 0)
-            B[at] = moved
+            if not isinstance(at, slice):
+                B[at] = moved
         own_spot = np.tensordot(course.z[1:], self._rows, axes=(1, 1))
         pushed = (course.lagged - course.spot)[:-1, :, None] * self._keep
         pushed += np.diff(course.spot, axis=0)[:, :, None] * self._ramp

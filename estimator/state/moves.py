@@ -75,27 +75,31 @@ def carried(
     states B (K, n, p), spots, lagged readings and readings by itself (K, m, p); Z, spot and lagged before the
     first tick
     """
-    Zs, Ds = np.zeros(B.shape), np.zeros(offset.shape)
+    Zs, Ds = np.empty(B.shape), np.empty(offset.shape)
     keep, ramp = keep.reshape(-1, 1), ramp.reshape(-1, 1)
     for k in range(len(B)):
-        Z = np.add(F[regime[k]] @ Z, B[k], Zs[k])
-        now = rows @ Z + own[k]
-        late = (spot - now) * late_share[k].reshape(-1, 1)
+        np.dot(F[regime[k]], Z, Zs[k])
+        Z = Zs[k]
+        Z += B[k]
+        now = np.dot(rows, Z)
+        now += own[k]
         lagged = keep * lagged + (1.0 - keep - ramp) * spot + ramp * now + pushed[k]
+        np.add(offset[k] + lagged, (spot - now) * late_share[k].reshape(-1, 1), Ds[k])
         spot = now
-        reading = Ds[k]
-        reading += offset[k] + lagged + late
     return Zs, Ds, spot, lagged
 
 
 def followed(F: Array, regime: Array, H: Array, gain: Array, D: Array, S: Array) -> Array:
     """S (K, size, p) after each of K ticks, from S before them; H (K, m, size), gain (K, size, m), D (K, m, p)."""
     n = F.shape[1]
-    Ss = np.zeros((len(D), *S.shape))
+    Ss, off, taken = np.empty((len(D), *S.shape)), np.empty(D.shape[1:]), np.empty(S.shape)
     for k in range(len(D)):
-        moved, constant = Ss[k, :n], Ss[k, n:]
-        moved += F[regime[k]] @ S[:n]
-        constant += S[n:]
-        S = Ss[k]
-        S -= gain[k] @ (H[k] @ S + D[k])
+        now = Ss[k]
+        np.dot(F[regime[k]], S[:n], now[:n])
+        np.add(S[n:], 0.0, now[n:])
+        np.dot(H[k], now, off)
+        off += D[k]
+        np.dot(gain[k], off, taken)
+        now -= taken
+        S = now
     return Ss

@@ -80,7 +80,7 @@ class Moved:
         """Whether an effect says anything else where the inputs are set right."""
         rig, model = self._forcing.rig, self._model
         terms = model.terms_of(name, model.inputs(self._forcing.nothing, rig), rig)
-        return any(assemble.is_complex(value) for term in terms for value in assemble.values(term))
+        return any(map(assemble.is_complex, terms))
 
     def network(self, which: Sequence[int] | None = None) -> Network:
         """Derivatives of the network of some regimes met so far, or of all."""
@@ -153,7 +153,7 @@ class Moved:
     def _in_readings(self) -> bool:
         """Whether it moves how channels read the temperatures, and not only what they read beside them."""
         said = [term for some in self._still.values() for term in some if isinstance(term, OF_READINGS)]
-        return any(assemble.is_complex(value) for term in said for value in assemble.values(term, but="offset"))
+        return any(assemble.is_complex(term, but="offset") for term in said)
 
     @property
     def _is_own(self) -> bool:
@@ -165,7 +165,7 @@ class Moved:
         """Whether it moves how the heat of its effects scatters, and where."""
         heats = [term for some in self._still.values() for term in some if isinstance(term, Heat)]
         noisy = [term for term in heats if np.ndim(term.noise) or term.noise != 0.0]
-        return any(assemble.is_complex(value) for term in noisy for value in (term.noise, term.over))
+        return any(assemble.is_complex_value(value) for term in noisy for value in (term.noise, term.over))
 
     @cached_property
     def _kinds(self) -> set[type]:
@@ -205,7 +205,7 @@ class MovedApart:
 def moving(model: Model, effects: Iterable[str], u: Inputs, rig: Rig) -> list[Term]:
     """Terms of some effects of a model with a complex step that move: of sums over terms the others are no part."""
     said = (term for name in effects for term in model.terms_of(name, u, rig))
-    return [term for term in said if any(map(assemble.is_complex, assemble.values(term)))]
+    return [term for term in said if assemble.is_complex(term)]
 
 
 def slope(value: Array) -> Array:

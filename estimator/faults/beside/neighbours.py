@@ -11,6 +11,7 @@ model lacks.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,33 +89,47 @@ class Neighbours:
 
         used  (K, m) which readings are believed
         """
-        k, K, block = 0, len(seen.time_s), self._block
-        asked, (share, shift_mm), (lacks_K, departs_K) = used & self._heat, np.empty((2, K)), np.empty((2, *used.shape))
+        k, K, block, found, end = 0, len(seen.time_s), self._block, None, None
+        told = (*np.empty((2, K)), *np.empty((2, *used.shape)))
+        difference, astray = np.where(used & self._heat, seen.reading - seen.alone, np.nan), seen.astray.any()
+        far, perhaps_heat = bool(seen.led.far.any()), self.may_drift_K.any() or self._windows.warm.any()
         self.heated[:] = False
         while k < K:
             some = slice(k, min(k + self._length - block.ticks, K))
-            machine = self._machine
-            gone = self._windows.known.apart(seen.led[some], machine.share, machine.place_mm) & ~seen.astray[some]
-            perhaps_heat = self.may_drift_K.any() or self._windows.warm.any()  # of which lengths tell
-            apart = bool(gone.any() and not perhaps_heat)
-            some = slice(k, k + int(np.argmax(gone)) + 1) if apart else some
-            block.difference += np.where(asked[some], seen.reading[some] - seen.alone[some], np.nan).sum(axis=0)
+            end = self._parted(seen, some) if far and not perhaps_heat else None  # of heat, lengths tell
+            some = slice(k, end or some.stop)
+            block.difference += difference[some].sum(axis=0)
             block.alone += seen.alone[some].sum(axis=0)
             block.doubt += seen.doubt[some].sum(axis=0)
             self._machine.hear(seen, some, used[some] & (self.may_drift_K == 0.0))
-            self._astray |= bool(seen.astray[some].any())
-            share[some], shift_mm[some], lacks_K[some] = self._machine.share, self._machine.shift_mm, self.lacks_K
-            departs_K[some] = self.departs_K
-            block.ticks, k = block.ticks + some.stop - some.start, some.stop
-            found, before = None, (self.elsewhere, *self.may_drift_K, *self.warm)
+            self._astray |= bool(astray and seen.astray[some].any())
+            self._tell(told, some)
+            block.ticks, k, before = block.ticks + some.stop - k, some.stop, self._state
             if block.ticks == self._length:
                 found = self._close(block, float(seen.time_s[k - 1]))
-                share[k - 1], shift_mm[k - 1] = self._machine.share, self._machine.shift_mm
-                lacks_K[k - 1], departs_K[k - 1] = self.lacks_K, self.departs_K
+                self._tell(told, slice(k - 1, k))
                 block = self._block
-            if found is not None or apart or before != (self.elsewhere, *self.may_drift_K, *self.warm):
-                return Added(k, found, share[:k], shift_mm[:k], lacks_K[:k], departs_K[:k], apart)
-        return Added(K, None, share, shift_mm, lacks_K, departs_K)
+            if found is not None or end is not None or before != self._state:
+                break
+        share, shift_mm, lacks_K, departs_K = (rows[:k] for rows in told)
+        return Added(k, found, share, shift_mm, lacks_K, departs_K, end is not None)
+
+    def _tell(self, told: Sequence[Array], some: slice) -> None:
+        """Note what is known by now for some ticks."""
+        now = self._machine.share, self._machine.shift_mm, self.lacks_K, self.departs_K
+        for rows, value in zip(told, now, strict=True):
+            rows[some] = value
+
+    @property
+    def _state(self) -> tuple[bool, bytes, bytes]:
+        """What others are told of at once when it changes."""
+        return self.elsewhere, self.may_drift_K.tobytes(), self.warm.tobytes()
+
+    def _parted(self, seen: Seen, some: slice) -> int | None:
+        """The end of the first of some ticks with which lengths have led further than thermometers allow."""
+        machine = self._machine
+        gone = self._windows.known.apart(seen.led[some], machine.share, machine.place_mm) & ~seen.astray[some]
+        return some.start + int(np.argmax(gone)) + 1 if gone.any() else None
 
     @property
     def elsewhere(self) -> bool:

@@ -71,10 +71,10 @@ def test_a_long_run_is_worked_out_some_ticks_at_a_time(anywhere, monkeypatch):
         tracks.append(found.track)
         slopes.append(tangent(found.trial, found.trial.pose(model), model, path))
     for key in SERIES:
-        digits = {"rtol": 1e-7 if key in PROFILES else 0.0, "atol": 1e-12}
+        digits = {"rtol": 1e-7 if key in PROFILES else 1e-11, "atol": 1e-12}  # few ticks are multiplied in another order
         np.testing.assert_allclose(*(getattr(one, key) for one in tracks), **digits, err_msg=key)
     for key in ("heat", "outside", "offset"):
-        np.testing.assert_allclose(*(getattr(one, key) for one in slopes), rtol=0, atol=1e-12, err_msg=key)
+        np.testing.assert_allclose(*(getattr(one, key) for one in slopes), rtol=1e-11, atol=1e-12, err_msg=key)
 
 
 def test_the_error_at_a_place_is_that_at_the_table_when_it_is_there(anywhere):

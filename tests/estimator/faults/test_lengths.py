@@ -115,3 +115,16 @@ def test_it_is_said_with_what_else_may_be_wrong_and_a_fit_hears_it(stuck, found,
     told = sentences([use_of(stuck, rig, Told.by(found.track))], rig)
     assert any("left out, check that sensor; if it is well, the model's expansion is wrong" in each for each in told)
     assert not Trial(model, rig, stuck).muted[:, ONE].any()
+
+
+def test_asked_for_judgements_alone_it_judges_as_with_all_that_an_estimate_is_in_doubt_by(stuck, paper, monkeypatch):
+    """That is looked up once lengths have led far."""
+    monkeypatch.setattr("estimator.batch.judged.LONGEST", AT // 2)
+    trial = Trial(paper[1], paper[0], stuck, gated=False)
+    posed = trial.pose(paper[1])
+    closely, parts = (list(trial.filtered(posed, trial.doubt(posed), each)) for each in (True, False))
+    for one, other in zip(closely, parts, strict=True):
+        np.testing.assert_array_equal(one.judgement.fault, other.judgement.fault)
+    assert (parts[-1].judgement.fault == Fault.APART).any()
+    assert not parts[0].led.doubt.any()
+    np.testing.assert_allclose(parts[-1].led.doubt, closely[-1].led.doubt, rtol=1e-9, atol=1e-12)

@@ -43,5 +43,7 @@ def test_a_cover_on_the_states_is_that_of_its_cells(rig):
     by = ByBalls(strokes(rig, (-87.5, 87.5)), rig, Balls(1.0, 0.9 + 1e-30j, 0.2))
     assert by.is_complex
     assert ByBalls(by.cover + 0j, rig, Balls(1.0, 0.9, 0.2)).is_complex  # a nut that was elsewhere, by a complex step
-    np.testing.assert_allclose(by.onto(rows), np.asarray(by) @ rows, rtol=1e-9)
-    assert abs(by.onto(rows).imag).max() > 0.0
+    q = np.arange(len(by.cover))[:, None] - 1.0  # nothing, at one of the ticks
+    for some in (q, np.full((1, 1), 2.0), q * (1.0 + 1e-30j)):
+        np.testing.assert_allclose(by.carried(some, rows), some * (np.asarray(by) @ rows), rtol=1e-9)
+        assert abs(by.carried(some, rows).imag).max() > 0.0
