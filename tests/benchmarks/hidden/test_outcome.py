@@ -73,7 +73,7 @@ def test_all_that_was_added_on_the_way_is_named():
         return SimpleNamespace(added=added, tie=tie, held_out=Error(um / 10.0, um))
 
     steps = (step("", 5.0), step("churning + motor_heat", 3.0), step("radiation", 1.0, "still_air"), step("", 0.5))
-    done = SimpleNamespace(steps=steps, last=suggestion("nothing_missing"), uses=(), composed=(), model=other(1.25))
+    done = SimpleNamespace(kept=steps, last=suggestion("nothing_missing"), uses=(), composed=(), model=other(1.25))
     out = of_improvement(done, MODEL)
     assert out.said == ["churning", "motor_heat", "radiation", "still_air"]
     assert out.own == ["still_air"]
@@ -86,6 +86,6 @@ def test_what_was_composed_is_kept_with_its_place_and_law():
     made = SimpleNamespace(unknown=at, effect=SimpleNamespace(name="heat_at310"), rivals=(replace(at, follower=SPEED),))
     steps = (SimpleNamespace(added="heat_at310", tie=(), held_out=Error(0.1, 1.0)),)
     last = suggestion("nothing_missing")
-    out = of_improvement(SimpleNamespace(steps=steps, last=last, uses=(), composed=(made,), model=other(1.0)), MODEL)
+    out = of_improvement(SimpleNamespace(kept=steps, last=last, uses=(), composed=(made,), model=other(1.0)), MODEL)
     assert out.composed == ["heat_at310"]
     assert (out.place_mm, out.follows, out.as_well) == (310.0, "speed2", ["speed"])

@@ -71,7 +71,7 @@ def test_a_long_run_is_worked_out_some_ticks_at_a_time(anywhere, monkeypatch):
         tracks.append(found.track)
         slopes.append(tangent(found.trial, found.trial.pose(model), model, path))
     for key in SERIES:
-        digits = {"rtol": 1e-7 if key in PROFILES else 1e-11, "atol": 1e-12}  # few ticks are multiplied in another order
+        digits = {"rtol": 1e-7 if key in PROFILES else 1e-11, "atol": 1e-12}  # few ticks: products in another order
         np.testing.assert_allclose(*(getattr(one, key) for one in tracks), **digits, err_msg=key)
     for key in ("heat", "outside", "offset"):
         np.testing.assert_allclose(*(getattr(one, key) for one in slopes), rtol=1e-11, atol=1e-12, err_msg=key)
