@@ -102,6 +102,8 @@ class Table:
 
     def _put_in_order(self, local: bool) -> None:
         sort = self.rig.log.csv.sort
+        if sort is not False and order.shuffled(self.time):
+            self._sort()
         if sort is not False and order.newest_first(self.time):
             self._take(np.arange(len(self.time))[::-1])
             self.said.append("newest row first, turned round")
@@ -120,11 +122,14 @@ class Table:
         if len(again):
             self._take(np.setdiff1d(np.arange(len(self.time)), again))
             self.said.append(f"{len(again)} rows are there twice")
-        moved = order.out_of_order(self.time) if sort is None else bool(sort) * int((np.diff(self.time) < 0).sum())
-        if moved:
-            self._take(np.argsort(self.time, kind="stable"))
-            self.said.append(f"rows sorted by time: it went back {moved} times")
+        if sort or (sort is None and order.out_of_order(self.time)):
+            self._sort()
         self._apart()
+
+    def _sort(self) -> None:
+        if back := int((np.diff(self.time) < 0).sum()):
+            self._take(np.argsort(self.time, kind="stable"))
+            self.said.append(f"rows sorted by time: it went back {back} times")
 
     def _apart(self) -> None:
         """Rows of one time are one row, or so many between it and the next."""
