@@ -89,10 +89,12 @@ class Table:
         good = np.isfinite(self.time) & (np.abs(self.time) < 4.2e9)
         self.tally.skip("time is no number", np.count_nonzero(~good))
         if not good.any():
-            shown = f": '{texts[0][:40]}' in line {self.line[0]} is no time" if texts else ""
+            if not texts:
+                raise InputError(f"{self.path}: 0 usable rows: nothing stands below the names")
             raise InputError(
-                f"{self.path}: 0 usable rows{shown}; expected seconds, ISO times such as 2026-03-01 12:00:05, dates "
-                "such as 01.03.2026 12:00:05, or time_format in csv of [log] in rig.toml"
+                f"{self.path}: 0 usable rows: '{texts[0][:40]}' in line {self.line[0]} is no time; expected seconds, "
+                "ISO times such as 2026-03-01 12:00:05, dates such as 01.03.2026 12:00:05, or time_format in csv of "
+                "[log] in rig.toml"
             )
         self._take(np.flatnonzero(good))
 
