@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from drivers.frames import Array
+from drivers.lab.order import shuffled
 from drivers.lab.stamps import DAY_S
 from drivers.units import unit_of
 from estimator.errors import InputError
@@ -74,7 +75,7 @@ def unit_in_name(name: str) -> str | None:
 
 def usual_step(known: Array) -> float:
     """The usual step from row to row: where rows come evenly their mean one, which rounding moves less."""
-    steps = np.abs(np.diff(known))
+    steps = np.abs(np.diff(np.sort(known) if shuffled(known) else known))
     steps = steps[steps > 0]
     if not len(steps):
         return 0.0

@@ -55,7 +55,7 @@ def _perhaps(low: float, high: float) -> str:
     for scale, part in _PARTS.items():
         if low * scale > _COLD_C and high * scale < _HOT_C:
             units.append(f"in {part} of a degree? Say scale = {scale:g}")
-    return f"; {' Or '.join(units)} in rig.toml" if units else ""
+    return f"; {'. Or '.join(units)} in rig.toml" if units else ""
 
 
 def hot(rig: Rig, read: Mapping[str, Readings], tally: Tally) -> None:

@@ -89,10 +89,12 @@ class Table:
         good = np.isfinite(self.time) & (np.abs(self.time) < 4.2e9)
         self.tally.skip("time is no number", np.count_nonzero(~good))
         if not good.any():
-            shown = f": '{texts[0][:40]}' in line {self.line[0]} is no time" if texts else ""
+            if not texts:
+                raise InputError(f"{self.path}: 0 usable rows: nothing stands below the names")
             raise InputError(
-                f"{self.path}: 0 usable rows{shown}; expected seconds, ISO times such as 2026-03-01 12:00:05, dates "
-                "such as 01.03.2026 12:00:05, or time_format in csv of [log] in rig.toml"
+                f"{self.path}: 0 usable rows: '{texts[0][:40]}' in line {self.line[0]} is no time; expected seconds, "
+                "ISO times such as 2026-03-01 12:00:05, dates such as 01.03.2026 12:00:05, or time_format in csv of "
+                "[log] in rig.toml"
             )
         self._take(np.flatnonzero(good))
 
@@ -102,6 +104,8 @@ class Table:
 
     def _put_in_order(self, local: bool) -> None:
         sort = self.rig.log.csv.sort
+        if sort is not False and order.shuffled(self.time):
+            self._sort()
         if sort is not False and order.newest_first(self.time):
             self._take(np.arange(len(self.time))[::-1])
             self.said.append("newest row first, turned round")
@@ -120,11 +124,14 @@ class Table:
         if len(again):
             self._take(np.setdiff1d(np.arange(len(self.time)), again))
             self.said.append(f"{len(again)} rows are there twice")
-        moved = order.out_of_order(self.time) if sort is None else bool(sort) * int((np.diff(self.time) < 0).sum())
-        if moved:
-            self._take(np.argsort(self.time, kind="stable"))
-            self.said.append(f"rows sorted by time: it went back {moved} times")
+        if sort or (sort is None and order.out_of_order(self.time)):
+            self._sort()
         self._apart()
+
+    def _sort(self) -> None:
+        if back := int((np.diff(self.time) < 0).sum()):
+            self._take(np.argsort(self.time, kind="stable"))
+            self.said.append(f"rows sorted by time: it went back {back} times")
 
     def _apart(self) -> None:
         """Rows of one time are one row, or so many between it and the next."""

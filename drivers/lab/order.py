@@ -12,6 +12,7 @@ from drivers.frames import Array, Index
 from drivers.lab.stamps import DAY_S, HOUR_S
 
 _PART = 3  # rows that are alike to the last digit by no accident
+_MIXED = 0.25  # of all rows go back, and as many on: no clock was set so often
 _ROOM = 0.5  # of a usual step: rows closer than this share a time
 _OF_ONE_CLOCK = 0.6  # of a usual step: rows out of order are as far apart, those of two clocks are closer somewhere
 _PERIODS_S = (DAY_S, DAY_S / 2, HOUR_S, 7 * DAY_S, 2**32 * 1e-6, 2**31 * 1e-6, 2**32 * 1e-3, 2**31 * 1e-3, 2.0**16)
@@ -26,10 +27,16 @@ def newest_first(time: Array) -> bool:
     return bool((steps < 0).sum() > (steps > 0).sum())
 
 
-def out_of_order(time: Array) -> int:
-    """How many times are out of order and can be sorted; 0 where there are none, or the clock was set back."""
-    back = int((np.diff(time) < 0).sum())
-    return back if back and _runs_on(time) and (_apart(time) or _blocks(time)) else 0
+def shuffled(time: Array) -> bool:
+    """Whether the rows stand in the order of something else, as a spreadsheet sorts them, and can be sorted by time."""
+    steps, apart = np.diff(time), np.diff(np.sort(time))
+    mixed = min((steps < 0).sum(), (steps > 0).sum()) > _MIXED * len(steps)
+    return bool(mixed and _runs_on(time) and (apart >= _OF_ONE_CLOCK * np.median(apart)).all())
+
+
+def out_of_order(time: Array) -> bool:
+    """Whether times are out of order and can be sorted: the clock was not set back."""
+    return bool((np.diff(time) < 0).any() and _runs_on(time) and (_apart(time) or _blocks(time)))
 
 
 def _runs_on(time: Array) -> bool:

@@ -150,8 +150,9 @@ def test_a_csv_that_is_none(tmp_path: Path, rod: Rig) -> None:
     assert complaint("t,ambient\n1,2\n") == (
         "no column of any channel; expected left, B, P/kW, ambient, found t, ambient"
     )
-    assert complaint("t,left\n").startswith("0 usable rows; expected seconds, ISO times such as 2026-03-01 12:00:05")
-    assert complaint("t,left\nx,1\n").startswith("0 usable rows: 'x' in line 2 is no time; expected seconds")
+    assert complaint("t,left\n") == "0 usable rows: nothing stands below the names"
+    expected = "expected seconds, ISO times such as 2026-03-01 12:00:05"
+    assert complaint("t,left\nx,1\n").startswith(f"0 usable rows: 'x' in line 2 is no time; {expected}")
 
 
 def test_truth_beside_a_recording(tmp_path: Path) -> None:

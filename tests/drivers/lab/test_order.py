@@ -1,6 +1,9 @@
 """Rows whose times go back, stand still, begin again or come twice."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -17,6 +20,15 @@ def test_rows_out_of_order(tmp_path: Path, rig: Rig) -> None:
     )
     late = [*plain[:20], *plain[21:24], plain[20], *plain[24:]]
     assert_as_plain(write(tmp_path / "a.csv", late), rig, "rows sorted by time")
+
+
+@pytest.mark.parametrize("sort", [None, True])
+@pytest.mark.parametrize("stamp", ["{:g}".format, clock("%Y-%m-%dT%H:%M:%S")])
+def test_rows_in_the_order_of_something_else(tmp_path: Path, rig: Rig, stamp: Callable, sort: bool | None) -> None:
+    """As a spreadsheet sorts them by a reading: half of all steps go back, and none from row to row is the rig's."""
+    sorts = replace(rig, log=replace(rig.log, csv=replace(rig.log.csv, sort=sort)))
+    mixed = Random(1).sample(rows(stamp), len(rows()))
+    assert_as_plain(write(tmp_path / "a.csv", mixed), sorts, "rows sorted by time: it went back")
 
 
 def test_parts_that_overlap_are_told_once(tmp_path: Path, rig: Rig) -> None:

@@ -106,6 +106,8 @@ def test_tenths_of_a_degree_are_told(tmp_path: Path, rig: Rig) -> None:
     said = complaint(write(tmp_path / "a.csv", cells), replace(rig, channels={**rig.channels, **wide}))
     assert said.startswith("most thermometers are too hot: A has ")
     assert "in tenths of a degree? Say scale = 0.1" in said
+    kelvin = [[row[0], *(f"{float(c) + 273.15:.2f}" for c in row[1:3]), *row[3:]] for row in rows()]
+    assert 'in K? Say unit = "K". Or in tenths of a degree' in complaint(write(tmp_path / "a.csv", kelvin), rig)
 
 
 @pytest.mark.parametrize("encoding", ["cp850", "mac-roman"])
