@@ -38,6 +38,8 @@ def command(terminal: Terminal, folder: Path, logs: tuple[Path, ...]) -> int:
     folder = folder.parent if folder.name == "rig.toml" else folder
     if folder.is_file():
         raise SetupError(f"{folder}: is a file; name the rig folder first, then recordings")
+    if folder.is_dir() and not (folder / "rig.toml").exists():
+        raise SetupError(f"{folder}: has no rig.toml; `ballscrew init LOG -o {folder}` writes a first one")
     rig = load_rig(folder)
     with patience(folder / "model.toml"):
         model = load_model(folder / "model.toml") if (folder / "model.toml").is_file() else Model({}, {})

@@ -11,6 +11,7 @@ import numpy as np
 from ballscrew.report.sections import Section, number
 from estimator.accuracy.accuracy import Accuracy
 from estimator.missing_effect.felt import Felt, felt
+from estimator.missing_effect.improve import WORSE
 from estimator.model import Model
 from estimator.work import Runs
 
@@ -51,10 +52,13 @@ def felt_section(found: Sequence[AtTheTable]) -> Section:
 def felt_sentence(found: Sequence[AtTheTable]) -> str:
     """What an axis that is compensated feels of it, before and after."""
     last = found[-1]
-    seen, silent = (" -> ".join(number(most(getattr(each, way))) for each in last.felt) for way in WAYS)
+    errors = [[most(getattr(each, way)) for each in last.felt] for way in WAYS]
+    worse = any(of[-1] > WORSE * of[0] for of in errors)
+    seen, silent = (" -> ".join(map(number, of)) for of in errors)
     return (
         f"At the table the filter is at most {seen} um off in the 60 min after stops while thermometers read, and"
         f" {silent} um if they fall silent at the stop ({last.recordings})."
+        + (" That is worse, whatever the model alone does: do not use it without more runs." if worse else "")
     )
 
 

@@ -103,7 +103,7 @@ class NutFlange(Effect):
 class NutBody(Effect):
     """The nut is a body of its own: its friction heats it, and it gives heat to the screw where it is.
 
-    C dT/dt = q_nut - g (T - T_screw) - g_air (T - T_air)
+    C dT/dt = q_nut - g (T - T_screw) - g_air (T - T_air)      with nut_flange it is two, and the outer one has g_air
     """
 
     scales = ("nut_balls", "nut_flange")
@@ -115,7 +115,8 @@ class NutBody(Effect):
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
         flange = p.nut_flange
-        yield Store("nut", p.capacity * (1.0 - flange.share) if flange else p.capacity, p.noise, "nut", flange is None)
+        capacity = p.capacity * (1.0 - flange.share) if flange else p.capacity
+        yield Store("nut", capacity, p.noise, start="nut", shown=flange is None)
         yield Link(SCREW, "nut", p.g * per_cell(rig), over=under_nut(p, u, rig))
         if flange is None:
             yield Link("nut", "ambient", p.g_air)

@@ -68,4 +68,4 @@ class Recovery:
         self._state = progress.trail[k - 1].copy()
         back = progress.back[k - 1]
         self._back_s[back] = self._state[0][back] + self._patience_s[back]
-        self._patience_s[back] *= 2.0
+        self._patience_s[back] = np.minimum(2.0 * self._patience_s[back], LONGEST_S)

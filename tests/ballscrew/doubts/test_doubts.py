@@ -289,3 +289,6 @@ def test_a_log_that_cannot_be_used_and_a_rig_that_is_wrong(rod):
 def test_a_recording_in_the_place_of_the_folder_is_told_apart(rod):
     status, _, err = ballscrew("check", rod / "check.csv")
     assert (status, "check.csv: is a file; name the rig folder first" in err) == (2, True)
+    (rod / "rig.toml").unlink()
+    status, _, err = ballscrew("check", rod)
+    assert (status, f"{rod}: has no rig.toml; `ballscrew init LOG -o {rod}` writes a first one" in err) == (2, True)
