@@ -68,6 +68,7 @@ class FrictionThinning(Effect):
         w = rig.the_screw().relative_speed(u.omega)
         nut = needed(p, "nut_friction")
         turn = p.rate * w**nut.n
+        # by the whole nut: in single cells the balls' share may be below 0, and a link would conduct backwards
         yield Link(SCREW, START, turn * nut.power * per_cell(rig), over=u.coverage)
         if p.nut_body is not None:
             yield Link("nut", START, turn * nut.power_nut)
