@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ TITLES = {
     "last_reading": "last reading held",
 }
 SHORT = ("filter", "smoothed", "model", "polyline", "seven", "joined", "held")
+NEXT_TICKS = 10.0  # between the end of a part and the begin of the next: a logger changes files
 COLUMNS = ("reference - estimate, um", "lowest", "highest", "band", "rms", "cooldown", "in 2 sd")
 
 
@@ -49,7 +51,8 @@ def print_reviews(
     if terms := explained(reviews):
         terminal.say("\n" + "\n".join(terms))
     print_use(terminal, [review.use for review in reviews], rig)
-    for sentence in (*doubts(reviews, rig), *filter(None, [said]), *warm(reviews), *unused(reviews)):
+    said_of_all = (*doubts(reviews, rig), *filter(None, [said]), *parts(reviews, rig), *warm(reviews), *unused(reviews))
+    for sentence in said_of_all:
         terminal.say(sentence)
 
 
@@ -125,6 +128,23 @@ def skipped(reviews: Sequence[Review]) -> list[tuple[str, int]]:
     for review in reviews:
         counts.update(review.recording.skipped)
     return sorted(counts.most_common(), key=lambda one: one[0].startswith("other state"))
+
+
+def parts(reviews: Sequence[Review], rig: Rig) -> list[str]:
+    """Recordings that go on where another ends, by their dates: that they are parts of one."""
+    dated = [(r.recording.began_s, r.recording) for r in reviews if r.recording.began_s is not None]
+    ordered = sorted(dated, key=lambda one: one[0])
+    pairs = [
+        (before.name, after.name)
+        for (begin_s, before), (then_s, after) in pairwise(ordered)
+        if 0.0 <= then_s + after.time_s[0] - begin_s - before.time_s[-1] <= NEXT_TICKS * rig.tick_s
+    ]
+    if not pairs:
+        return []
+    (ended, next_one), more = pairs[0], f", and {len(pairs) - 1} more so" if len(pairs) > 1 else ""
+    return [
+        f"{next_one} goes on where {ended} ends{more}: with --join they are one recording, which does not begin anew"
+    ]
 
 
 def unused(reviews: Sequence[Review]) -> list[str]:
