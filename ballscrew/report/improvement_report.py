@@ -52,9 +52,11 @@ class Outcome:
     @property
     def said(self) -> str:
         """The last verdict in words."""
-        last = self.improvement.kept[-1]
+        last, dropped = self.improvement.kept[-1], self.improvement.steps[-1]
         apart = [f"{one.apart} is left out: {apart_sentence(one)}" for one in self.improvement.apart]
         words = " ".join([*apart, sentence(self.verdict, self.work.rig)])
+        if dropped.added and not dropped.kept:
+            words += f" But what is held out it foretells worse: {dropped.added} is not in the model."
         return f"Before all was fitted again: {words}" if len(self.improvement.kept) > 1 and not last.added else words
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ballscrew.commands.improve import _kept
-from ballscrew.report.improvement_report import as_json, recordings_kept, steps_table, worse_held_out
+from ballscrew.report.improvement_report import Outcome, as_json, recordings_kept, steps_table, worse_held_out
 from ballscrew.search import effects_to_try
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import Workspace
@@ -292,3 +292,16 @@ def test_a_step_that_makes_held_out_worse_is_said():
     assert not worse_held_out([replace(step, held_out=None) for step in steps])
     told = as_json(Improvement(tuple(steps), None, ()), None)
     assert [len(told["steps"]), len(told["not_kept"])] == [2, 1]
+
+
+def test_what_is_not_kept_is_said_not_to_be_in_the_model(monkeypatch):
+    monkeypatch.setattr("ballscrew.report.improvement_report.sentence", lambda verdict, rig: "x is missing.")
+    model, work = load_model(PAPER / "base.toml"), SimpleNamespace(rig=None)
+    given, added = (ImprovedModel(name, (), model, Error(0.1, 1.0), None) for name in ("", "x"))
+    for kept, said in (
+        (True, "x is missing."),
+        (False, "x is missing. But what is held out it foretells worse: x is not "),
+    ):
+        found = Improvement((given, replace(added, kept=kept)), None, ())
+        assert Outcome(found, None, model, model, (), work, ()).said.startswith(said)
+        assert Outcome(found, None, model, model, (), work, ()).said.endswith("." if kept else "in the model.")
