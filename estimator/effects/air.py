@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -33,19 +34,29 @@ class StillAir(Effect):
 class FreeConvection(Effect):
     """Still air takes more than in proportion to how warm the screw is, for what is warmer drives it faster.
 
-    q = h A w ((w / 4 K)^n - 1), h of still_air, w about how warm the motion so far has made the screw on the whole
+    q = h A dT ((dT / 4 K)^n - 1), dT = T - T_air, h of still_air, about w, how warm the screw is on the whole:
 
-    as a heat of its own beside that of still_air, which is in proportion; fitted, and never searched for: n has no null
+    at rest          h A (r ((1 + n) dT - n w) - dT), r = (w / 4 K)^n, right to the second order in dT - w
+    while it turns   h A w (r - 1), everywhere alike: its own wind outweighs what is left
+
+    beside still_air, which is in proportion; fitted, and never searched for: n has no null
     """
 
     scales = ("still_air",)
-    trace = "Everywhere alike at rest: too warm at first after a stop and too cold at last."
+    trace = "Everywhere at rest: too warm at first after a stop and too cold at last, the more the warmer the place."
     n = Param(0.12, "1", lo=-0.2, hi=0.5, sd=0.1, source="Nu ~ (Gr Pr)^(1/4) of what is half radiation")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        w = u.motion.warmth
-        more = needed(p, "still_air").h * w * (np.maximum(w / USUAL_K, TINY) ** p.n - 1.0)
-        yield Heat(SCREW, -more * rig.the_screw().surface, over=1.0 - np.asarray(u.seats))
+        hA, rests = needed(p, "still_air").h * rig.the_screw().surface, np.asarray(u.rest_K) > 0
+        yield Link(SCREW, "ambient", hA * ((1.0 + p.n) * self._law(u.rest_K, p.n) - 1.0) * rests, over=u.bare)
+        w = np.where(rests, u.rest_K, u.motion.warmth)
+        q = hA * w * np.where(rests, p.n * self._law(w, p.n), 1.0 - self._law(w, p.n))
+        yield Heat(SCREW, q, over=1.0 - np.asarray(u.seats))
+        yield Heat(SCREW, -q, over=u.coverage)
+
+    @staticmethod
+    def _law(w: Any, n: Any) -> Any:
+        return np.maximum(np.asarray(w) / USUAL_K, TINY) ** n
 
 
 class RotatingConvection(Effect):

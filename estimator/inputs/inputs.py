@@ -34,6 +34,7 @@ class Inputs:
     motion    time since the start, and what the motion so far leaves behind
     unevenness  mean of speed^2 over the square of the mean speed, within each tick
     idle      share of each tick in which the screw stands though it turns before or after
+    rest_K    about how warm the screw is where it stands, in steps within which it is one regime; 0 while it turns
     fault     (ticks, p) in the order of Rig.inputs: why an input is held, a Fault each
     """
 
@@ -46,6 +47,7 @@ class Inputs:
     seats: Array | float = 0.0
     fault: Array = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int8))
     idle: Array | float = 0.0
+    rest_K: Array | float = 0.0
 
     def __post_init__(self) -> None:
         """No effect may write into what others read."""
@@ -94,10 +96,11 @@ class Inputs:
     def rows(self, at: slice) -> Inputs:
         """Some of the ticks."""
         values, rises = ({name: column[at] for name, column in each.items()} for each in (self.values, self.rises))
-        uneven, idle = (each[at] if isinstance(each, np.ndarray) else each for each in (self.unevenness, self.idle))
+        by_tick = (self.unevenness, self.idle, self.rest_K)
+        uneven, idle, rest_K = (each[at] if isinstance(each, np.ndarray) else each for each in by_tick)
         motion = self.motion.rows(at)
         cover = np.asarray(self.coverage[at])
-        return Inputs(self.omega[at], cover, values, rises, motion, uneven, self.seats, self.fault[at], idle)
+        return Inputs(self.omega[at], cover, values, rises, motion, uneven, self.seats, self.fault[at], idle, rest_K)
 
     def rise(self, name: str) -> Array:
         """Change of an input since the start, (ticks, 1); 0 where the rig has no such input or it was never seen."""
@@ -112,7 +115,7 @@ class InputReader:
 
     def __init__(self, rig: Rig, start: Start) -> None:
         self._rig, self._start = rig, start
-        self._motion, self.gate = MotionReader(rig.tick_s, rig.screw), InputGate(rig, start)
+        self._motion, self.gate = MotionReader(rig.tick_s, rig.screw, start.above_K), InputGate(rig, start)
         self._zero = np.array([start.zero_K.get(name, 0.0) for name in rig.inputs])
         self._unseen = np.array([start.level_C if each.unit == "degC" else 0.0 for each in rig.inputs.values()])
         self._last, self._first = np.full((2, len(rig.inputs)), np.nan)
@@ -136,7 +139,8 @@ class InputReader:
         uneven = np.where(np.isfinite(chunk.unevenness), chunk.unevenness, 1.0)
         idle = np.nan_to_num(chunk.idle)[:, None]
         motion = self._motion.read(omega)
-        return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], self._rig.seats, fault, idle)
+        seats, rest_K = self._rig.seats, motion.rest_K
+        return Inputs(omega[:, None], coverage, values, rises, motion, uneven[:, None], seats, fault, idle, rest_K)
 
     def stay(self, chunk: Recording) -> Array | Cover:
         """Coverage by time alone, which conductances go by, (ticks, cells); call in order of time."""
@@ -155,11 +159,12 @@ def nothing(rig: Rig) -> Inputs:
 
 
 def no_inputs(
-    rig: Rig, omega: Array, coverage: Array, unevenness: Array | float = 1.0, idle: Array | float = 0.0
-) -> Inputs:
-    """Speeds with their unevenness and idle share (ticks, 1), coverage (ticks, cells), every other input at zero."""
+    rig: Rig, omega: Array, coverage: Array, unevenness: Array | float = 1.0, idle: Array | float = 0.0,
+    rest_K: Array | float = 0.0,
+) -> Inputs:  # fmt: skip
+    """Speeds with their unevenness, idle share and warmth at rest (ticks, 1), coverage (ticks, cells); nothing else."""
     none = {name: np.zeros_like(omega) for name in (*rig.inputs, START)}
-    return Inputs(omega, coverage, none, none, Motion.none(len(omega)), unevenness, rig.seats, idle=idle)
+    return Inputs(omega, coverage, none, none, Motion.none(len(omega)), unevenness, rig.seats, idle=idle, rest_K=rest_K)
 
 
 def _carried(cover: Array | Cover, chunk: Recording, before: Array) -> Array | Cover:

@@ -15,8 +15,9 @@ from estimator.screw import Screw
 
 REMEMBERED = 500  # drives and rests; what lay further back has faded
 
-POWER_W = 100.0  # that a drive at the reference speed brings into the screw
-STILL, TURNING = 7.0, 25.0  # W/(m2 K) that the air takes off it, at rest and more at the reference speed
+POWER_W = 80.0  # that a drive at the reference speed brings into the screw
+STILL, TURNING = 11.0, 25.0  # W/(m2 K) that air and bearings take off it at rest, and more at the reference speed
+STEP, LEAST_K = 1.5, 0.5  # from one warmth to the next that is another regime at rest; the least of them
 
 Stretch = tuple[bool, float]
 
@@ -45,6 +46,12 @@ class Motion:
     def none(cls, ticks: int) -> Motion:
         """The first instant of a run, at rest."""
         return cls(*np.zeros((4, ticks, 1)))
+
+    @property
+    def rest_K(self) -> Array:
+        """The warmth in steps of half as much again while the screw stands, (ticks, 1), K; 0 while it turns."""
+        steps = np.rint(np.log(np.maximum(self.warmth, LEAST_K) / LEAST_K) / np.log(STEP))
+        return np.asarray(np.where(self.turning > 0, 0.0, LEAST_K * STEP**steps))
 
     def rows(self, at: slice) -> Motion:
         """Some of the ticks."""
@@ -85,11 +92,11 @@ def _faded(level: Any, turned: bool, seconds: Any, decay_s: Any, recovery_s: Any
 
 
 class MotionReader:
-    """Follows the motion from tick to tick."""
+    """Follows the motion from tick to tick; `above_K`: how much warmer than the air the screw is at first."""
 
-    def __init__(self, tick_s: float, screw: Screw | None = None) -> None:
+    def __init__(self, tick_s: float, screw: Screw | None = None, above_K: float = 0.0) -> None:
         self._tick, self._ticks, self._moved = tick_s, 0, False
-        self._screw, self._warmth = screw, 0.0
+        self._screw, self._warmth = screw, above_K
         self._stretches: deque[Stretch] = deque(maxlen=REMEMBERED)
 
     def read(self, omega: Array) -> Motion:

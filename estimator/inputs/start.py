@@ -14,6 +14,7 @@ from estimator.rig import Rig
 UNIFORM_K = 0.1  # a rig whose thermometers agree so well at rest has been waiting long enough to be steady ...
 WARM_K = 0.2  # ... and one whose thermometers differ by so much has not; between both it is partly so
 SENSOR_K = 1.5  # the most that other thermometers of a steady rig can differ from the screw's by their own error
+AIR = "ambient"
 ODD_K = 10.0  # further from the median than any part of a screw gets: no temperature
 
 
@@ -26,11 +27,13 @@ class Start:
     zero_K    what is taken off each temperature input: in a steady rig all are in equilibrium with the screw, so that a
               difference is either a sensor's error or a flow that has been there all along; 0 in a warm rig, and in
               proportion between both, so that a hundredth of a kelvin does not decide
+    above_K   how much warmer than the air the screw is; 0 in a steady rig, and where nothing credible tells
     """
 
     level_C: float
     spread_K: float
     zero_K: Mapping[str, float]
+    above_K: float = 0.0
 
 
 def read_start(sample: Sample, rig: Rig, muted: Array | None = None) -> Start | None:
@@ -57,4 +60,5 @@ def read_start(sample: Sample, rig: Rig, muted: Array | None = None) -> Start | 
         difference = sample.inputs.get(name, np.nan) - level
         near = np.isfinite(difference) and abs(difference) <= SENSOR_K
         zero[name] = steady * float(difference) if signal.unit == "degC" and near else 0.0
-    return Start(level, spread, zero)
+    above = level - sample.inputs.get(AIR, np.nan)
+    return Start(level, spread, zero, (1.0 - steady) * above if 0.0 < above <= ODD_K else 0.0)

@@ -173,14 +173,14 @@ class Forcing:
         """Inputs and regimes of a chunk, whatever the model; call in order of time."""
         u, stay, regime, astray = self._reader.read(chunk), self._reader.stay(chunk), [], []
         unseen = self._untold.unseen(chunk)
-        speeds = np.hstack([np.broadcast_to(each, u.omega.shape) for each in (u.omega, u.unevenness, u.idle)])
+        speeds = np.hstack([np.broadcast_to(each, u.omega.shape) for each in (u.omega, u.unevenness, u.idle, u.rest_K)])
         before: tuple[list[float], Array] = [], np.empty(0)
         for sample, row, under, lost in zip(chunk, speeds.tolist(), stay, unseen.tolist(), strict=True):
             self._travel.step(sample)
-            omega, uneven, idle = row
+            omega, uneven, idle, rest_K = row
             unknown = lost or bool(self._travel.why)
             again = row == before[0] and np.array_equal(under, before[1])
-            regime.append(self._regimes.index(omega, under, unknown, uneven, idle, again=again))
+            regime.append(self._regimes.index(omega, under, unknown, uneven, idle, rest_K, again))
             astray.append(self._travel.astray)
             before = row, under
         return Drive(u, np.array(regime), np.array(astray))
@@ -220,8 +220,9 @@ class Forcing:
         if which not in self._asked:
             self._asked.clear()
             met = [self._regimes.met[r] for r in which]
-            omega, uneven, idle = np.array([[each.omega, each.unevenness, each.idle] for each in met]).T[:, :, None]
-            self._asked[which] = no_inputs(self.rig, omega, np.array([each.coverage for each in met]), uneven, idle)
+            rows = [[each.omega, each.unevenness, each.idle, each.rest_K] for each in met]
+            omega, *others = np.array(rows).T[:, :, None]
+            self._asked[which] = no_inputs(self.rig, omega, np.array([each.coverage for each in met]), *others)
         return self._asked[which]
 
     def _solve(self, needed: Sequence[int]) -> None:

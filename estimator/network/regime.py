@@ -2,9 +2,9 @@
 
 The nut's coverage changes every tick; heat follows it tick by tick. The conductances (nut contact, convection) take
 means over the last minute of motion instead, of speed, its square, the time that it waits, and that the nut is at a
-place; and the place where it is parked. A new regime begins when the speed has moved by 5 %, its unevenness by 15 %
-(the mean of the speed to the power of 0.67 by 5 %), the nut by 2 % of its length; what this costs is measured in the
-tests (below 0.04 um).
+place; and the place where it is parked, and how warm the screw is then. A new regime begins when the speed has moved by
+5 %, its unevenness by 15 % (the mean of the speed to the power of 0.67 by 5 %), the nut by 2 % of its length; what this
+costs is measured in the tests (below 0.04 um).
 
 The first strokes of a drive, and more so the longer ticks of a fit, begin regimes that lie as far off as these steps
 allow, always to the same side. So after a minute, then two, four, ... minutes a regime is held against the mean of that
@@ -46,6 +46,7 @@ class Regime(NamedTuple):
     idle        share of the time in which the screw stands between its strokes
     coverage    (cells,) share of the time in which the nut covers each cell
     unknown     whether nothing is or has just been heard of the drive
+    rest_K      as Inputs.rest_K
     """
 
     omega: float
@@ -53,10 +54,11 @@ class Regime(NamedTuple):
     idle: float
     coverage: Array
     unknown: bool
+    rest_K: float = 0.0
 
     def apart(self, other: Regime) -> float:
         """How far it is from another, in steps of which one makes another regime."""
-        if self.unknown != other.unknown or (self.omega == 0.0) != (other.omega == 0.0):
+        if self.unknown != other.unknown or self.rest_K != other.rest_K or (self.omega == 0.0) != (other.omega == 0.0):
             return np.inf
         faster = abs(self.omega - other.omega) / (SPEED_STEP * (other.omega or 1.0))
         rougher = abs(self.unevenness - other.unevenness) / (UNEVEN_STEP * other.unevenness)
@@ -88,7 +90,7 @@ class Regimes:
 
     def index(
         self, omega: float, coverage: Array, unknown: bool = False, unevenness: float = 1.0, idle: float = 0.0,
-        again: bool = False,
+        rest_K: float = 0.0, again: bool = False,
     ) -> int:  # fmt: skip
         """Regime of the next tick, by speed (rad/s, with its unevenness and idle share) and coverage (cells,) by time.
 
@@ -100,18 +102,18 @@ class Regimes:
         if again and self._rests == unknown:
             return self._current
         before = self._current, self._due, self._most, self._ticks
-        found = self._next(omega, coverage, unknown, unevenness, idle)
+        found = self._next(omega, coverage, unknown, unevenness, idle, rest_K)
         unmoved = before == (self._current, self._due, self._most, self._ticks) and not turns(omega)
         self._rests = unknown if unmoved else None
         return found
 
-    def _next(self, omega: float, coverage: Array, unknown: bool, unevenness: float, idle: float) -> int:
+    def _next(self, omega: float, coverage: Array, unknown: bool, unevenness: float, idle: float, rest_K: float) -> int:
         if turns(omega):
             self._moved(np.concatenate([[1.0, omega, unevenness * omega**2, idle], coverage]))
             now = _mean(self._sum, unknown)
         else:
             self._moving.clear()
-            self._sum, now = 0.0, Regime(0.0, 1.0, 0.0, coverage, unknown)
+            self._sum, now = 0.0, Regime(0.0, 1.0, 0.0, coverage, unknown, rest_K)
         apart = self.met[self._current].apart(now) if self.met else np.inf
         if self._ticks == self._due and apart <= SETTLED:
             long = _mean(self._since, unknown)

@@ -112,6 +112,14 @@ def test_muted_thermometers_have_no_say_in_the_start(small, driven):
 def test_a_warm_or_turning_rig_is_taken_as_it_is(small, driven, channels, omega):
     found = read_start(first(small, driven, channels, omega, ambient=21.0), small)
     assert set(found.zero_K.values()) == {0.0}
+    assert found.above_K == pytest.approx(found.level_C - 21.0)
+
+
+@pytest.mark.parametrize(("ambient", "above_K"), [(20.5, 2.5), (24.0, 0.0), (0.0, 0.0), (NAN, 0.0)])
+def test_a_warm_screw_is_above_the_air_as_far_as_that_is_credible(small, driven, ambient, above_K):
+    warm = read_start(first(small, driven, [22, 23, 23, 24, NAN], ambient=ambient), small)
+    assert warm.above_K == pytest.approx(above_K)
+    assert read_start(first(small, driven, [23, 23, 23, 23, NAN], ambient=ambient), small).above_K == 0.0
 
 
 def test_between_steady_and_warm_it_is_partly_zeroed(small, driven):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimator.inputs import motion
-from estimator.inputs.motion import POWER_W, STILL, TURNING, Motion, MotionReader
+from estimator.inputs.motion import LEAST_K, POWER_W, STEP, STILL, TURNING, Motion, MotionReader
 from estimator.screw import Screw
 
 COLUMNS = ("time_s", "turning", "since_s", "moved", "warmth")
@@ -54,6 +54,16 @@ def test_motion_warms_the_screw_as_heat_and_air_do():
     warm = reader.read(np.full(300, FAST)).warmth[-1, 0]
     cooled = reader.read(np.zeros(3600)).warmth[-1, 0]
     assert cooled / warm == pytest.approx(np.exp(-3600 * STILL * surface / store), rel=1e-6)
+
+
+def test_a_screw_at_rest_is_taken_for_as_warm_as_it_is_within_a_quarter():
+    reader = MotionReader(1.0, BAR, above_K=6.0)
+    cooling = reader.read(np.zeros(7200))
+    assert cooling.warmth[0] == pytest.approx(6.0, rel=1e-3)
+    warm = cooling.warmth[:, 0] > LEAST_K
+    assert np.abs(np.log(cooling.rest_K / cooling.warmth)[warm]).max() <= np.log(STEP) / 2 + 1e-9
+    assert 4 <= len(np.unique(cooling.rest_K)) <= 7
+    assert not reader.read(np.full(9, FAST)).rest_K.any()
 
 
 @settings(max_examples=30)

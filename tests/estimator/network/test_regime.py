@@ -17,6 +17,13 @@ def test_a_regime_holds_while_speed_and_place_hold():
     assert [each.omega for each in regimes.met] == [0.0, 0.0, 100.0, 160.0]
 
 
+def test_at_rest_another_warmth_is_another_regime():
+    regimes, here = Regimes(1.0), np.array([1.0, 0.0])
+    warmths = (0.0, 2.0, 3.0, 3.0, 2.0)
+    assert [regimes.index(0.0, here, rest_K=warmth) for warmth in warmths] == [0, 1, 2, 2, 1]
+    assert [each.rest_K for each in regimes.met] == [0.0, 2.0, 3.0]
+
+
 def test_a_moving_regime_is_the_mean_of_the_last_minute():
     regimes = Regimes(1.0)
     here, there = np.array([1.0, 0.0]), np.array([0.0, 1.0])
