@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -72,6 +72,7 @@ class Trial:
                   with which it has, for what a run began with may turn out to be no temperatures
     fault         (T, m) of the ticks of `rest`, a Fault each; since_s likewise, and jump, by which zeros became others:
                   from then on that is taken off `rest`
+    believed      channels that are heard whatever the judge says of them
     floating      channels whose zero has no meaning: open loop it is the mean of the misfit
     unread_zeros  channels whose unknown zero the first sample did not tell
     slopes        how its readings move with parameters at points lately asked for (`hypotheses.slopes`)
@@ -85,8 +86,9 @@ class Trial:
         mute: Mute | None = None,
         gated: bool = True,
         since: int = 0,
+        believed: Sequence[str] = (),
     ) -> None:
-        self.rig, self.recording = rig, recording
+        self.rig, self.recording, self.believed = rig, recording, [rig.index(name) for name in believed]
         self.begun: list[int] = []
         self.slopes: dict[Hashable, Any] = {}
         self._begin(model, mute or unmuted(rig), since)
@@ -143,7 +145,9 @@ class Trial:
         Nor are lengths by which the screw expands otherwise: nobody would find how.
         """
         well = (self.fault == Fault.DRIFTING) & may_be_heat(self._side, self.rig) | (self.fault == Fault.APART)
+        well[:, self.believed] = True
         self.fault[well], self.since_s[well] = Fault.NONE, np.nan
+        self.jump[:, self.believed] = 0.0
         self.muted |= self.fault != Fault.NONE
         self.rest = replace(self.rest, channels=self.rest.channels - self.jumped)
 

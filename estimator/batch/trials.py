@@ -8,6 +8,7 @@ from typing import Any
 
 from estimator.batch.coarse import coarse, serves
 from estimator.batch.trial import Trial
+from estimator.faults.in_step import in_step
 from estimator.faults.use import Use
 from estimator.model import Model
 from estimator.record import Recording
@@ -37,21 +38,28 @@ class Trials:
         return list(kept(self.workers)(job, self.trials))
 
 
-def trials_of(model: Model, runs: Runs) -> Trials:
-    """Recordings made ready for the filter, tick by tick."""
-    return _ready(model, runs, lambda trial: trial)
+def trials_of(model: Model, runs: Runs, sought: bool = False) -> Trials:
+    """Recordings made ready for the filter, tick by tick; `sought`: for one who looks for what the model lacks, with
+    those thermometers too that jump in step with the drive."""
+    return _ready(model, runs, lambda trial: trial, sought)
 
 
-def slow_trials_of(model: Model, runs: Runs) -> Trials:
+def slow_trials_of(model: Model, runs: Runs, sought: bool = False) -> Trials:
     """Recordings made ready for open-loop runs."""
-    return _ready(model, runs, lambda trial: slowed(trial, model))
+    return _ready(model, runs, lambda trial: slowed(trial, model), sought)
 
 
-def _ready(model: Model, runs: Runs, made_of: Callable[[Trial], Trial]) -> Trials:
+def _ready(model: Model, runs: Runs, made_of: Callable[[Trial], Trial], sought: bool) -> Trials:
+    found = _heard(model, runs, made_of)
+    believed = in_step(found.uses, runs.recordings, runs.rig) if sought else []
+    return _heard(model, runs, made_of, believed) if believed else found
+
+
+def _heard(model: Model, runs: Runs, made_of: Callable[[Trial], Trial], believed: Sequence[str] = ()) -> Trials:
     rig = runs.rig
 
     def ready(recording: Recording) -> tuple[Trial, Use]:
-        trial = Trial(model, rig, recording)
+        trial = Trial(model, rig, recording, believed=believed)
         return made_of(trial), trial.use
 
     found = runs.each(ready)

@@ -110,7 +110,7 @@ def improve(
 
     compose  names of effects that an effect that no catalogue has must not get; None: none is composed
     """
-    trials, held = slow_trials_of(model, runs), trials_of(model, held_out)
+    trials, held = slow_trials_of(model, runs, sought=True), trials_of(model, held_out)
     uses, steps = trials.uses + held.uses, [_step((), (), refined(Ground(model, ()), trials, []), held)]
     added, apart, made = list[str](), list[Suggestion](), list[Composed]()
     try:
@@ -149,7 +149,7 @@ def _next(found: Suggestion, compose: bool) -> Hypothesis | None:
 
 def _judged_anew(steps: Sequence[ImprovedModel], runs: Runs) -> list[ImprovedModel]:
     """The steps so far, by the recordings that are left: or what leaves one out would look like what helps."""
-    trials = slow_trials_of(steps[0].model, runs)
+    trials = slow_trials_of(steps[0].model, runs, sought=True)
     errors = [refined(Ground(step.model, ()), trials, []).judged.error for step in steps]
     return [replace(step, cross_validated=error) for step, error in zip(steps, errors, strict=True)]
 

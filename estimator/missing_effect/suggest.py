@@ -87,7 +87,7 @@ class Search:
         self.model, self.runs, self.effects = model, runs, effects
         self._loose, self._told, self._alone, self._taken = loose, told, others is not None, taken
         runs.progress("reading the misfit", 0.0)
-        self.trials = others or slow_trials_of(model, runs)
+        self.trials = others or slow_trials_of(model, runs, sought=True)
         self.as_given = refined(as_given(model, runs, loose), self.trials, [])
         runs.progress("fitting the model again", 0.05)
         free = of_tables(model)

@@ -1,0 +1,44 @@
+"""Thermometers that jump whenever the drive starts or stops: no fault, which comes when it likes, but a law.
+
+What reads more while the screw turns is left out as one that has jumped; who looks for what is missing must hear it, or
+never finds the law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from estimator.faults.use import ChannelUse, Use
+from estimator.inputs.phase import phases
+from estimator.record import Array, Recording
+from estimator.rig import Rig
+
+NEAR_S = 60.0  # of a start or stop: within that a jump is seen; four of them are a thirtieth of a usual recording
+RECORDINGS = 2  # with jumps, and none elsewhere, that chance makes in one of a thousand
+
+
+def in_step(uses: Sequence[Use], recordings: Sequence[Recording], rig: Rig) -> list[str]:
+    """Names of thermometers that have jumped at starts and stops of the drive, in two recordings or more, alone."""
+    changes = [_changes(recording) for recording in recordings]
+    return [name for name in rig.thermometers if _keeps_step(name, uses, changes)]
+
+
+def _keeps_step(name: str, uses: Sequence[Use], changes: Sequence[Array]) -> bool:
+    at = [(np.array(list(_jumps(name, use))), change) for use, change in zip(uses, changes, strict=True)]
+    met = [(times, change) for times, change in at if len(times)]
+    alike = all((np.abs(times[:, None] - change).min(axis=1, initial=np.inf) < NEAR_S).all() for times, change in met)
+    return alike and len(met) >= RECORDINGS
+
+
+def _jumps(name: str, use: Use) -> Iterator[float]:
+    """When a channel became another, s: was broken from then on, or counted from another zero."""
+    found: ChannelUse = next(one for one in use.channels if one.channel == name)
+    yield from (spell.from_s for spell in found.spells)
+    yield from (jump.time_s for jump in use.jumps if name in jump.sizes)
+
+
+def _changes(recording: Recording) -> Array:
+    """When the drive started or stopped, s."""
+    return np.array([recording.time_s[ticks[0]] for _, ticks in phases(recording)])

@@ -1,0 +1,68 @@
+"""Which thermometers jump in step with the drive, and are heard by those who look for what the model lacks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimator.batch.trials import slow_trials_of
+from estimator.faults.fault import Fault, Spell
+from estimator.faults.in_step import in_step
+from estimator.faults.use import ChannelUse, Jump, Use
+from estimator.work import Runs
+
+STARTS, STOPS = 200, 500
+NONE = float("nan")
+
+
+@pytest.fixture
+def drives(small, driven):
+    """Two recordings of one drive each."""
+    run = driven(small, 900)
+    omega = np.where((np.arange(900) >= STARTS) & (np.arange(900) < STOPS), 100.0, 0.0)
+    return [replace(run, omega=omega, name=name) for name in ("one", "two")]
+
+
+def use(rig, spells=(), jumps=()) -> Use:
+    """What is said of a recording in which the second thermometer was broken from these times on, or jumped then."""
+    broken = tuple(Spell(Fault.JUMPED, at, NONE) for at in spells)
+    channels = [ChannelUse(name, 900, 900, {}, broken if i == 1 else (), ()) for i, name in enumerate(rig.thermometers)]
+    sizes = {rig.thermometers[1]: 0.4}
+    return Use("run", 0.0, False, tuple(channels), tuple(Jump(at, sizes) for at in jumps), {}, {}, (), ())
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "heard"),
+    [
+        (([STARTS + 5.0], []), ([], [STOPS + 20.0]), True),
+        (([STARTS + 5.0, STOPS + 5.0], []), ([STOPS + 30.0], [STARTS + 1.0]), True),
+        (([STARTS + 5.0], []), ([], []), False),  # once may be chance
+        (([STARTS + 5.0], []), ([STARTS + 150.0], []), False),
+        (([STARTS + 5.0], []), ([STARTS + 5.0], [STOPS + 90.0]), False),
+    ],
+)
+def test_what_jumps_with_the_drive_in_two_recordings_is_no_fault(small, drives, first, second, heard):
+    uses = [use(small, *first), use(small, *second)]
+    assert in_step(uses, drives, small) == ([small.thermometers[1]] if heard else [])
+
+
+def test_without_a_drive_nothing_keeps_step(small, driven):
+    rests = [replace(driven(small, 900), omega=np.zeros(900))] * 2
+    assert in_step([use(small, [205.0]), use(small, [205.0])], rests, small) == []
+
+
+def test_such_a_thermometer_is_heard_as_it_reads(rig, full, live, driven):
+    """Half a kelvin more while the screw turns: who fits leaves it out, who looks for what is missing does not."""
+    runs = [live(full, rig, driven(rig, 1500, (300, 900)), seed=seed).recording for seed in (1, 2)]
+    at = rig.index("T06")
+    for k, run in enumerate(runs):
+        channels = run.channels.copy()
+        channels[:, at] += 0.5 * (run.omega > 0)
+        runs[k] = replace(run, channels=channels, name=f"run {k}")
+    fitted, sought = (slow_trials_of(full, Runs(rig, runs), sought=sought) for sought in (False, True))
+    for left_out, heard in zip(fitted.uses, sought.uses, strict=True):
+        assert left_out.channels[at].used < 0.7 * left_out.channels[at].taken
+        assert heard.channels[at].used == heard.channels[at].taken
+        assert not heard.suspects
