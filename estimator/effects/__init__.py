@@ -29,6 +29,7 @@ HEAT: tuple[type[Effect], ...] = (
     bearings.FreeSeat,
     bearings.AnchorHousing,
     bearings.FreeHousing,
+    bearings.HousingShells,
     friction.NutSpeedExponent,
     friction.BearingSpeedExponent,
     friction.FrictionThinning,

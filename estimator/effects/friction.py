@@ -6,13 +6,11 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 
 from estimator.effect import Effect, Param, needed
-from estimator.effects.bearings import SEATS, seat_of, under_bearing
+from estimator.effects.bearings import BEARINGS, SEATS, seat_of, under_bearing
 from estimator.effects.nut import per_cell, under_nut
 from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, START, Heat, Link, Term
-
-BEARINGS = ("anchor", "free")
 
 
 class NutSpeedExponent(Effect):

@@ -24,7 +24,7 @@ from tests.conftest import terms_of
 
 EFFECTS = list(CATALOGUE.values())
 WITHOUT_NULL = {  # never searched for
-    "conduction", "displacement", "held_ends", "nut_balls", "nut_flange", "free_convection",
+    "conduction", "displacement", "held_ends", "nut_balls", "nut_flange", "housing_shells", "free_convection",
 }  # fmt: skip
 ALWAYS = {"local_heat", "free_convection"}  # heats at rest, too
 
@@ -112,7 +112,7 @@ def test_only_conduction_and_bodies_store_heat(rig, u):
     stored = {t.node: name for name in CATALOGUE for t in terms_of(name, rig, u) if isinstance(t, Store)}
     assert stored == {
         "screw": "conduction", "nut": "nut_body", "nut_flange": "nut_flange", "anchor_housing": "anchor_housing",
-        "free_housing": "free_housing",
+        "free_housing": "free_housing", "anchor_shell": "housing_shells", "free_shell": "housing_shells",
     }  # fmt: skip
 
 
@@ -185,7 +185,7 @@ def test_friction_heats_the_body_beside_the_screw_where_there_is_one(friction, k
     added = np.zeros(place.size)
     added[place.state(node)] = 20.0
     np.testing.assert_allclose(warm - cold, np.tile(added, (3, 1)), atol=1e-9)
-    bare = full - "nut_flange" - body
+    bare = full - "nut_flange" - "housing_shells" - body
     np.testing.assert_array_equal(heat(bare.with_values(other))[0], heat(bare)[0])
     assert node not in heat(bare)[1].nodes
 
@@ -197,9 +197,33 @@ def test_a_nut_without_a_joint_is_one_body(full, rig, drive):
     assert abs(tight - one).max() < 0.05 < 0.2 < abs(loose - one).max()
 
 
-def test_the_nut_s_thermometer_shows_its_flange_where_it_has_one(full, rig, u):
-    for model, shown in ((full, ["nut_flange"]), (full - "nut_flange", ["nut"])):
-        stores = [term for term in model.terms(u, rig) if isinstance(term, Store) and term.start == "nut"]
+def test_a_housing_without_a_joint_is_one_body(full, rig, drive):
+    """And with one, the rings bring more heat back after a stop."""
+    one = open_loop(full - "housing_shells", rig, drive)
+    tight, loose = (open_loop(full.with_values({"housing_shells.r": r}), rig, drive) for r in (0.003, 0.2))
+    assert abs(tight - one).max() < 0.05 < 0.1 < abs(loose - one).max()
+
+
+def test_shells_are_of_the_housings_that_the_model_has(full, rig, u):
+    def stored(model: Model) -> list[str]:
+        return [term.node for term in model.terms_of("housing_shells", u, rig) if isinstance(term, Store)]
+
+    assert stored(full) == ["anchor_shell", "free_shell"]
+    assert stored(full - "free_housing") == ["anchor_shell"]
+    with pytest.raises(SetupError, match=r"housing_shells: needs the effect 'anchor_housing'"):
+        stored(full - "free_housing" - "anchor_housing")
+
+
+@pytest.mark.parametrize(
+    ("input_", "outer", "joint", "whole"),
+    [
+        ("nut", "nut_flange", "nut_flange", "nut"),
+        ("anchor_bracket", "anchor_shell", "housing_shells", "anchor_housing"),
+    ],
+)
+def test_a_body_s_thermometer_shows_its_outer_part_where_it_has_one(input_, outer, joint, whole, full, rig, u):
+    for model, shown in ((full, [outer]), (full - joint, [whole])):
+        stores = [term for term in model.terms(u, rig) if isinstance(term, Store) and term.start == input_]
         assert [term.node for term in stores if term.shown] == shown
 
 
