@@ -8,7 +8,6 @@ from typing import Any
 
 from estimator.batch.coarse import coarse, serves
 from estimator.batch.trial import Trial
-from estimator.faults.in_step import in_step
 from estimator.faults.use import Use
 from estimator.model import Model
 from estimator.record import Recording
@@ -38,24 +37,17 @@ class Trials:
         return list(kept(self.workers)(job, self.trials))
 
 
-def trials_of(model: Model, runs: Runs, sought: bool = False) -> Trials:
-    """Recordings made ready for the filter, tick by tick; `sought`: for one who looks for what the model lacks, with
-    those thermometers too that jump in step with the drive."""
-    return _ready(model, runs, lambda trial: trial, sought)
+def trials_of(model: Model, runs: Runs) -> Trials:
+    """Recordings made ready for the filter, tick by tick."""
+    return _ready(model, runs, lambda trial: trial)
 
 
-def slow_trials_of(model: Model, runs: Runs, sought: bool = False) -> Trials:
-    """Recordings made ready for open-loop runs."""
-    return _ready(model, runs, lambda trial: slowed(trial, model), sought)
+def slow_trials_of(model: Model, runs: Runs, believed: Sequence[str] = ()) -> Trials:
+    """Recordings made ready for open-loop runs; `believed`: channels that are heard whatever the judge says of them."""
+    return _ready(model, runs, lambda trial: slowed(trial, model), believed)
 
 
-def _ready(model: Model, runs: Runs, made_of: Callable[[Trial], Trial], sought: bool) -> Trials:
-    found = _heard(model, runs, made_of)
-    believed = in_step(found.uses, runs.recordings, runs.rig) if sought else []
-    return _heard(model, runs, made_of, believed) if believed else found
-
-
-def _heard(model: Model, runs: Runs, made_of: Callable[[Trial], Trial], believed: Sequence[str] = ()) -> Trials:
+def _ready(model: Model, runs: Runs, made_of: Callable[[Trial], Trial], believed: Sequence[str] = ()) -> Trials:
     rig = runs.rig
 
     def ready(recording: Recording) -> tuple[Trial, Use]:

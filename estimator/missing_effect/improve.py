@@ -110,7 +110,7 @@ def improve(
 
     compose  names of effects that an effect that no catalogue has must not get; None: none is composed
     """
-    trials, held = slow_trials_of(model, runs, sought=True), trials_of(model, held_out)
+    trials, held = slow_trials_of(model, runs), trials_of(model, held_out)
     uses, steps = trials.uses + held.uses, [_step((), (), refined(Ground(model, ()), trials, []), held)]
     added, apart, made = list[str](), list[Suggestion](), list[Composed]()
     try:
@@ -120,6 +120,8 @@ def improve(
                 apart.append(found)
                 runs, found = found.kept(runs), found.others
                 steps = _judged_anew(steps, runs)
+            if found.believed:
+                steps = _judged_anew(steps, runs, found.believed)
             best = _next(found, compose is not None and len(made) < MOST_COMPOSED)
             if best is None or len(steps) > MOST:
                 break
@@ -147,9 +149,9 @@ def _next(found: Suggestion, compose: bool) -> Hypothesis | None:
     return None
 
 
-def _judged_anew(steps: Sequence[ImprovedModel], runs: Runs) -> list[ImprovedModel]:
-    """The steps so far, by the recordings that are left: or what leaves one out would look like what helps."""
-    trials = slow_trials_of(steps[0].model, runs, sought=True)
+def _judged_anew(steps: Sequence[ImprovedModel], runs: Runs, believed: Sequence[str] = ()) -> list[ImprovedModel]:
+    """The steps so far, by what is heard now of which recordings: or what leaves one out would look like what helps."""
+    trials = slow_trials_of(steps[0].model, runs, believed)
     errors = [refined(Ground(step.model, ()), trials, []).judged.error for step in steps]
     return [replace(step, cross_validated=error) for step, error in zip(steps, errors, strict=True)]
 

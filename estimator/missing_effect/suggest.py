@@ -26,6 +26,7 @@ import numpy as np
 from estimator.accuracy.noise_floor import noise_floor
 from estimator.batch.trials import Trials, slow_trials_of
 from estimator.effect import Effect
+from estimator.faults.in_step import in_step
 from estimator.hypotheses.criterion import GOOD, alike, clearly, most, nats, proven
 from estimator.hypotheses.ground import as_given, of_tables, seen
 from estimator.hypotheses.hypothesis import Hypothesis, refined
@@ -87,7 +88,7 @@ class Search:
         self.model, self.runs, self.effects = model, runs, effects
         self._loose, self._told, self._alone, self._taken = loose, told, others is not None, taken
         runs.progress("reading the misfit", 0.0)
-        self.trials = others or slow_trials_of(model, runs, sought=True)
+        self.trials = others or slow_trials_of(model, runs)
         self.as_given = refined(as_given(model, runs, loose), self.trials, [])
         runs.progress("fitting the model again", 0.05)
         free = of_tables(model)
@@ -100,7 +101,8 @@ class Search:
         if (found := self._set_right()) is not None:
             return found
         self.runs.progress("looking for something unknown", 0.85)
-        return self._verdict(self._unexplained(self.side))
+        said = self._verdict(self._unexplained(self.side))
+        return self._in_step(said) if said.verdict == "nothing_missing" else said
 
     def _plains(self) -> list[Hypothesis]:
         """The model without effects on each ground that may hold.
@@ -194,6 +196,22 @@ class Search:
         if side.pair and clearly(found.judged, side.pair.judged, side.tried):
             return None
         return found if proven(side.single, found.judged, self._chosen_from(found)) else None
+
+    def _in_step(self, said: Suggestion) -> Suggestion:
+        """What a thermometer follows that was left out, for it jumps whenever the drive starts or stops."""
+        names = in_step(self.trials.uses, self.runs.recordings, self.runs.rig)
+        if not names:
+            return said
+        heard = slow_trials_of(self.model, self.runs, believed=names)
+        plain = refined(self.side.ground, heard, [])
+        found = best_stand_in(self.side.ground, heard, channels=names)
+        if found is None or not proven(plain.judged, found.judged, found.tried):
+            return said
+        made, verdict = (
+            composed(found, plain.judged, heard, [*self.model.effects, *self._taken]),
+            "nothing_in_catalogue",
+        )
+        return replace(said, verdict=verdict, before=plain, unexplained=found, composed=made, believed=tuple(names))
 
     def _chosen_from(self, found: Unexplained) -> int:
         """How many stand-ins it must stand out from; none where something must be missing."""

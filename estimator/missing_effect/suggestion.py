@@ -32,6 +32,7 @@ class Suggestion:
     uses     what was used of each recording
     partly   the effect that explains most, and too little of it: the model stays far off
     far      the model is so far off that something is missing
+    believed   thermometers that jump in step with the drive, which are heard here and left out elsewhere
     """
 
     verdict: str
@@ -50,6 +51,7 @@ class Suggestion:
     by_others: str = ""
     far: bool = False
     partly: str = ""
+    believed: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """The verdict, then what was found: misfit on recordings left out, 1 is a good model's, and parameters."""

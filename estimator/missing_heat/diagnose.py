@@ -61,7 +61,7 @@ def diagnose(model: Model, runs: Runs) -> Diagnosis:
     """Judge a model by recordings."""
     rig, progress = runs.rig, runs.progress
     progress("running the filter", 0.0)
-    trials = trials_of(model, runs, sought=True)
+    trials = trials_of(model, runs)
     judged = quality(trials, model)
     found = errors(trials, model)
     progress("running the model alone", 0.3)

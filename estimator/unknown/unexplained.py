@@ -66,11 +66,16 @@ class Unexplained:
         return {self.hypothesis.model.param(path).unit: own[path] for path in self.candidate.paths}
 
 
-def best_stand_in(ground: Ground, trials: Trials) -> Unexplained | None:
-    """What is in no catalogue and explains most; None where no stand-in moves a reading."""
+def best_stand_in(ground: Ground, trials: Trials, channels: Sequence[str] = ()) -> Unexplained | None:
+    """What is in no catalogue and explains most; None where no stand-in moves a reading.
+
+    channels  of these readings one is wrong, and nothing else is asked for
+    """
     rig = trials[0].rig
     wide, listed = candidates(ground.model, rig, STAND_INS)
     listed = [each for each in listed if _can_be(each, rig)]
+    if channels:
+        listed = [each for each in listed if unknown_of(each, rig).channel in channels]
     seats = sorted(screening(ground, wide, listed, trials, SEATS).found, key=_misfit)
     if not seats:
         return None

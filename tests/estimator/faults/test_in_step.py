@@ -61,8 +61,10 @@ def test_such_a_thermometer_is_heard_as_it_reads(rig, full, live, driven):
         channels = run.channels.copy()
         channels[:, at] += 0.5 * (run.omega > 0)
         runs[k] = replace(run, channels=channels, name=f"run {k}")
-    fitted, sought = (slow_trials_of(full, Runs(rig, runs), sought=sought) for sought in (False, True))
-    for left_out, heard in zip(fitted.uses, sought.uses, strict=True):
+    judged = slow_trials_of(full, Runs(rig, runs))
+    assert in_step(judged.uses, runs, rig) == ["T06"]
+    believed = slow_trials_of(full, Runs(rig, runs), believed=["T06"])
+    for left_out, heard in zip(judged.uses, believed.uses, strict=True):
         assert left_out.channels[at].used < 0.7 * left_out.channels[at].taken
         assert heard.channels[at].used == heard.channels[at].taken
         assert not heard.suspects

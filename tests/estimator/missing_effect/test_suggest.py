@@ -11,7 +11,7 @@ from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
 from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.ground import as_given
-from estimator.inputs.follower import LOSS_DRIVE, REST, TEMPERATURE, followers
+from estimator.inputs.follower import DRIVE, LOSS_DRIVE, REST, TEMPERATURE, followers
 from estimator.missing_effect import suggest as search_
 from estimator.missing_effect.improve import improve
 from estimator.missing_effect.suggest import suggest
@@ -23,6 +23,7 @@ from estimator.rig import Rig
 from estimator.terms import SCREW, Link, Store
 from estimator.unknown.stand_ins import unknown_of
 from estimator.work import Runs
+from tests.conftest import FAST
 from tests.estimator.conftest import with_effect
 
 
@@ -176,3 +177,18 @@ def test_a_model_that_holds_nothing_fixed_is_fitted_again_once(plain, bar, lives
     found = suggest(plain, Runs(bar, lives(plain)[:2]), [])
     assert found.verdict == "nothing_missing"
     assert not found.loosened
+
+
+def test_what_a_thermometer_follows_that_is_left_out_is_told(rig, full, live, driven):
+    """Its jumps keep step with the drive: no fault, though everything else is well without it."""
+    at, runs = rig.index("T06"), []
+    for k, speed in enumerate((FAST, FAST / 2)):
+        run = live(full, rig, driven(rig, 1500, (300, 900), speed), seed=k).recording
+        channels = run.channels.copy()
+        channels[:, at] += 0.5 * (run.omega > 0)
+        runs.append(replace(run, channels=channels, name=f"run {k}"))
+    found = suggest(full, Runs(rig, runs), [], taken=())
+    unknown = unknown_of(found.unexplained.candidate, rig)
+    assert (found.verdict, found.believed) == ("nothing_in_catalogue", ("T06",))
+    assert (unknown.channel, unknown.follower) == ("T06", DRIVE)
+    assert found.composed.hypothesis.own()["shift_of_t06.shift"].value == pytest.approx(0.5, abs=0.02)
