@@ -17,10 +17,12 @@ from estimator.alarms.alarms import Alarm
 PARTED = ("bias", "nis", "machine", "heat")  # kinds of alarms that say so
 AGAIN_S, SOON_S = 3600.0, 600.0  # wall time from one question to the next; where the last was asked too early
 POLITE = ("nice", "-n", "10")  # the estimate comes first
+LAST = 6  # parts of the recording in which an effect is sought: hours
 
 
 class Explainer:
     """Runs `diagnose` over the recording as far as it has come, at most once an hour; sooner where nothing showed yet.
+    Where the model fails `suggest` then says which effect may be missing, by the last parts.
 
     parts    gives the files of the recording
     options  which rig and model, as words of a command line
@@ -29,6 +31,7 @@ class Explainer:
     def __init__(self, parts: Callable[[], Sequence[Path]], options: Sequence[str]) -> None:
         self._parts, self._options, self._due = parts, list(options), -math.inf
         self._running: subprocess.Popen[bytes] | None = None
+        self._command = ""
         self._folder = tempfile.TemporaryDirectory(prefix="ballscrew-explain-")
 
     def look(self, alarms: Iterable[Alarm]) -> str:
@@ -37,7 +40,8 @@ class Explainer:
             return "" if self._running.poll() is None else self._answer(self._running)
         parted = any(alarm.kind in PARTED for alarm in alarms)
         if parted and time.monotonic() > self._due and (parts := self._parts()):
-            self._ask(parts)
+            self._due = time.monotonic() + AGAIN_S
+            self._ask("diagnose", "--join", *map(str, parts))
         return ""
 
     def close(self) -> None:
@@ -47,10 +51,10 @@ class Explainer:
             self._running.wait()
         self._folder.cleanup()
 
-    def _ask(self, parts: Sequence[Path]) -> None:
-        self._due = time.monotonic() + AGAIN_S
+    def _ask(self, command: str, *asked: str) -> None:
+        self._command = command
         polite = POLITE if shutil.which(POLITE[0]) else ()
-        words = ["diagnose", "--join", *map(str, parts), *self._options, "--quiet", "--json", str(self._told)]
+        words = [command, *asked, *self._options, "--quiet", "--json", str(self._told)]
         with self._errors.open("wb") as errors:
             self._running = subprocess.Popen(
                 [*polite, sys.executable, "-m", "ballscrew", *words], stdin=subprocess.DEVNULL,
@@ -62,12 +66,16 @@ class Explainer:
         if not self._told.is_file():
             self._due = time.monotonic() + SOON_S
             last = self._errors.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-1:]
-            return f"could not be explained: {' '.join(last) or f'diagnose ended with {ended.returncode}'}"
+            return f"could not be explained: {' '.join(last) or f'{self._command} ended with {ended.returncode}'}"
         told = json.loads(self._told.read_text(encoding="utf-8"))
         self._told.unlink()
+        if self._command == "suggest":
+            return f"suggested: {told['sentence']}"
         if told["adequate"] and not told["events"]:
             self._due = time.monotonic() + SOON_S
             return ""
+        if not told["adequate"]:
+            self._ask("suggest", *map(str, self._parts()[-LAST:]))
         return " ".join(["explained:", *told["sentences"], *(event["sentence"] for event in told["events"])])
 
     @property

@@ -28,9 +28,9 @@ def asking(request) -> Iterator:
         one.close()
 
 
-def answer(explainer: Explainer) -> str:
+def answer(explainer: Explainer, alarms=PARTED) -> str:
     """Wait until it has been told."""
-    assert explainer.look(PARTED) == ""
+    assert explainer.look(alarms) == ""
     for _ in range(6000):
         if said := explainer.look([]):
             return said
@@ -48,6 +48,9 @@ def test_it_says_where_the_model_fails_once_an_hour(asking, fs20_log, tmp_path):
     assert said.startswith("explained: The model alone is ")
     assert "It lacks " in said
     assert "\n" not in said
+    more = answer(explainer, [])
+    assert more.startswith("suggested: Something is missing, ")
+    assert "\n" not in more
     assert explainer.look(PARTED) == ""
     assert explainer._running is None, "it was asked just now"
     explainer._due = 0.0
