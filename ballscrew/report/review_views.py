@@ -24,7 +24,7 @@ from estimator.faults.use import MUTED
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.step import Track
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun, first_stop_s
 

@@ -126,6 +126,12 @@ def minutes(
     return begins, np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
 
 
+def rms(values: Array) -> Array:
+    """Of each column of (n, m), (m,); NaN where nothing is known."""
+    known = np.isfinite(values).sum(axis=0)
+    return np.sqrt(np.divide(np.nansum(values**2, axis=0), known, out=np.full(len(known), np.nan), where=known > 0))
+
+
 def coloured(values: ArrayLike, extent: Range, anchors: tuple[tuple[int, int, int], ...] = WARM) -> Colours:
     """Colours (..., 4) of values on a map; what is beyond the extent takes its end, NaN a grey that no map has."""
     place = (np.asarray(values, dtype=float) - extent[0]) / (extent[1] - extent[0])

@@ -13,7 +13,7 @@ import rerun as rr
 
 from viz.drawing import paths
 from viz.drawing.entity import Entity
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.lanes.states import State
 
 USED = "used"

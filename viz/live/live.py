@@ -21,8 +21,7 @@ from viz.drawing.entity import Entity
 from viz.drawing.file import begin, stream
 from viz.drawing.series import Event
 from viz.drawing.views import EVERYTHING, Span, sliding
-from viz.lanes.judged import Judged
-from viz.lanes.standing import Standing
+from viz.lanes.standing import Judged, Standing
 from viz.live.body import frame_of
 from viz.live.layout import blueprint
 from viz.live.outlet import Outlet

@@ -12,8 +12,7 @@ import rerun as rr
 from estimator.record import Sample
 from estimator.step import Step
 from viz.drawing.series import Event
-from viz.lanes.judged import Judged
-from viz.lanes.standing import Standing
+from viz.lanes.standing import Judged, Standing
 from viz.live.rows import Rows
 
 WAITING = 20_000  # ticks and events that may wait; the oldest are given up

@@ -14,9 +14,8 @@ from viz.drawing.entity import Entity
 from viz.drawing.residuals import Residuals
 from viz.drawing.series import Event
 from viz.lanes import banner
-from viz.lanes.judged import Judged
 from viz.lanes.lanes import Lanes
-from viz.lanes.standing import Glance, Standing
+from viz.lanes.standing import Glance, Judged, Standing
 from viz.lanes.states import States
 from viz.live.body import Body
 from viz.live.minutes import Minutes

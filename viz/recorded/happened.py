@@ -9,7 +9,7 @@ import numpy as np
 from estimator.inputs.phase import stopped
 from viz.drawing.scale import clock
 from viz.drawing.series import Event
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.recorded.run import ReviewedRun
 
 

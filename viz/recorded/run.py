@@ -14,7 +14,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import TableErrors, Track
 from viz.drawing.scale import BodyScale, Flags, Range, extent_of, minutes, rounded, symmetric, widened
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 
 READINGS = "readings"  # the reference where the truth is not known
 JUDGED = ("filter", "polyline")  # the estimates that see the thermometers
