@@ -104,7 +104,7 @@ def _tube(x_mm: Array, radius: float) -> tuple[NDArray[np.float32], NDArray[np.f
 
 
 def send(at: Entity, rig: Rig, scale: BodyScale, time_s: Array, profile_C: Array, elongation_um: Array) -> None:
-    """Log n moments: temperatures (n, x) as colours, elongation (n,) as a stretch away from the anchor or its far end."""
+    """Log n moments: temperatures (n, x) as colours, elongation (n,) as a stretch from the anchor, else the far end."""
     n, (lo, hi) = len(time_s), rig.the_screw().span_mm
     colours = np.repeat(coloured(profile_C, scale.temperature_C), RING, axis=1).reshape(-1, 4)
     stretch, shift = np.ones((n, 3)), np.zeros((n, 3))
