@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,11 +26,6 @@ class Case:
     kind: str
     channels: tuple[int, ...]
     seed: int
-
-    @property
-    def key(self) -> str:
-        """What makes it this case in the file of lines."""
-        return json.dumps(asdict(self))
 
 
 @dataclass(frozen=True)
