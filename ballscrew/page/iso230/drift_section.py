@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ballscrew.page.iso230.drift import HOUR_S, Drift, Range
+from ballscrew.page.iso230.drift import HOUR_S, Drift, Range, Spell
 from ballscrew.page.iso230.drift_picture import picture
-from ballscrew.page.iso230.spells import Spell
 from ballscrew.page.section import Block, Grid, Points, Section, Words
 from ballscrew.terminal import Rows, duration
 
