@@ -180,8 +180,9 @@ def as_json(reviews: Sequence[Review], fitted: Sequence[bool], seconds: Sequence
             **_use(r), "temperature_K": {"one_step": r.one_step_K, "open_loop": r.open_loop_K},
             "off_sd": r.off_sd,
             "ticks": len(recording), "frames": recording.frames, "skipped": dict(recording.skipped),
-            "notes": list(recording.notes), "seconds": took,
+            "notes": list(recording.notes),
             "start": start and {"warm": start.warm, "grown_um": start.grown_um, "sd_um": start.sd_um},
+            "seconds": took,
         })  # fmt: skip
     rest = [r for r, was_fitted in zip(reviews, fitted, strict=True) if not was_fitted]
     return {"recordings": recordings, "overall": _errors(reviews), "held_out": _errors(rest) if rest else None}
