@@ -1,7 +1,5 @@
 """The `ballscrew` command: finds the subcommands, and turns our own errors into one line and an exit status."""
 
-from __future__ import annotations
-
 import atexit
 import gc
 import importlib

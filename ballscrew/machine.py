@@ -1,7 +1,5 @@
 """Whether a model is this machine's, in a line that names the next command, and for programs."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass

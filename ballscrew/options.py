@@ -1,7 +1,5 @@
 """Options that several commands share, and what they make of words on the command line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path

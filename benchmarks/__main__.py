@@ -4,8 +4,6 @@ python -m benchmarks [NAME ...]          without a name: all but those that take
 python -m benchmarks machines WORD ...   a part of that study, printed and not kept; faults, hidden likewise
 """
 
-from __future__ import annotations
-
 import datetime
 import importlib
 import re

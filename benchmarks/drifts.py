@@ -1,7 +1,5 @@
 """Slow drifts: when a thermometer that drifts is suspected, when it is accused, and what becomes of the estimate."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

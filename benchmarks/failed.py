@@ -1,7 +1,5 @@
 """Rows of the study of failing channels (`faults`): its cases, what became of each, and how they are told."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

@@ -11,8 +11,6 @@ python -m benchmarks faults alike        heat that the model lacks, and two neig
 python -m benchmarks faults silences     the telemeter silent for minutes, on machines that are not the model's
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path

@@ -3,8 +3,6 @@
 Judged are the elongation in every situation, the end of blind minutes, and the temperatures where the thermometers are.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any

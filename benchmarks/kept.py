@@ -1,7 +1,5 @@
 """A line of JSON for every case of a study that was done, so that a study that was stopped goes on where it was."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence

@@ -8,8 +8,6 @@ python -m benchmarks machines [101-104] [three | runs] [quick]
     three  fitted to three runs instead of four;   runs: to one, two, four and eight;   quick: 15 channels only
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any

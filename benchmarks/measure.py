@@ -1,7 +1,5 @@
 """Timing in interleaved rounds, and rows that say what was measured, what it must be, and whether it is so."""
 
-from __future__ import annotations
-
 import os
 import platform
 import re

@@ -1,7 +1,5 @@
 """What a recording does not have for long: thermometers, inputs and the drive without a reading."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """ballscrew report: a review as one HTML file, to hand on."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Doubts about single signals: those that never come, that nobody named, in another unit, outside, or constant."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A log of CAN frames of a rig that nobody has described yet: the messages of its DBC that came, signal by signal."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass

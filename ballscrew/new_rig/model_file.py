@@ -1,7 +1,5 @@
 """A first model.toml: the effects of the catalogue that the rig can have, heaters and bodies as effects of its own."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A review as a page: rig and recordings, errors, each recording with its channels, the model, what was not used."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from datetime import datetime
 

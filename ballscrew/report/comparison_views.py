@@ -1,7 +1,5 @@
 """What the views of one or two models show: the filter and the model alone on each recording, and the heat missing."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

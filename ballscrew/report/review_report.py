@@ -1,7 +1,5 @@
 """Reviews as a person and as a program read them: tables, sentences and JSON with the same figures."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise

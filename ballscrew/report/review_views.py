@@ -1,7 +1,5 @@
 """What the views of reviews show: each recording with all that was estimated from it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A trend: what has changed since when, every parameter's course as a row, and JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from datetime import datetime
 

@@ -1,7 +1,5 @@
 """The cases: what is hidden, on which machine, in which recordings, and by which road the model came."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product

@@ -1,7 +1,5 @@
 """The cases that were done, one line each, and each in words."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """J1939: ids of one parameter group differ in priority and in the sender's address, another on each machine."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

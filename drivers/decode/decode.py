@@ -1,7 +1,5 @@
 """Frames into ticks, as the rig file and its DBC say: one decoder for whole logs and for a tick of a live bus."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from itertools import chain
 

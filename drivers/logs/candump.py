@@ -5,8 +5,6 @@ layout is taken from a line that matches the pattern, so nothing is assumed abou
 that matches nothing is counted, and a last line without its line end is never a frame: its data may be cut short.
 """
 
-from __future__ import annotations
-
 import codecs
 import re
 import time

@@ -6,8 +6,6 @@
 (1699999999.123456) can0 20000080#0000000000000000  error frame: its class bits, marked, and its details
 """
 
-from __future__ import annotations
-
 import re
 
 from drivers.received import Received

@@ -1,7 +1,5 @@
 """Every frame of a log, of every kind and one after the other: for who passes them on and does not estimate."""
 
-from __future__ import annotations
-
 import marshal
 import math
 import sys

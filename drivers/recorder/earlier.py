@@ -1,7 +1,5 @@
 """The recording that a folder ends with: whoever starts again there may go on with it."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator, Mapping

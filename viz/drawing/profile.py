@@ -3,8 +3,6 @@
 x is drawn in mm as it is. The band is a comb of upright strokes, because a 2D view has no transparency.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Ranges and colour maps, all taken from the data; and how a time since the start reads."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Seen from the front: free end left, motor right. It is held at the anchor bearin
 end. Units of the scene are mm.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import rerun as rr
 from numpy.typing import ArrayLike, NDArray

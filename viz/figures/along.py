@@ -1,7 +1,5 @@
 """Curves over a place, each with a band of two sd, in a frame drawn by hand; the nut's travel and bearings below."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ A lane of a channel is there from when the channel is first anything but used: f
 does not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

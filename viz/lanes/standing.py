@@ -1,7 +1,5 @@
 """How things stand at a moment, at a glance and in words; whether the estimate is to be relied on, from a time on."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

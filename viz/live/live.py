@@ -3,8 +3,6 @@
 Viewers come and go as they like, the disk may fill up and the server may die: none of it stops whoever shows the ticks.
 """
 
-from __future__ import annotations
-
 import shutil
 import uuid
 from pathlib import Path

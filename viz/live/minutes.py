@@ -1,7 +1,5 @@
 """Maps and tests of the innovations in a live stream: a minute at a time, each sent when it is over."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One stream of a live view, fed from a thread of its own: whoever shows a tick never waits for a disk or a viewer."""
 
-from __future__ import annotations
-
 import threading
 from collections import deque
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Ticks into one live stream: the same entities, names and colours as in a saved file, as many rows as there are."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

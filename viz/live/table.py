@@ -3,8 +3,6 @@
 What was sent to the control is drawn where it was sent as valid, and nowhere else.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

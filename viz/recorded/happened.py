@@ -1,7 +1,5 @@
 """What happened in a run, in words: drives and stops, alarms, notes of the recording."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

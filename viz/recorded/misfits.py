@@ -4,8 +4,6 @@ Two maps, because each hides what the other shows: the innovation (against the f
 error (against the model that never sees a temperature).
 """
 
-from __future__ import annotations
-
 import numpy as np
 import rerun.blueprint as rrb
 

@@ -1,7 +1,5 @@
 """A run: one recording with everything that was estimated from it, ready to be shown."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

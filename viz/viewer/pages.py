@@ -3,8 +3,6 @@
 A layout is a mapping from blueprint paths ("/container/ID", "/view/ID", ...) to their components.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any

@@ -5,8 +5,6 @@
 A machine without a graphics card needs the software renderer of Mesa.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import re

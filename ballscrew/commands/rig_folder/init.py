@@ -1,7 +1,5 @@
 """ballscrew init: make a rig folder that works from recordings."""
 
-from __future__ import annotations
-
 import os
 import shlex
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The drift of an axis as a section of the page: figure and table in the manner of the standard, and for programs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any

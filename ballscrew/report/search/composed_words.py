@@ -1,7 +1,5 @@
 """An effect that no catalogue has, in words and as JSON."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The run to make next, in words and as JSON."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from estimator.next_run.next_run import NextRun

@@ -1,7 +1,5 @@
 """What a search for a missing effect found: ranking, verdict in words, JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
