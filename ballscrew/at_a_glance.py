@@ -1,7 +1,5 @@
 """What is asked of a review first, in a line each: how much, how sure, which channel, is the model right, where not."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.accuracy.machine import LIMIT_SD

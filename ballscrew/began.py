@@ -1,7 +1,5 @@
 """What began within recordings: a table, sentences with the clock's time, and JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from datetime import datetime
 

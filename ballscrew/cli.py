@@ -1,7 +1,5 @@
 """The `ballscrew` command: finds the subcommands, and turns our own errors into one line and an exit status."""
 
-from __future__ import annotations
-
 import atexit
 import gc
 import importlib
@@ -37,6 +35,13 @@ COMMANDS = {
     "new-effect": "Write an effect of your own into a file, ready to be changed.",
     "warm": "Compile the filter before it is needed.",
 }
+FOLDERS = {"rig_folder": ("init", "check"), "catalogue": ("effects", "show", "add", "new-effect")}  # in commands/
+
+
+def module_of(name: str) -> str:
+    """Where a command is."""
+    folder = next((f"{folder}." for folder, names in FOLDERS.items() if name in names), "")
+    return f"ballscrew.commands.{folder}{name.replace('-', '_')}"
 
 
 class Commands(click.Group):
@@ -48,7 +53,7 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        command = importlib.import_module(f"ballscrew.commands.{cmd_name.replace('-', '_')}").command
+        command = importlib.import_module(module_of(cmd_name)).command
         assert isinstance(command, click.Command)
         return command
 

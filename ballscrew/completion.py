@@ -1,7 +1,5 @@
 """What a shell completes, beside commands, options and files: effects, experiments, and channels of the rig."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from contextlib import redirect_stderr, suppress
 from io import StringIO

@@ -1,7 +1,5 @@
 """Whether a model is this machine's, in a line that names the next command, and for programs."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,7 +30,8 @@ class MachineVerdict:
         """What is said of the model, and the next command; "" for nothing."""
         if not self._apart:
             return ""
-        off = f"alone it is {np.median(self._off_sd):.1f} times as far off as its parameters, noise and sensors allow"
+        off_sd = np.median([self.match.off_sd[i] for i in self.match.apart])
+        off = f"alone it is {off_sd:.1f} times as far off as its parameters, noise and sensors allow"
         if self.match.own:
             names = ", ".join(one.path.name for one in self._apart)
             return f"{self.model.name} does not follow {names}, but the others: {off} there; see where: `{self.next}`"
@@ -60,10 +59,6 @@ class MachineVerdict:
     @property
     def _apart(self) -> list[Loaded]:
         return [self.loaded[i] for i in self.match.apart]
-
-    @property
-    def _off_sd(self) -> list[float]:
-        return [self.match.off_sd[i] for i in self.match.apart]
 
     @property
     def _was_fitted(self) -> bool:

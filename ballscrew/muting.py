@@ -1,7 +1,5 @@
 """--channels, --no-displacement and --mute: what the filter is not to use, and when."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Options that several commands share, and what they make of words on the command line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
@@ -69,20 +67,22 @@ def writable_result(ctx: click.Context, param: click.Parameter, value: Path | st
 
 def writable_table(ctx: click.Context, param: click.Parameter, value: Path | None) -> Path | str | None:
     """A table's file: its name says in which format. No CSV but a table is overwritten: it may be a recording."""
-    if value is not None and value.suffix.lower() not in TABLES:
-        raise SetupError(f"--table {value}: a table is written as one of {', '.join(TABLES)}")
-    checked = writable(ctx, param, value)
+    checked = writable_as(f"a table is written as one of {', '.join(TABLES)}", *TABLES)(ctx, param, value)
     is_there = value is not None and value.suffix.lower() == ".csv" and value.is_file() and value.stat().st_size > 0
     if value is not None and is_there and not is_estimates(value):
         raise SetupError(f"--table {value}: is there, and is no table of `review`; choose another name")
     return checked
 
 
-def writable_views(ctx: click.Context, param: click.Parameter, value: Path | None) -> Path | str | None:
-    """A file of views: one whose name says so, so that no recording is overwritten by a slip."""
-    checked = writable(ctx, param, value)
-    if value is not None and value.suffix.lower() != ".rrd":
-        raise SetupError(f"--save {value}: views are written as .rrd")
+def writable_as(what: str, *suffixes: str) -> Callable[..., Any]:
+    """A file whose name says what it is, so that no recording is overwritten by a slip."""
+
+    def checked(ctx: click.Context, param: click.Parameter, value: Path | None) -> Path | str | None:
+        file = writable(ctx, param, value)
+        if value is not None and value.suffix.lower() not in suffixes:
+            raise SetupError(f"{param.opts[0]} {value}: {what}")
+        return file
+
     return checked
 
 
@@ -115,7 +115,8 @@ def output_file(*names: str, **more: Any) -> Decorator:
 
 def views_file(help: str) -> Decorator:
     """The views, as rerun reads them."""
-    return click.option("--save", "rrd", type=PATH, metavar="OUT.rrd", callback=writable_views, help=help)
+    checked = writable_as("views are written as .rrd", ".rrd")
+    return click.option("--save", "rrd", type=PATH, metavar="OUT.rrd", callback=checked, help=help)
 
 
 def model_output(help: str = "Write the model here.") -> Decorator:

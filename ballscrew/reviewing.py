@@ -1,7 +1,5 @@
 """What is asked of a review on the command line, and what comes of it: for every command that reviews recordings."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

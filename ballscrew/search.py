@@ -1,7 +1,5 @@
 """The search for a missing effect: which effects are tried, and what is looked at when it has ended."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a person sees: tables, progress, one-line notes; and JSON for programs."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

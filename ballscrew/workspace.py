@@ -1,7 +1,5 @@
 """What a command works on: the rig, the models and the recordings that its arguments name."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """The twelve experiments of the virtual rig: how far each estimate is from the truth, with all channels and fewer."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor

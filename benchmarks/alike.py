@@ -4,8 +4,6 @@ Limits were set on heat of seeds 1 to 6 (CS-20), 13 and 15 (FS-10), and on pairs
 are asked here again, T11 with T12 and T13 with T14 but for the first time; 21 to 25 (CS-10) judge the heat.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 

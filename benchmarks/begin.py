@@ -1,7 +1,5 @@
 """From the first import to the first log-likelihood, with and without compiled code in numba's cache."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import subprocess

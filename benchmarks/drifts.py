@@ -1,7 +1,5 @@
 """Slow drifts: when a thermometer that drifts is suspected, when it is accused, and what becomes of the estimate."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -20,17 +18,8 @@ SHORT = {"CS-10": ("CS-10", 300.0), "ES-20": ("ES-20", 160.0)}  # strokes over a
 UNDER = ("T03", "T04", "T05", "T06", "T07")  # where the nut goes, or nearly
 SHORT_SEED = 314  # the limits were set with those of 311 in view
 LOST_SD, LOST_UM = 5.0, 0.5  # further off than both is lost
-HEAD = (
-    "K/h",
-    "thermometer",
-    "",
-    "may drift after s",
-    "left out after s",
-    "worst, um",
-    "in its sd",
-    "lost, s",
-    "in 2 sd",
-)
+AFTER = ("may drift after s", "left out after s")
+HEAD = ("K/h", "thermometer", "", *AFTER, "worst, um", "in its sd", "lost, s", "in 2 sd")
 
 
 @dataclass(frozen=True)

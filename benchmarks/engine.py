@@ -1,7 +1,5 @@
 """The compiled engine beside other packages and beside itself, one thread, one process."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import cycle
 

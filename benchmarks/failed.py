@@ -1,10 +1,7 @@
 """Rows of the study of failing channels (`faults`): its cases, what became of each, and how they are told."""
 
-from __future__ import annotations
-
-import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,11 +24,6 @@ class Case:
     kind: str
     channels: tuple[int, ...]
     seed: int
-
-    @property
-    def key(self) -> str:
-        """What makes it this case in the file of lines."""
-        return json.dumps(asdict(self))
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,7 @@ python -m benchmarks faults alike        heat that the model lacks, and two neig
 python -m benchmarks faults silences     the telemeter silent for minutes, on machines that are not the model's
 """
 
-from __future__ import annotations
-
-import json
-import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
 
@@ -27,7 +21,8 @@ from benchmarks import alike, drifts, handed_over, lies, paper_rig, silences, so
 from benchmarks.drifts import LOST_SD, LOST_UM, longest
 from benchmarks.failed import SEED, WHEN, Case, Outcome, by_kind, cells, named, share
 from benchmarks.injected import FAILURES, INPUT_FAILURES, NAMED, failing, failing_input, shifted
-from benchmarks.measure import Row, commit, say, table
+from benchmarks.kept import known, outcomes
+from benchmarks.measure import Row, table
 from estimator.batch.replay import replay
 from estimator.faults.fault import Fault
 from estimator.inputs.gate import SLOW
@@ -183,18 +178,12 @@ def _outcome(case: Case, rig: Rig, track: Track, base: Track, true_um: Array) ->
 
 def measured(some: Sequence[Case]) -> dict[Case, Outcome]:
     """Some cases and their outcomes, those of the file of lines not again."""
-    found, of = {}, commit()
-    if LINES.exists():
-        lines = [json.loads(line) for line in LINES.read_text().splitlines()]
-        found = {line["case"]: Outcome(**line["outcome"]) for line in lines if line["commit"] == of}
-    todo = [case for case in some if case.key not in found]
-    with ProcessPoolExecutor(os.cpu_count()) as workers, LINES.open("a") as file:
-        for n, (case, outcome) in enumerate(zip(todo, workers.map(study, todo, chunksize=len(FAILURES) + 1))):
-            found[case.key] = outcome
-            file.write(json.dumps({"commit": of, "case": case.key, "outcome": asdict(outcome)}) + "\n")
-            file.flush()
-            say(f"  {n + 1} of {len(todo)}: {case.row}, {case.kind}, {case.run}: {outcome.um:.2f} um")
-    return {case: found[case.key] for case in some}
+    found = {Case(**case | {"channels": tuple(case["channels"])}): Outcome(**out) for case, out in known(LINES)}
+    return outcomes(LINES, some, found, study, _told, len(FAILURES) + 1)
+
+
+def _told(case: Case, out: Outcome) -> str:
+    return f"{case.row}, {case.kind}, {case.run}: {out.um:.2f} um"
 
 
 def markdown(*names: str) -> str:

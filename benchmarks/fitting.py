@@ -1,7 +1,5 @@
 """A fit of ten parameters to four recordings, in one process and in two."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Recordings of the virtual rig handed over directly: what its frames would decode to, without the frames."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any

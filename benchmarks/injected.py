@@ -1,7 +1,5 @@
 """Thermometers that fail in a recording, each in a way that sensors do."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 

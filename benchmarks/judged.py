@@ -3,9 +3,6 @@
 Judged are the elongation in every situation, the end of blind minutes, and the temperatures where the thermometers are.
 """
 
-from __future__ import annotations
-
-import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -17,7 +14,7 @@ from ballscrew.muting import muted
 from benchmarks import handed_over, paper_rig
 from benchmarks.accuracy import SITUATIONS, mute_in
 from benchmarks.machine_truth import run_of, true_parameters
-from benchmarks.measure import say, timed
+from benchmarks.measure import numbers, say, timed
 from drivers.virtual_rig import Run
 from drivers.virtual_rig.population.draw import machine
 from drivers.virtual_rig.protocol import EXPERIMENTS
@@ -55,19 +52,13 @@ class Case:
 
 def asked(words: Sequence[str]) -> list[Case]:
     """The cases that words ask for; without any: all machines that judge, fitted to four runs."""
-    numbers = [int(n) for word in words for n in _range(word)] or list(JUDGED_ON)
+    machines = [n for word in words for n in numbers(word)] or list(JUDGED_ON)
     fits = [name for word in words for name in WORDS.get(word, ())] or ["four"]
     situations = tuple(SITUATIONS)[: 1 if "quick" in words else None]
-    if unknown := [word for word in words if word not in (*WORDS, "quick") and not _range(word)]:
+    if unknown := [word for word in words if word not in (*WORDS, "quick") and not numbers(word)]:
         known = ", ".join((*WORDS, "quick"))
         raise SystemExit(f"machines: what is {', '.join(unknown)}? Numbers of machines like 1-4, or {known}")
-    return [Case(number, name, situations) for name in fits for number in numbers]
-
-
-def _range(word: str) -> range:
-    """`3` or `1-4` as numbers; none where the word is no number."""
-    found = re.fullmatch(r"(\d+)(?:-(\d+))?", word)
-    return range(int(found[1]), int(found[2] or found[1]) + 1) if found else range(0)
+    return [Case(number, name, situations) for name in fits for number in machines]
 
 
 def study(case: Case) -> dict[str, Any]:

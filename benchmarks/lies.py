@@ -4,8 +4,6 @@ Limits of lengths were set on machines 0 to 14 with seeds 101 to 103, those of a
 121 to 128 with seed 205: machines 27 and 28 are no strangers to the latter, but for their seed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache

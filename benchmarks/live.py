@@ -1,7 +1,5 @@
 """The monitor as a process on a loopback bus: how late it is, what it loses, what it costs, what a kill takes."""
 
-from __future__ import annotations
-
 import random
 import tempfile
 import time

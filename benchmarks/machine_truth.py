@@ -4,8 +4,6 @@ A parameter has a true value where the law of the machine is the model's; where 
 `laws`), it has none.
 """
 
-from __future__ import annotations
-
 import hashlib
 import pickle
 from functools import cache

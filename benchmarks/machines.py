@@ -8,13 +8,7 @@ python -m benchmarks machines [101-104] [three | runs] [quick]
     three  fitted to three runs instead of four;   runs: to one, two, four and eight;   quick: 15 channels only
 """
 
-from __future__ import annotations
-
-import json
-import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +16,8 @@ import numpy as np
 
 from benchmarks.accuracy import SITUATIONS
 from benchmarks.judged import BLIND_MIN, FIRST, FITS, Case, asked, study
-from benchmarks.measure import Row, commit, say, section, table
+from benchmarks.kept import known, outcomes
+from benchmarks.measure import Row, section, table
 
 # band of each situation, um: of the median machine, of the worst
 MOST_UM = dict(zip(SITUATIONS, [(0.35, 0.8), (0.6, 1.2), (0.6, None), (None, None), (1.0, None)]))
@@ -30,26 +25,15 @@ Found = dict[str, Any]  # what `study` returns
 LINES = Path(__file__).parent / "machines.jsonl"
 
 
-def known(of: str) -> Iterator[tuple[Case, Found]]:
-    """What the lines of a commit say, the last ones last."""
-    for line in LINES.read_text().splitlines() if LINES.exists() else ():
-        said = json.loads(line)
-        if said["commit"] == of:
-            yield Case(**said["case"] | {"situations": tuple(said["case"]["situations"])}), said["found"]
-
-
 def measured(cases: Sequence[Case]) -> dict[Case, Found]:
     """Every case and what was found; what the file of lines holds, with all the situations, not again."""
-    of = commit()
-    found = {case: old for case in cases for line, old in known(of) if _covers(line, case)}
-    todo = [case for case in cases if case not in found]
-    with ProcessPoolExecutor(os.cpu_count()) as workers, LINES.open("a") as file:
-        for n, (case, new) in enumerate(zip(todo, workers.map(study, todo)), start=1):
-            found[case] = new
-            file.write(json.dumps({"commit": of, "case": asdict(case), "found": new}) + "\n")
-            file.flush()
-            say(f"{n} of {len(todo)}: machine {case.machine}, fitted to {case.fit}: {band(new, FIRST):.2f} um")
-    return {case: found[case] for case in cases}
+    lines = [(Case(**case), out) for case, out in known(LINES)]
+    found = {case: out for case in cases for line, out in lines if _covers(line, case)}
+    return outcomes(LINES, cases, found, study, _told)
+
+
+def _told(case: Case, out: Found) -> str:
+    return f"machine {case.machine}, fitted to {case.fit}: {band(out, FIRST):.2f} um"
 
 
 def _covers(line: Case, case: Case) -> bool:

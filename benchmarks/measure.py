@@ -1,9 +1,8 @@
 """Timing in interleaved rounds, and rows that say what was measured, what it must be, and whether it is so."""
 
-from __future__ import annotations
-
 import os
 import platform
+import re
 import subprocess
 import sys
 import time
@@ -144,6 +143,12 @@ def alone(study: str, *words: str, what: str = "markdown") -> str:
     if done.returncode:
         raise SystemExit(done.returncode)
     return done.stdout
+
+
+def numbers(word: str) -> range:
+    """`3` or `1-4` as numbers; none where a word is no number."""
+    found = re.fullmatch(r"(\d+)(?:-(\d+))?", word)
+    return range(int(found[1]), int(found[2] or found[1]) + 1) if found else range(0)
 
 
 def say(words: str) -> None:

@@ -1,7 +1,5 @@
 """What the reduced mesh costs: the shipped model on its knots against the same effects on 500 cells, open loop."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The rig that ships with the project: its models, and recordings of it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from drivers.recordings import read_recording

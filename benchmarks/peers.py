@@ -1,7 +1,5 @@
 """Other packages on the same problem, each called the way that costs it least: what one would take instead of ours."""
 
-from __future__ import annotations
-
 import importlib
 from typing import Any
 

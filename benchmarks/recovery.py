@@ -4,8 +4,6 @@ Each has its own true parameters; its states move with the model's own process n
 and readings scatter as the model says. The fit begins from the defaults.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor

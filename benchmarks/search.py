@@ -1,7 +1,5 @@
 """How long it takes to be told which effect is missing, and to have two added: six recordings, as commands."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

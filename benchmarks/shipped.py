@@ -1,7 +1,5 @@
 """The engine on the shipped model and a recording of the rig, beside the filter that runs tick by tick on filterpy."""
 
-from __future__ import annotations
-
 from benchmarks import paper_rig
 from benchmarks.measure import Job, Row, Times, interleaved, ratio, table
 from estimator.batch import batch

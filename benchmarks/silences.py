@@ -1,7 +1,5 @@
 """Silences of the telemeter on machines that are not the model's: who is said to have jumped when it is read again."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

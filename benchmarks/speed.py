@@ -1,7 +1,5 @@
 """How long a review takes, reading a log, and the filter as it runs live."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

@@ -1,7 +1,5 @@
 """How much one file may cost: an endless, looping or inflating log ends here instead of taking the machine with it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

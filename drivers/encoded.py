@@ -3,8 +3,6 @@
 What a signal carries is found by the name of its channel or input; a thermometer reads what stands at its place.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from heapq import merge

@@ -1,7 +1,5 @@
 """Files that hold no text and no log of ours, whatever they are called: what they are, and the way out."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 _CSV = "save or export it as CSV"

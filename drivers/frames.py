@@ -118,10 +118,6 @@ class Frames:
             return self
         return Frames(*(getattr(self, name)[which] for name in _COLUMNS), self.unit, self.buses)
 
-    def with_ids(self, ids: NDArray[np.uint32]) -> Frames:
-        """The same frames under other ids, (n,)."""
-        return replace(self, id=ids)
-
     def on_clock(self, time: Array) -> Frames:
         """The same frames with other stamps, (n,) s."""
         return self if time is self.time else replace(self, time=time)
@@ -161,6 +157,16 @@ def words_of(data: NDArray[np.uint8]) -> tuple[NDArray[np.uint64], NDArray[np.ui
 def key_of(can_id: int, extended: bool) -> int:
     """`Frames.key` of one frame."""
     return can_id << 1 | extended
+
+
+def id_of(key: int) -> str:
+    """The id in a `Frames.key`, as candump writes it: eight digits where it has 29 bits."""
+    return f"0x{key >> 1:0{8 if key & 1 else 3}X}"
+
+
+def few(names: Sequence[str], most: int = 4) -> str:
+    """The first of some names in words, and how many more there are."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 def falls_again_and_again(time: Array) -> bool:

@@ -1,7 +1,5 @@
 """A plant's DBC without what cannot be read in it: one broken message of sixty is no reason to read none."""
 
-from __future__ import annotations
-
 import codecs
 import logging
 import re

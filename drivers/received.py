@@ -1,7 +1,5 @@
 """What every receiver hands on, whatever the interface: frames as they came off a bus, and sentences about the bus."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from drivers.canbus import can

@@ -1,7 +1,5 @@
 """Recordings and their truth: files in, records out."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial

@@ -1,12 +1,10 @@
 """What a recording does not have for long: thermometers, inputs and the drive without a reading."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
 
-from drivers.frames import Array, Tally
+from drivers.frames import Array, Tally, few
 from estimator.record import Recording
 from estimator.rig import Rig, Signal
 
@@ -22,8 +20,7 @@ def silences(recording: Recording, rig: Rig, tally: Tally) -> None:
             found.setdefault(span, []).append(name)
     for (first, last), names in sorted(found.items()):
         begin, end = recording.time_s[first], recording.time_s[last]
-        few = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
-        tally.note(f"no reading of {few} for {end - begin:.0f} s, from {begin:.0f} s on")
+        tally.note(f"no reading of {few(names)} for {end - begin:.0f} s, from {begin:.0f} s on")
 
 
 def _signals(recording: Recording, rig: Rig) -> Iterator[tuple[str, Array]]:

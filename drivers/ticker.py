@@ -1,7 +1,5 @@
 """The live road: frames one by one into samples, by the same clock, ticks and decoder as a whole log."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Units as people, loggers and buses write them."""
 
-from __future__ import annotations
-
 _SAME = {  # what is meant, and how it is written
     "degC": "c °c ºc degc celsius ℃ degree_c deg_c °æ",
     "K": "k kelvin",

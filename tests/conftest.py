@@ -2,11 +2,13 @@
 
 import contextlib
 import io
+import json
 import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does: two threads take up to ten times as long
@@ -250,6 +252,13 @@ def ballscrew(*words: object) -> tuple[int, str, str]:
     with command, alone, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), ended as status:
         main()
     return status.value.code or 0, out.getvalue(), err.getvalue()
+
+
+def json_of(*words: object) -> Any:
+    """What `ballscrew WORDS --json`, which must succeed, prints as JSON."""
+    status, out, err = ballscrew(*words, "--json")
+    assert status == 0, err
+    return json.loads(out)
 
 
 @pytest.fixture(scope="session")

@@ -11,7 +11,7 @@ from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.step import TableErrors
 from tests.conftest import at_defaults
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.recorded.run import ReviewedRun
 
 CELLS = 49

@@ -1,7 +1,5 @@
 """ballscrew compare: models against recordings, beside each other."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """ballscrew diagnose: whether a model is adequate, where it fails, and what the failure follows."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """ballscrew export: convert logs of CAN frames to another format."""
 
-from __future__ import annotations
-
 import heapq
 import math
 import time

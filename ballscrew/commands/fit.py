@@ -1,7 +1,5 @@
 """ballscrew fit: fit a model's parameters to recordings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

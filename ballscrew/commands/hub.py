@@ -1,7 +1,5 @@
 """ballscrew hub: a CAN bus between programs of one machine, without CAN hardware."""
 
-from __future__ import annotations
-
 import asyncio
 import signal
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """ballscrew improve: add to a model what is missing, effect by effect, as long as that helps."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

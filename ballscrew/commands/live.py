@@ -1,7 +1,5 @@
 """ballscrew live: monitor a rig on a CAN bus."""
 
-from __future__ import annotations
-
 import math
 import signal
 import time

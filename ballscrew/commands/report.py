@@ -1,13 +1,11 @@
 """ballscrew report: a review as one HTML file, to hand on."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
-from ballscrew.options import PATH, workspace_options, writable
+from ballscrew.options import PATH, workspace_options, writable_as
 from ballscrew.page.headline import headline
 from ballscrew.page.iso230 import drift_section, positions
 from ballscrew.page.iso230.drift import Drift, drift
@@ -21,17 +19,10 @@ from estimator.record import Recording
 from estimator.rig import Rig
 
 
-def writable_page(ctx: click.Context, param: click.Parameter, value: Path) -> Path | str | None:
-    """A page's file: one whose name says so, so that no recording is overwritten by a slip."""
-    if value.suffix.lower() not in (".html", ".htm"):
-        raise SetupError(f"-o {value}: a page is written as .html")
-    return writable(ctx, param, value)
-
-
 @click.command("report")
 @click.option(
-    "-o", "out", type=PATH, default="report.html", show_default=True, metavar="OUT.html", callback=writable_page,
-    help="Write the page here.",
+    "-o", "out", type=PATH, default="report.html", show_default=True, metavar="OUT.html",
+    callback=writable_as("a page is written as .html", ".html", ".htm"), help="Write the page here.",
 )  # fmt: skip
 @click.option(
     "--iso230-3", "iso", is_flag=True, help="With the drift of the axis after ISO 230-3, at positions of the table."

@@ -1,7 +1,5 @@
 """ballscrew review: run the filter over recordings and say how good the estimate is."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """ballscrew suggest: say which physical effect is missing from a model."""
 
-from __future__ import annotations
-
 import shlex
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """ballscrew trend: how a machine's parameters change from run to run, over weeks."""
 
-from __future__ import annotations
-
 import click
 
 from ballscrew.options import workers_option, workspace_options

@@ -1,7 +1,5 @@
 """ballscrew tune: set a model's noise levels by recordings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """ballscrew warm: compile the filter before it is needed."""
 
-from __future__ import annotations
-
 import click
 import numpy as np
 

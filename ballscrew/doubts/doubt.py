@@ -1,7 +1,5 @@
 """A doubt about a rig folder, and what each kind of doubt is told of."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Every doubt about a rig folder beside its recordings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Doubts about the drive: a speed that is not how fast the position changes, and a nut that leaves the screw."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

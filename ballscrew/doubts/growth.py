@@ -1,7 +1,5 @@
 """Doubts about the displacement: repeated, or of another sign or size than the screw can grow by its warming."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

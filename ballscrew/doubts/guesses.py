@@ -1,7 +1,5 @@
 """Lines of a rig.toml that `ballscrew init` has guessed, and that nobody has looked at yet."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 GUESSED = "# guessed:"

@@ -4,8 +4,6 @@ Only where heat has had time to even out: a quarter of an hour after the last dr
 what is still uneven is more likely a wrong place. On a rig without a drive any time will do.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import combinations
 

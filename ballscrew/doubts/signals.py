@@ -1,7 +1,5 @@
 """Doubts about single signals: those that never come, that nobody named, in another unit, outside, or constant."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -12,6 +10,7 @@ from ballscrew.new_rig import words
 from ballscrew.new_rig.bus_log import BusLog
 from ballscrew.new_rig.lab_table import LabTable
 from ballscrew.new_rig.temperatures import unit_of
+from drivers.frames import few
 from drivers.lab.names import known_as, nearest_name
 from estimator.errors import EffectError
 from estimator.inputs.inputs import nothing
@@ -35,9 +34,8 @@ def never_came(case: Case) -> Iterator[Doubt]:
         elif not case.of(name, rule) and not (table == "inputs" and _taken_by(case, name)):
             yield _no_column(case, table, name, rule.column or name, case.source)
     for message, names in lost.items():
-        told = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
         fix = "look at the DBC, the bus and the sender, or take it out of rig.toml"
-        yield Doubt("rig.toml", f"message {message} never came: no {told}", fix)
+        yield Doubt("rig.toml", f"message {message} never came: no {few(names)}", fix)
     closes = case.rig.log.closes
     if isinstance(case.source, BusLog) and closes in case.source.never:
         yield Doubt("rig.toml: log.closes", f"{closes} never came: the timer closes each tick", "name one that comes")
@@ -59,8 +57,7 @@ def unnamed(case: Case) -> Iterator[Doubt]:
     named = {one.source for _, name, rule in case.signals() for one in case.of(name, rule)}
     free = [one for one in case.source.seen if one.source not in named and unit_of(one, case.source.seen)]
     if free:
-        told = ", ".join(one.source for one in free[:4]) + (f" and {len(free) - 4} more" if len(free) > 4 else "")
-        what = f"it names none of these temperatures: {told}"
+        what = f"it names none of these temperatures: {few([one.source for one in free])}"
         yield Doubt("rig.toml", what, "add to [channels] or [inputs] what is of this rig")
 
 

@@ -1,7 +1,5 @@
 """Work beside the monitor: writing for a reader who may stall, as a pipe, a disk or a lost terminal does."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from queue import Full, Queue

@@ -1,7 +1,5 @@
 """What the person at the terminal sees of the monitor, and how they stop it."""
 
-from __future__ import annotations
-
 import signal
 import time
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Drives and stops as they come, in words: told once they have lasted, from when they began."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

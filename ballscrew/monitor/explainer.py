@@ -1,7 +1,5 @@
 """What has changed, asked of the recording in a process of its own while rig and model part."""
 
-from __future__ import annotations
-
 import json
 import math
 import shutil

@@ -3,8 +3,6 @@
 What is not of now is grey: values of an estimate that is not valid, or of the model alone after the rig has ended.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ballscrew.monitor.status import Status

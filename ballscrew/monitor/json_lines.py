@@ -1,7 +1,5 @@
 """A line of JSON for each tick, into a file or to whoever reads our output."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys

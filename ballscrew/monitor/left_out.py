@@ -1,7 +1,5 @@
 """Own effects that make no number of a tick: the estimate goes on without them, or is not valid any more."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

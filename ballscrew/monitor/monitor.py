@@ -1,7 +1,5 @@
 """From frames to estimates, alarms and trust, a tick at a time: the part of `live` that knows no bus and no screen."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A monitor that is started again goes on with the recording that has just ended, as if it had never stopped."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

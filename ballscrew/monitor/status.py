@@ -1,7 +1,5 @@
 """What the monitor says of itself: rows for a person, one line for a log, one JSON line a tick for programs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

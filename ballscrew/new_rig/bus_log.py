@@ -1,7 +1,5 @@
 """A log of CAN frames of a rig that nobody has described yet: the messages of its DBC that came, signal by signal."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +12,7 @@ from drivers.budget import Budget
 from drivers.decode.addresses import addressed
 from drivers.decode.buses import chosen, on_one_clock
 from drivers.decode.dbc import Bits, Dbc, Layout, Words, load_dbc
-from drivers.frames import Frames, Tally, words_of
+from drivers.frames import Frames, Tally, few, id_of, words_of
 from drivers.logs.joined import Progress
 from drivers.logs.logs import read_log
 from estimator.errors import SetupError
@@ -68,7 +66,7 @@ def bus_log_of(path: Path, frames: Frames, dbc_path: Path | None, tally: Tally, 
     if dbc_path is None and len(came) < len(theirs) - 1:
         raise SetupError(f"{path}: {_ids(frames)}; what they mean says the DBC of the bus: --dbc FILE.dbc")
     if not came:
-        wanted = ", ".join(f"{_id(m.key)} ({m.name})" for m in theirs[:4])
+        wanted = ", ".join(f"{id_of(m.key)} ({m.name})" for m in theirs[:4])
         raise SetupError(f"{dbc.path}: none of its ids, {wanted} ..., is in {path.name}: {_ids(frames)}")
     bus, others = _bus(frames, came)
     frames = frames.take(frames.bus == bus) if others else frames.on_clock(on_one_clock(frames, str(path), tally))
@@ -109,11 +107,6 @@ def _ids(frames: Frames) -> str:
     """Which ids came how often, in words: the most frequent first."""
     keys, counts = np.unique(frames.key, return_counts=True)
     span = max(float(np.ptp(frames.time)), 1e-3)
-    order = np.argsort(-counts, kind="stable")[:_SHOWN]
-    told = [f"{_id(int(keys[k]))} {counts[k] / span:.3g}/s" for k in order]
-    more = f" and {len(keys) - len(told)} more" if len(keys) > len(told) else ""
-    return f"{len(frames)} frames of {len(keys)} ids ({', '.join(told)}{more})"
-
-
-def _id(key: int) -> str:
-    return f"0x{key >> 1:0{8 if key & 1 else 3}X}"
+    order = np.argsort(-counts, kind="stable")
+    told = [f"{id_of(int(keys[k]))} {counts[k] / span:.3g}/s" for k in order]
+    return f"{len(frames)} frames of {len(keys)} ids ({few(told, _SHOWN)})"

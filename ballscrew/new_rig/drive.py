@@ -1,7 +1,5 @@
 """Which signals are the drive's speed and position and its current, and which are heaters."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

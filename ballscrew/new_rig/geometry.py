@@ -1,7 +1,5 @@
 """Where things are on a rig of which only a recording is known: places and sizes to begin with, to be edited."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """Which signals read how much the screw has grown."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """A lab CSV, or an MF4 of signals, of a rig that nobody has described yet: its times, and every column of numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A first model.toml: the effects of the catalogue that the rig can have, heaters and bodies as effects of its own."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -84,16 +82,11 @@ def _powers(rig: Rig, guesses: Sequence[Guess], own: Mapping[str, type[Effect]])
     rates = warmed(guesses)
     for guess in guesses:
         if guess.role == "heater" and rig.screw is None:
-            yield f"{own[_class_of(guess)].name}.power", round_to(CAPACITY * max(rates[guess.name].values()), 2)
+            yield f"{own[_class_of(guess)].name}.power", float(f"{CAPACITY * max(rates[guess.name].values()):.2g}")
         elif guess.role == "heater" and guess.rule.unit == "W":
             yield f"{own[_class_of(guess)].name}.power", 1.0
     if rig.screw is None:
-        yield "bodies.g", round_to(CAPACITY * max(float(np.mean([*rates[LOSS].values()])), 1e-3), 2)
-
-
-def round_to(value: float, digits: int) -> float:
-    """A number with so many digits."""
-    return float(f"{value:.{digits}g}")
+        yield "bodies.g", float(f"{CAPACITY * max(float(np.mean([*rates[LOSS].values()])), 1e-3):.2g}")
 
 
 def _heater(guess: Guess, guesses: Sequence[Guess], rig: Rig) -> str:

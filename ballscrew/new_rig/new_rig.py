@@ -1,7 +1,5 @@
 """From recordings of a rig that nobody has described to a rig folder that works: what is in them, guesses, files."""
 
-from __future__ import annotations
-
 import filecmp
 import shutil
 from collections.abc import Iterator, Sequence

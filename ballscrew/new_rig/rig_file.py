@@ -1,7 +1,5 @@
 """The text of a rig.toml in which every guess is marked."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 

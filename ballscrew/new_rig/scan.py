@@ -3,8 +3,6 @@
 Nothing here is taken by its name: a checksum is one that is right, a counter one that counts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Which signals are temperatures, which of them are on the screw, and what the others are of."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 

@@ -1,7 +1,5 @@
 """What units and names say of a signal, in English and German as buses and loggers have them."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """A file of Python gets one more class at its end, and the imports that it lacks for it. Nothing of it runs."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Mapping
 from pathlib import Path

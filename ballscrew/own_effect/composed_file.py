@@ -1,7 +1,5 @@
 """Effects that no catalogue has, as a file of one's own that a model can use."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

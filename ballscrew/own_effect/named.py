@@ -1,7 +1,5 @@
 """An effect as a command line names it: by its name in the catalogue, or as FILE.py or FILE.py:Class of one's own."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A user's own code may never end: then the command does, and says so."""
 
-from __future__ import annotations
-
 import _thread
 import signal
 import threading

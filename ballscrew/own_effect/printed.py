@@ -1,7 +1,5 @@
 """An effect as a person and as a program read it, with its defaults or with a model's values."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

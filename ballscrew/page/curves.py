@@ -1,7 +1,5 @@
 """Pictures of one reviewed recording over time: elongation, what the estimate leaves, the error at the table."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

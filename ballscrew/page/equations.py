@@ -1,7 +1,5 @@
 """The model as a page has it: each effect with its equation, and values with sd and unit."""
 
-from __future__ import annotations
-
 from ballscrew.page.section import Block, Formula, Grid, Section, Words
 from ballscrew.terminal import Rows
 from estimator.effect import Effect

@@ -1,7 +1,5 @@
 """What is to be known first: how well the estimate follows, whether the model is this machine's, what was not used."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

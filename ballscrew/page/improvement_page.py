@@ -1,7 +1,5 @@
 """The report on an improvement as a page."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

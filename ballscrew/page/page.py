@@ -1,7 +1,5 @@
 """One HTML file that needs nothing besides itself: a title, what is to be known first, and sections."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from datetime import datetime
 from html import escape

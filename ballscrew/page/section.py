@@ -3,8 +3,6 @@
 All text is escaped here and nowhere else: names of recordings, channels and effects come from outside.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

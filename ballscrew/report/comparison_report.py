@@ -1,7 +1,5 @@
 """Models against recordings, beside each other: tables and JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ballscrew.report.sections import HORIZONS, KEYS, Section, by_horizon, cells, number

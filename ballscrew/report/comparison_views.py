@@ -1,7 +1,5 @@
 """What the views of one or two models show: the filter and the model alone on each recording, and the heat missing."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -27,6 +25,7 @@ from viz.comparison.compared import ComparedRun, HeatAlong, HeatMap, Side
 from viz.comparison.comparison import save
 from viz.drawing import paths
 from viz.drawing.bars import Bars, BarSeries
+from viz.drawing.scale import rms
 from viz.viewer.printed import print_bars, print_heat, print_maps
 
 DOES = {"driving": ("drive",), "at rest": ("early_stop", "late_stop")}
@@ -118,11 +117,9 @@ def by_channel(runs: Sequence[ComparedRun]) -> list[Bars]:
 def _rms(runs: Sequence[ComparedRun], shown: Array) -> list[BarSeries]:
     series = []
     for side in runs[0].named:
-        squares = np.concatenate([run.named[side].misfit[:, shown] for run in runs]) ** 2
-        known = np.isfinite(squares).sum(axis=0)
-        rms = np.sqrt(np.divide(np.nansum(squares, axis=0), known, out=np.full(len(known), np.nan), where=known > 0))
+        misfit = np.concatenate([run.named[side].misfit[:, shown] for run in runs])
         name = side if len(runs[0].sides) > 1 else "model alone"
-        series.append(BarSeries(name, rms, paths.COMPARED_AS[side]))
+        series.append(BarSeries(name, rms(misfit), paths.COMPARED_AS[side]))
     return series
 
 

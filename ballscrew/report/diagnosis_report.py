@@ -1,7 +1,5 @@
 """A diagnosis: tables and JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

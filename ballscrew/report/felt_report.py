@@ -1,7 +1,5 @@
 """What models leave at the table while the rig cools, as a table, a sentence and JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """A fit: tables, sentences and JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

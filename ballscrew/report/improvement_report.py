@@ -1,7 +1,5 @@
 """What an improvement came to, as tables and as JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Reviews as a person and as a program read them: tables, sentences and JSON with the same figures."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
@@ -18,7 +16,6 @@ from estimator.accuracy.doubts import doubts
 from estimator.accuracy.machine import LIMIT_SD
 from estimator.accuracy.review import Review, overall
 from estimator.rig import Rig
-from estimator.state.warmth import Warmth
 
 TITLES = {
     "filter": "filter",
@@ -94,14 +91,10 @@ def warm(reviews: Sequence[Review]) -> list[str]:
     return [f"{r.recording.name} {r.start.sentence}" for r in reviews if r.start is not None and r.start.warm]
 
 
-def length_of(review: Review) -> str:
-    """How much there is of a recording."""
-    r = review.recording
-    return f"{duration(r.time_s[-1])}, {len(r)} ticks" + (f", {r.frames} frames" if r.frames else "")
-
-
 def _head(review: Review) -> str:
-    return f"{review.recording.name}: {length_of(review)}; reference: {review.reference_name}"
+    r = review.recording
+    frames = f", {r.frames} frames" if r.frames else ""
+    return f"{r.name}: {duration(r.time_s[-1])}, {len(r)} ticks{frames}; reference: {review.reference_name}"
 
 
 def told(review: Review) -> list[str]:
@@ -175,21 +168,19 @@ def _percent(a: Accuracy) -> str:
     return f"{a.coverage_2sigma:.1%}" if np.isfinite(a.coverage_2sigma) else ""
 
 
-def _start(start: Warmth | None) -> dict[str, Any] | None:
-    return start and {"warm": start.warm, "grown_um": start.grown_um, "sd_um": start.sd_um}
-
-
 def as_json(reviews: Sequence[Review], fitted: Sequence[bool], seconds: Sequence[float]) -> dict[str, Any]:
     """The figures for programs."""
     recordings = []
     for r, took in zip(reviews, seconds, strict=True):
-        recording = r.recording
+        recording, start = r.recording, r.start
         recordings.append({
             "name": recording.name, "reference": r.reference_name, **_errors([r]), "nis_mean": r.nis_mean,
             **_use(r), "temperature_K": {"one_step": r.one_step_K, "open_loop": r.open_loop_K},
             "off_sd": r.off_sd,
             "ticks": len(recording), "frames": recording.frames, "skipped": dict(recording.skipped),
-            "notes": list(recording.notes), "start": _start(r.start), "seconds": took,
+            "notes": list(recording.notes),
+            "start": start and {"warm": start.warm, "grown_um": start.grown_um, "sd_um": start.sd_um},
+            "seconds": took,
         })  # fmt: skip
     rest = [r for r, was_fitted in zip(reviews, fitted, strict=True) if not was_fitted]
     return {"recordings": recordings, "overall": _errors(reviews), "held_out": _errors(rest) if rest else None}

@@ -1,7 +1,5 @@
 """What the views of reviews show: each recording with all that was estimated from it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -24,7 +22,7 @@ from estimator.faults.use import MUTED
 from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.step import Track
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun, first_stop_s
 

@@ -1,7 +1,5 @@
 """Sections of a title, sentences and a table, as markdown or on the terminal; errors as its cells, and for programs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

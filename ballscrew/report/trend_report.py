@@ -1,7 +1,5 @@
 """A trend: what has changed since when, every parameter's course as a row, and JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from datetime import datetime
 
@@ -47,13 +45,8 @@ def sentences(trend: Trend) -> list[str]:
     if not trend.tellable:
         return [*_order(trend), f"{runs.capitalize()} are too few to tell that one {of} has changed, however much."]
     none = f"No parameter has changed over {runs} by more than chance gives: {of}, {known} are told by single runs."
-    return [*_order(trend), none, *_too_few(trend)]
-
-
-def _too_few(trend: Trend) -> Iterator[str]:
-    """Changes that are not told because the runs are too few, not because they are not there."""
-    if "step" not in trend.tellable:
-        yield "A step so few runs do not tell, however large: a rise only."
+    few = "A step so few runs do not tell, however large: a rise only."
+    return [*_order(trend), none, *([] if "step" in trend.tellable else [few])]
 
 
 def _order(trend: Trend) -> Iterator[str]:

@@ -1,7 +1,5 @@
 """A tuning: tables, sentences, JSON and views."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

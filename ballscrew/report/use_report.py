@@ -1,7 +1,5 @@
 """What was used of recordings, on the terminal and for programs."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any

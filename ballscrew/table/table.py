@@ -12,8 +12,6 @@
 What is not known is null. Where several recordings were given a first column `recording` tells them apart.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 from pathlib import Path

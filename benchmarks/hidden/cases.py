@@ -1,8 +1,5 @@
 """The cases: what is hidden, on which machine, in which recordings, and by which road the model came."""
 
-from __future__ import annotations
-
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -11,6 +8,7 @@ from typing import NamedTuple
 
 from benchmarks.hidden.plants import EVENTS, PLANTED, STRANGERS, TAKEN_OUT, kind_of
 from benchmarks.injected import FAILURES
+from benchmarks.measure import numbers
 from drivers.virtual_rig.dice import dice
 
 ROADS = ("healthy", "same", "shipped")
@@ -97,16 +95,7 @@ ROWS = {
     "reading": Row(20, 2, lambda n: Hidden(reading=True)),
 }
 MOVED_ON = 7  # from road to road, so that the smaller study meets every effect on one of them
-HELD_OUT = (
-    "one",
-    "half",
-    "double",
-    "two",
-    "three",
-    "drawn",
-    "bare",
-    "reading",
-)  # where the error afterwards is a matter
+HELD_OUT = ("one", "half", "double", "two", "three", "drawn", "bare", "reading")  # the error afterwards is a matter
 SIX = "label"  # is told by the other runs, and there are six
 
 
@@ -153,16 +142,14 @@ class Case:
 
 def asked(words: Sequence[str]) -> list[Case]:
     """The cases that words ask for; the smaller study without any."""
-    ranges = [found for word in words if (found := re.fullmatch(r"(\d+)(?:-(\d+))?", word))]
-    flags = {"whole", "dev", "alone"}
-    if unknown := set(words) - {*ROWS, *ROADS, *flags, *(found[0] for found in ranges)}:
+    flags, asked_for = {"whole", "dev", "alone"}, {n for word in words for n in numbers(word)}
+    if unknown := {word for word in words if word not in {*ROWS, *ROADS, *flags} and not numbers(word)}:
         known = ", ".join((*ROWS, *ROADS, *sorted(flags)))
         raise SystemExit(f"hidden: what is {', '.join(sorted(unknown))}? Cases like 0-9, or {known}")
-    numbers = {n for found in ranges for n in range(int(found[1]), int(found[2] or found[1]) + 1)}
     rows, roads = ([each for each in names if each in words] or list(names) for names in (ROWS, ROADS))
     return [
         Case(row, road, n, "dev" in words)
         for row, road in product(rows, roads)
         for n in range(ROWS[row].whole)
-        if (n in numbers if numbers else "whole" in words or n < ROWS[row].small)
+        if (n in asked_for if asked_for else "whole" in words or n < ROWS[row].small)
     ]

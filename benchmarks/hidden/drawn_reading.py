@@ -1,7 +1,5 @@
 """A wrong reading whose shape is drawn by the seed: which channel, a size, and a law that no list of effects has."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -10,8 +10,6 @@ planted at least. To name such a thing is right where a parameter carries what i
 A thermometer that is shifted in all runs is also found if it is said to be broken in most of them, and left out.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Mapping
 

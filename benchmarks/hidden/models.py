@@ -1,7 +1,5 @@
 """The model that a user comes with, by each of the roads."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Sequence
 from functools import cache

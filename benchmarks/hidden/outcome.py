@@ -1,7 +1,5 @@
 """What came out of a case, as facts that a line of JSON holds; whether that is right is judged elsewhere."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 

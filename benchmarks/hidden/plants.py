@@ -1,8 +1,6 @@
 """What can be hidden, and what it is to a model: an effect of the catalogue, another value of one of the model's own
 parameters, or nothing that any catalogue has."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The recordings of a case: its machine's runs, with what is planted in them and what is wrong with them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from benchmarks.handed_over import Lie, record

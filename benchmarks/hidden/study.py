@@ -1,7 +1,5 @@
 """One case, from the machine's runs to what is said of them."""
 
-from __future__ import annotations
-
 from time import perf_counter
 
 from benchmarks import paper_rig

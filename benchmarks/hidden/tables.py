@@ -1,8 +1,6 @@
 """The tables of the study: every row with what must come out, what was said to what, and every case that came out
 wrong."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 

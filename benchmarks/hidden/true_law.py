@@ -1,7 +1,5 @@
 """The law of a heat whose shape was drawn, as an effect: what a model that knows it has."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 

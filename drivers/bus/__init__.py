@@ -1,1 +1,1 @@
-"""A bus, who listens, shares, sends: bus, kernel_buffer, receiver, age, rig_time, stamp, missing, publisher, hub."""
+"""A bus, who listens, shares, sends: bus, kernel_buffer, receiver, age, rig_time, missing, publisher, hub."""

@@ -1,7 +1,5 @@
 """How old a frame is when it is received: it may have lain in the buffers of the kernel, the network or a hub."""
 
-from __future__ import annotations
-
 import math
 
 BACK_S = 0.5  # a stamp that runs back by more is a clock that was set

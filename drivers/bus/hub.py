@@ -13,7 +13,6 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 
-from drivers.bus.stamp import Stamp
 from estimator.errors import SetupError
 
 _SEND = re.compile(rb"send ([0-9A-Fa-f]{1,3}|[01][0-9A-Fa-f]{7}) ([0-8])((?: +[0-9A-Fa-f]{1,2})*) *")
@@ -183,3 +182,19 @@ def _frame(words: bytes) -> tuple[bytes, bytes] | None:
     if len(digits) != int(size) or (len(number) < 8 and int(number, 16) > 0x7FF):
         return None
     return number.zfill(3).upper(), b"".join(digits).upper()
+
+
+class Stamp:
+    """Wall time in whole microseconds that never goes back: when the clock is set back, it goes on steadily."""
+
+    def __init__(self) -> None:
+        self._ahead_ns = 0  # of the wall clock, against the steady one
+        self._last_us = 0
+
+    def next(self) -> bytes:
+        """Later than every stamp before, s since 1970: "1699999999.123456"."""
+        wall_ns = time.time_ns()
+        steady_ns = time.monotonic_ns()
+        self._ahead_ns = max(self._ahead_ns, wall_ns - steady_ns)
+        self._last_us = max((steady_ns + self._ahead_ns) // 1000, self._last_us + 1)
+        return b"%d.%06d" % divmod(self._last_us, 1_000_000)

@@ -4,8 +4,6 @@ The default holds 278 frames, 35 ms of a full bus; a process that is not given t
 and never hears of it.
 """
 
-from __future__ import annotations
-
 import socket
 import struct
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Messages of a bus that should have come: each has its cycle time in the DBC, and three of them are a time-out."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from drivers.decode.dbc import Layout

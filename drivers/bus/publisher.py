@@ -1,7 +1,5 @@
 """The estimate on the bus, for a control to compensate with: Estimate and Compensation, by a bus handle of its own."""
 
-from __future__ import annotations
-
 import queue
 import threading
 import time

@@ -6,8 +6,6 @@ then after twice as long up to a minute, for it may only be silent. A bus that h
 mistake of whoever named it.
 """
 
-from __future__ import annotations
-
 import math
 import queue
 import threading

@@ -1,7 +1,5 @@
 """The rig's time of frames as they come off a bus."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Collection
 

@@ -1,8 +1,7 @@
 """J1939: ids of one parameter group differ in priority and in the sender's address, another on each machine."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -42,7 +41,7 @@ def addressed(frames: Frames, used: Sequence[Layout], dbc: Dbc, name: str, tally
                 )
             ids[on & (frames.key == (senders[0] << 1 | 1))] = message.id
             tally.note(_said(message, senders[0], dbc))
-    return frames.with_ids(ids)
+    return replace(frames, id=ids)
 
 
 def _said(message: Layout, can_id: int, dbc: Dbc) -> str:

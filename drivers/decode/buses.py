@@ -5,8 +5,6 @@ that comes straight after one of the other is stamped c too late or too early: c
 sort of pairs allows and the least that the other does.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

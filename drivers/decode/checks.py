@@ -1,7 +1,5 @@
 """Checksums and counters of frames and scans, whole arrays at once."""
 
-from __future__ import annotations
-
 import numpy as np
 from crccheck.crc import Crc8SaeJ1850, Crc16CcittFalse
 from numpy.typing import NDArray

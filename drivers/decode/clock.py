@@ -11,8 +11,6 @@ Time stamps of a bus are wall clock: they jump, stand still and are sometimes ru
   - Where the stamps stand still over whole scans, each scan counts as one tick.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Frames into ticks, as the rig file and its DBC say: one decoder for whole logs and for a tick of a live bus."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from itertools import chain
 
@@ -12,7 +10,7 @@ from drivers.decode.condense import Condenser, Readings, portions
 from drivers.decode.dbc import Bits, Layout, find_dbc, load_dbc
 from drivers.decode.scan import Scan
 from drivers.decode.sources import Source, sources
-from drivers.frames import Array, Frames, Index, Mask, Tally, Whole, words_of
+from drivers.frames import Array, Frames, Index, Mask, Tally, Whole, few, id_of, words_of
 from drivers.units import contradicts, unit_of
 from estimator.record import Recording
 from estimator.rig import Rig
@@ -44,10 +42,8 @@ class Decoder:
         for name, why in self.dbc.left_out.items():
             tally.note(f"{self.dbc.path.name}: '{name}' is not read: {why}")
         for (said, unit), names in self._in_other_units().items():
-            few = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
-            tally.doubt(
-                f"{few}: in {said} by {self.dbc.path.name}, in {unit} by rig.toml: convert there, scale and offset"
-            )
+            what = f"in {said} by {self.dbc.path.name}, in {unit} by rig.toml"
+            tally.doubt(f"{few(names, 3)}: {what}: convert there, scale and offset")
         self.used = [m for m in self.dbc.messages.values() if m.name in used or m == self.scan.closing]
 
     def _in_other_units(self) -> dict[tuple[str, str], list[str]]:
@@ -86,7 +82,7 @@ class Decoder:
             why = f"has {sizes[-1]} bytes, {message.length} in {self.dbc.path.name}" if len(sizes) else "never came"
             if message.key ^ 1 in there:
                 bits = 29 if message.extended else 11
-                why += f", but {_id(message.key ^ 1)} did: {self.dbc.path.name} has it with {bits} bits"
+                why += f", but {id_of(message.key ^ 1)} did: {self.dbc.path.name} has it with {bits} bits"
             lost = ", ".join(source.name for source in self.sources.get(message.name, ()))
             self.tally.doubt(f"{message.name} (0x{message.id:X}) {why}{f': no {lost}' if lost else ''}")
 
@@ -170,24 +166,15 @@ class Decoder:
         keys = np.unique(frames.key).tolist()
         if {message.key for message in self.used}.intersection(keys):
             return ""
-        ids = [_id(key) for key in keys]
-        wanted = [f"{_id(message.key)} ({message.name})" for message in self.used]
-        return f"ids {_few(ids)}; expected {_few(wanted)} as in {self.dbc.path.name}"
+        ids = [id_of(key) for key in keys]
+        wanted = [f"{id_of(message.key)} ({message.name})" for message in self.used]
+        return f"ids {few(ids)}; expected {few(wanted)} as in {self.dbc.path.name}"
 
     def _account(self, frames: Frames) -> None:
         """Count frames that the rig file does not use."""
         for key, count in zip(*(column.tolist() for column in np.unique(frames.key, return_counts=True)), strict=True):
             message = self.dbc.by_key.get(key)
             if message is None:
-                self.tally.skip(f"unknown id {_id(key)}", count)
+                self.tally.skip(f"unknown id {id_of(key)}", count)
             elif message not in self.used:
                 self.tally.skip(f"not in the rig file {message.name}", count)
-
-
-def _id(key: int) -> str:
-    """An id as candump writes it: eight digits where it has 29 bits."""
-    return f"0x{key >> 1:0{8 if key & 1 else 3}X}"
-
-
-def _few(words: list[str]) -> str:
-    return ", ".join(words[:4]) + (f" and {len(words) - 4} more" if len(words) > 4 else "")

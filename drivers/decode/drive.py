@@ -5,8 +5,6 @@ stretch the speed runs evenly from one value to the next, through zero where it 
 position to the next.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whether a scan counts: the closing message's state, its checksum over the data, its bits of faulty channels."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """The scans of a rig beside the stamps of its frames: how far they have come, and whether they went on over a jump."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """From the frames of a message to the readings of a channel or input, with all that is unusable left out by reason."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Where ticks close on the rig's clock: the same rule live and in review."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from drivers.frames import Array, Index, Mask, Tally

@@ -1,7 +1,5 @@
 """Which column of a sheet is which channel or input, where its times are, and in which units."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass

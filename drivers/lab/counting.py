@@ -4,8 +4,6 @@ Its unit is what rig.toml says, else what the file says, else what the size of t
 What may be two of these is refused and never guessed.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 

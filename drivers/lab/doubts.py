@@ -1,7 +1,5 @@
 """Whether temperatures as a whole can be what rig.toml says: in another unit they are all wrong in the same way."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

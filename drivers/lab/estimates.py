@@ -1,7 +1,5 @@
 """What `review --table` writes beside recordings: never a recording."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 _BEGINS = ('"time_s","mode","elongation_um"', '"recording","time_s","mode"')

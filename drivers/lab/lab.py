@@ -3,8 +3,6 @@
 What was recognised by itself is said in one note: "';' between cells, ',' as decimal mark, names in line 5".
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

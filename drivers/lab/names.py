@@ -1,7 +1,5 @@
 """Names of columns, as people and loggers write them, and the units in them."""
 
-from __future__ import annotations
-
 import difflib
 import re
 from collections.abc import Collection

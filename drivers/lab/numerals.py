@@ -1,7 +1,5 @@
 """Numbers of a CSV: decimal points or commas, and marks between thousands."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 

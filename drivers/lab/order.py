@@ -4,8 +4,6 @@ Loggers write the newest row first, parts the wrong way round, and several rows 
 back is no matter of order: its rows stay where they are, and the rig's clock deals with it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from drivers.frames import Array, Index

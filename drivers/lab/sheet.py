@@ -4,8 +4,6 @@ The line of names is the one that names the most of what the rig file asks for, 
 asked for, the one with the most names of columns of numbers.
 """
 
-from __future__ import annotations
-
 import codecs
 import csv
 from collections.abc import Collection, Iterator

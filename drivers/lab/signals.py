@@ -1,7 +1,5 @@
 """An MF4 of decoded signals into the rows of a lab CSV: each signal by its name, at its own times."""
 
-from __future__ import annotations
-
 import mmap
 from collections.abc import Iterator
 from contextlib import contextmanager

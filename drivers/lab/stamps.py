@@ -3,8 +3,6 @@
 An order of day and month that the dates leave open, where it matters, is refused and never guessed.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress

@@ -5,8 +5,6 @@ layout is taken from a line that matches the pattern, so nothing is assumed abou
 that matches nothing is counted, and a last line without its line end is never a frame: its data may be cut short.
 """
 
-from __future__ import annotations
-
 import codecs
 import re
 import time
@@ -19,6 +17,7 @@ from numpy.typing import NDArray
 
 from drivers.budget import Budget
 from drivers.frames import FRAME, Frames, Index, Tally, Whole
+from drivers.logs.candump_line import ERROR_FLAG
 
 Bytes = NDArray[np.uint8]
 
@@ -30,7 +29,6 @@ _FD = re.compile(rb"\(\d+\.\d+\) \S+ [0-9A-Fa-f]{3,8}##")
 _SCREEN = re.compile(rb" {1,3}(?:\([^)]*\) +)?\S+ +(?:[RT]X \S+ \S+ +)?[0-9A-Fa-f]{3,8} +\[\d+\] ")
 _FOREIGN = "torn or foreign line"
 _ON_SCREEN = "line as candump shows it on the screen: record with `candump -L`"
-_ERROR_FLAG = 0x20000000
 _CHUNK = 1 << 23
 _LAYOUTS = 64
 _LONGEST = 256
@@ -142,7 +140,7 @@ class _Reader:
 
     def _keep(self, table: NDArray[np.void]) -> None:
         table = table[np.argsort(table["number"], kind="stable")]
-        error = table["extended"] & ((table["id"] & _ERROR_FLAG) != 0)
+        error = table["extended"] & ((table["id"] & ERROR_FLAG) != 0)
         if error.any():
             self.tally.skip("error frame", np.count_nonzero(error))
             table = table[~error]

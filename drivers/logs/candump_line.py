@@ -6,13 +6,11 @@
 (1699999999.123456) can0 20000080#0000000000000000  error frame: its class bits, marked, and its details
 """
 
-from __future__ import annotations
-
 import re
 
 from drivers.received import Received
 
-_ERROR_FLAG = 0x20000000
+ERROR_FLAG = 0x20000000
 _LINE = re.compile(
     r" *\((\d{1,10}\.\d{1,9})\) +(\S+) +([0-9A-Fa-f]{8}|[0-9A-Fa-f]{3})#"
     r"(?:R([0-8]?)|#([0-9A-Fa-f])((?:[0-9A-Fa-f]{2}){0,64})|((?:[0-9A-Fa-f]{2}){0,8}))(?: [RT])?\s*"
@@ -29,7 +27,7 @@ def line_of(frame: Received) -> str:
     elif frame.kind == "fd":
         rest = f"##{frame.flags & 15:X}{frame.data.hex().upper()}"
     else:
-        return f"{head} {_ERROR_FLAG | frame.id:08X}#{frame.data.hex().upper()}\n"
+        return f"{head} {ERROR_FLAG | frame.id:08X}#{frame.data.hex().upper()}\n"
     number = f"{frame.id:08X}" if frame.extended else f"{frame.id:03X}"
     return f"{head} {number}{rest}\n"
 
@@ -47,6 +45,6 @@ def frame_of(line: str) -> Received | None:
         return frame._replace(kind="remote", dlc=int(remote or 0))
     if flags is not None:
         return frame._replace(kind="fd", flags=int(flags, 16))
-    if extended and number & _ERROR_FLAG:
-        return frame._replace(kind="error", id=number & ~_ERROR_FLAG)
+    if extended and number & ERROR_FLAG:
+        return frame._replace(kind="error", id=number & ~ERROR_FLAG)
     return frame

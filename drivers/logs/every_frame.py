@@ -1,7 +1,5 @@
 """Every frame of a log, of every kind and one after the other: for who passes them on and does not estimate."""
 
-from __future__ import annotations
-
 import marshal
 import math
 import sys
@@ -10,7 +8,7 @@ from contextlib import closing
 from pathlib import Path
 
 from drivers.budget import Budget
-from drivers.frames import LATEST_S, Tally
+from drivers.frames import LATEST_S, Frames, Tally
 from drivers.lab.frame_table import read_frame_table
 from drivers.logs.candump_line import frame_of
 from drivers.logs.lines import WholeLines
@@ -53,6 +51,11 @@ def _candump(path: Path, tally: Tally, position: Position) -> Iterator[Received]
 def _table(path: Path, tally: Tally, position: Position) -> Iterator[Received]:
     frames, _ = read_frame_table(path, tally, UNLIMITED)
     position(path.stat().st_size)
+    yield from one_by_one(frames)
+
+
+def one_by_one(frames: Frames) -> Iterator[Received]:
+    """Data frames of a log as they came off their bus."""
     for k, bus in enumerate(frames.bus):
         data = frames.data[k, : frames.dlc[k]].tobytes()
         about = float(frames.time[k]), int(frames.id[k]), bool(frames.extended[k]), data

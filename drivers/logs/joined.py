@@ -1,7 +1,5 @@
 """Logs that are parts of one recording, one behind the other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Text logs line by line, as python-can takes them."""
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Logs of CAN frames by suffix; the reader is imported when a file asks for it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec

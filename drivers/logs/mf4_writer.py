@@ -4,8 +4,6 @@ python-can's own writer takes a third of a millisecond a frame and counts time f
 go in blocks, and the file starts when the first of them came. Imported only where asammdf is.
 """
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 from importlib import reload
 from pathlib import Path

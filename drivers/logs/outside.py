@@ -5,8 +5,6 @@ thread could not be stopped and memory not be limited. What counts is the proces
 busy machine a good file needs longer, by the clock on the wall.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

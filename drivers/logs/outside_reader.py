@@ -1,7 +1,5 @@
 """The process in which python-can reads: `python -m drivers.logs.outside_reader PATH HOW MEMORY`; frames to stdout."""
 
-from __future__ import annotations
-
 import json
 import marshal
 import sys

@@ -1,7 +1,5 @@
 """Logs as python-can reads them: every message in order, and what was none."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path

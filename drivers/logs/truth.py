@@ -1,7 +1,5 @@
 """The truth of a simulated recording: for printing errors, never for estimating."""
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The recording that a folder ends with: whoever starts again there may go on with it."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator, Mapping
@@ -9,7 +7,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drivers.budget import Budget
-from drivers.frames import Frames, Tally
+from drivers.frames import Tally
+from drivers.logs.every_frame import one_by_one
 from drivers.logs.joined import join
 from drivers.received import Received
 from estimator.errors import InputError
@@ -46,16 +45,9 @@ def earlier(folder: Path, about: Mapping[str, Any], now_s: float) -> list[Path]:
 def frames_of(parts: list[Path]) -> Iterator[Received]:
     """The frames of these parts, as they came; nothing where none can be read."""
     try:
-        frames = join(parts, Tally(), Budget()).frames
+        yield from one_by_one(join(parts, Tally(), Budget()).frames)
     except InputError:
         return
-    for k in range(len(frames)):
-        yield _received(frames, k)
-
-
-def _received(frames: Frames, k: int) -> Received:
-    data = frames.data[k, : frames.dlc[k]].tobytes()
-    return Received(float(frames.time[k]), int(frames.id[k]), bool(frames.extended[k]), data)
 
 
 def _written(folder: Path, about: Mapping[str, Any]) -> Iterator[Written]:

@@ -1,7 +1,5 @@
 """One process a folder: a lock that ends with the process that holds it, however that process ends."""
 
-from __future__ import annotations
-
 import os
 from contextlib import suppress
 from errno import ENOLCK, ENOSYS, EOPNOTSUPP

@@ -1,7 +1,5 @@
 """One file of a recording: whole lines only, and beside it NAME.json, which says what it is."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

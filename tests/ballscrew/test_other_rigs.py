@@ -13,16 +13,10 @@ from estimator.missing_effect.wrong_input import signals
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from tests.conftest import ballscrew
+from tests.conftest import json_of as told
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TWO, ROD = EXAMPLES / "two_heaters", EXAMPLES / "heated_rod"
-
-
-def told(*words: object) -> dict:
-    """The JSON of a command that must work."""
-    status, out, err = ballscrew(*words, "--json")
-    assert status == 0, err
-    return json.loads(out)
 
 
 def copied(rig: Path, to: Path, *but: str, rows: int | None = None) -> Path:

@@ -11,6 +11,7 @@ import pytest
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests import log_fake
 from tests.conftest import ballscrew as run
+from tests.conftest import json_of
 
 PAPER = Path(__file__).parents[2] / "recordings"
 
@@ -96,7 +97,7 @@ def test_an_input_that_was_never_read_is_said_first(tmp_path):
     told = [line for line in out.splitlines() if line.startswith("steps.csv: ")]
     doing = "if it was not 0, thermometers may be accused of what it does"
     assert told[1] == f"steps.csv: input heater was never read: 0 stands for it; {doing}"
-    assert json.loads(run("review", log, "--json")[1])["recordings"][0]["inputs_never_read"] == ["heater"]
+    assert json_of("review", log)["recordings"][0]["inputs_never_read"] == ["heater"]
 
 
 def test_a_copy_of_a_recording_is_no_other_witness(tmp_path):
@@ -129,17 +130,12 @@ def test_the_nearest_rig_folder_is_used(short_folder):
     assert status == 0
     assert "built-in" not in out + err
     nearest = json.loads(out)["recordings"][0]["polyline_7"]
-    named = [
-        json.loads(run("review", short_folder / "logs", "--rig", path, "--json")[1])
-        for path in (rig, short_folder, PAPER)
-    ]
+    named = [json_of("review", short_folder / "logs", "--rig", path) for path in (rig, short_folder, PAPER)]
     assert [found["recordings"][0]["polyline_7"] == nearest for found in named] == [True, True, False]
 
 
 def test_a_folder_means_its_recordings_and_never_the_truth(short_folder):
-    status, out, _ = run("review", short_folder / "logs", "--json")
-    assert status == 0
-    assert [r["name"] for r in json.loads(out)["recordings"]] == ["FS-20.log"]
+    assert [r["name"] for r in json_of("review", short_folder / "logs")["recordings"]] == ["FS-20.log"]
     status, _, err = run("review", short_folder / "logs" / "FS-20.truth.csv")
     assert status == 1
     assert "FS-20.truth.csv: the truth of a simulated recording, not a recording" in err
@@ -148,9 +144,7 @@ def test_a_folder_means_its_recordings_and_never_the_truth(short_folder):
 def test_recordings_of_one_name_are_named_with_their_folders(short_folder, monkeypatch):
     monkeypatch.chdir(short_folder)
     shutil.copytree("logs", "tuesday")
-    status, out, _ = run("review", "logs", "tuesday", "--json")
-    assert status == 0
-    names = [r["name"] for r in json.loads(out)["recordings"]]
+    names = [r["name"] for r in json_of("review", "logs", "tuesday")["recordings"]]
     assert names == ["FS-20.log (logs)", "FS-20.log (tuesday)"]
 
 

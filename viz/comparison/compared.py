@@ -1,7 +1,5 @@
 """What is compared: two sides, each what one model says of a recording."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 Curves are means of ten seconds: a model alone is smooth, and two models on hours of ticks would be a heavy file.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Curves of two models on one recording: every thermometer, the elongation, and what of the displacement is missed."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.record import Array

@@ -1,7 +1,5 @@
 """Heat that one or two models alone lack along the screw, on the mean while driving and at rest, with its sd."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import rerun.blueprint as rrb

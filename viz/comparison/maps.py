@@ -4,8 +4,6 @@ One scale for all recordings of a file: what is bright in one is worse than what
 still misses is shown once more on a scale of its own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Bars: a row for each step or channel, in it a bar for each series, with the values beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """Profile and screw together: pictures of some ticks of a run."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.faults.fault import MAY_DRIFT, Fault

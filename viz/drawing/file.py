@@ -5,8 +5,6 @@ first one only and no hint at the others, so all runs go into one, each below it
 that starts with each run's first frame.
 """
 
-from __future__ import annotations
-
 import uuid
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

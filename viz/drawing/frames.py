@@ -134,13 +134,10 @@ def places(x: ArrayLike, y: ArrayLike) -> Array:
     return np.stack(np.broadcast_arrays(np.asarray(x, dtype=float), y), axis=-1)
 
 
-def colour_bar(at: Entity, extent: Range, unit: str, labels: Sequence[str] = ()) -> None:
-    """Log what the colours of a map mean: an upright bar over its range, with five labels or those given beside it."""
+def colour_bar(at: Entity, extent: Range, labels: Sequence[str]) -> None:
+    """Log what the colours of a map mean: an upright bar over its range, with labels evenly beside it."""
     n, width = 64, 6.0
     shades = coloured(np.linspace(*extent, n), extent, DIVERGING)
     (at / "bar").picture(np.repeat(shades[::-1, None, :3], int(width), axis=1))
-    labels = labels or [
-        f"{value:+g} {unit}".strip() if value else f"0 {unit}".strip() for value in np.linspace(*extent, 5)
-    ]
     ys = np.linspace(n, 0, len(labels)) - 0.03 * n
     (at / "labels").words(np.stack([np.full(len(ys), 3.6 * width), ys], axis=-1), labels)

@@ -1,7 +1,5 @@
 """Entity paths, names and colours: the one place where saved and live views get them from."""
 
-from __future__ import annotations
-
 import re
 
 from estimator.rig import Rig

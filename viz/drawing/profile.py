@@ -3,7 +3,7 @@
 x is drawn in mm as it is. The band is a comb of upright strokes, because a 2D view has no transparency.
 """
 
-from __future__ import annotations
+from collections.abc import Sequence
 
 import numpy as np
 import rerun as rr
@@ -13,7 +13,7 @@ from estimator.rig import Rig
 from viz.drawing import paths
 from viz.drawing.entity import Entity
 from viz.drawing.frames import Axes
-from viz.drawing.scale import BodyScale, Flags, Indices
+from viz.drawing.scale import BodyScale, Flags, Indices, Range
 
 PICTURE_S = 10.0  # profile and screw are kept every 10 s, curves at every tick
 MOST_PICTURES = 3000  # of a run: eight hours of them
@@ -81,11 +81,21 @@ def frame(at: Entity, rig: Rig, axes: Axes, since_s: float | None = None) -> Non
     """Log axes and bearings."""
     at = at / paths.PROFILE
     axes.draw(at / "axes", "place x [mm]", y_unit=" °C", x_pieces=12, since_s=since_s)
-    spans = [(s.at_mm - s.width_mm / 2, s.at_mm + s.width_mm / 2) for s in rig.supports.values()]
-    if spans:
-        bars = [axes.place(span, axes.y[0]) for span in spans]
-        thick = rr.LineStrips2D(bars, radii=rr.Radius.ui_points(3.5), colors=paths.BOUND, draw_order=2.5)
-        (at / "bearings").log(thick, since_s)
+    if rig.supports:
+        send_bars(at / "bearings", axes, bearings_mm(rig), paths.BOUND, since_s)
+
+
+def bearings_mm(rig: Rig) -> list[Range]:
+    """From where to where each bearing is, mm."""
+    return [(s.at_mm - s.width_mm / 2, s.at_mm + s.width_mm / 2) for s in rig.supports.values()]
+
+
+def send_bars(
+    at: Entity, axes: Axes, spans: Sequence[Range], colour: paths.Colour, since_s: float | None = None
+) -> None:
+    """Log bars on the x axis, from where to where, mm."""
+    bars = [axes.place(span, axes.y[0]) for span in spans]
+    at.log(rr.LineStrips2D(bars, radii=rr.Radius.ui_points(3.5), colors=colour, draw_order=2.5), since_s)
 
 
 def send(at: Entity, axes: Axes, time_s: Array, mean: Array, sd: Array) -> None:

@@ -85,11 +85,11 @@ def style_nis(at: Entity) -> None:
     (at / paths.NIS / "bounds").lines(bounds, [paths.BOUND] * 2, 1.0, "Off")
 
 
-def send_tests(at: Entity, misfit: Residuals, first_s: float | None = None) -> None:
-    """Log windowed innovations and NIS of each minute from `first_s` on."""
-    (at / paths.WHITENESS / "channels").curves(
-        *whiteness(misfit.time_s, misfit.innovation, misfit.innovation_sd, first_s)
-    )
+def send_tests(at: Entity, misfit: Residuals, first_s: float) -> None:
+    """Log windowed innovations, between what they stay if they are white, and NIS of each minute from `first_s` on."""
+    middle, white = whiteness(misfit.time_s, misfit.innovation, misfit.innovation_sd, first_s)
+    (at / paths.WHITENESS / "channels").curves(middle, white)
+    (at / paths.WHITENESS / "bounds").curves(middle, np.tile([WHITE, -WHITE], (len(middle), 1)))
     send_nis(at, misfit, first_s)
 
 
@@ -98,11 +98,6 @@ def send_nis(at: Entity, misfit: Residuals, first_s: float | None = None) -> Non
     middle, ratio, bounds = consistency(misfit.time_s, misfit.nis, misfit.channels, first_s)
     (at / paths.NIS / "window").curves(middle, ratio)
     (at / paths.NIS / "bounds").curves(middle, bounds)
-
-
-def send_bounds(at: Entity, time_s: Array) -> None:
-    """Log between what windowed innovations stay if they are white, at times (n,) s."""
-    (at / paths.WHITENESS / "bounds").curves(time_s, np.tile([WHITE, -WHITE], (len(time_s), 1)))
 
 
 def whiteness(time_s: Array, innovation: Array, sd: Array, first_s: float | None = None) -> tuple[Array, Array]:

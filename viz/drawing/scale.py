@@ -1,7 +1,5 @@
 """Ranges and colour maps, all taken from the data; and how a time since the start reads."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -124,6 +122,12 @@ def minutes(
     begins, total = sums(time_s, values, width_s, first_s)
     count = sums(time_s, np.isfinite(values), width_s, first_s)[1]
     return begins, np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
+
+
+def rms(values: Array) -> Array:
+    """Of each column of (n, m), (m,); NaN where nothing is known."""
+    known = np.isfinite(values).sum(axis=0)
+    return np.sqrt(np.divide(np.nansum(values**2, axis=0), known, out=np.full(len(known), np.nan), where=known > 0))
 
 
 def coloured(values: ArrayLike, extent: Range, anchors: tuple[tuple[int, int, int], ...] = WARM) -> Colours:

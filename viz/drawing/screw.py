@@ -4,8 +4,6 @@ Seen from the front: free end left, motor right. It is held at the anchor bearin
 end. Units of the scene are mm.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import rerun as rr
 from numpy.typing import ArrayLike, NDArray
@@ -25,11 +23,6 @@ def exaggeration(rig: Rig, scale: BodyScale) -> float:
     """How many times too large growth is drawn, a round number."""
     largest = max(abs(end) for end in scale.elongation_um)
     return step_of(SHOWN_SHARE * 1e3 * _length_mm(rig) / max(largest, 1.0), 1) / 2
-
-
-def held_mm(rig: Rig) -> float:
-    """Where the screw is held: the anchor bearing, else its far end."""
-    return rig.supports["anchor"].at_mm if "anchor" in rig.supports else rig.the_screw().to_mm
 
 
 def style(at: Entity, rig: Rig, places: int) -> None:
@@ -109,12 +102,13 @@ def _tube(x_mm: Array, radius: float) -> tuple[NDArray[np.float32], NDArray[np.f
 
 
 def send(at: Entity, rig: Rig, scale: BodyScale, time_s: Array, profile_C: Array, elongation_um: Array) -> None:
-    """Log n moments: temperatures (n, x) as colours, elongation (n,) as a stretch away from the anchor."""
+    """Log n moments: temperatures (n, x) as colours, elongation (n,) as a stretch from the anchor, else the far end."""
     n, (lo, hi) = len(time_s), rig.the_screw().span_mm
     colours = np.repeat(coloured(profile_C, scale.temperature_C), RING, axis=1).reshape(-1, 4)
     stretch, shift = np.ones((n, 3)), np.zeros((n, 3))
     stretch[:, 0] += exaggeration(rig, scale) * elongation_um * 1e-3 / (hi - lo)
-    shift[:, 0] = held_mm(rig) * (1 - stretch[:, 0])
+    held_mm = rig.supports["anchor"].at_mm if "anchor" in rig.supports else rig.the_screw().to_mm
+    shift[:, 0] = held_mm * (1 - stretch[:, 0])
     shades = rr.Mesh3D.columns(vertex_colors=colours).partition(np.full(n, colours.shape[0] // n))
     (at / paths.SCREW / "tube").rows(time_s, [*shades, *rr.Transform3D.columns(translation=shift, scale=stretch)])
 

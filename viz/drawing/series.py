@@ -1,7 +1,5 @@
 """What a run tells over time: elongation and its error, temperatures and innovations as curves, events in words."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 Time axes show a whole run, or a window that slides along: left to itself a time series shows 30 s around the cursor.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

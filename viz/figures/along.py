@@ -1,7 +1,5 @@
 """Curves over a place, each with a band of two sd, in a frame drawn by hand; the nut's travel and bearings below."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,7 +11,7 @@ from estimator.rig import Rig
 from viz.drawing import paths
 from viz.drawing.entity import Entity
 from viz.drawing.frames import Axes
-from viz.drawing.profile import comb
+from viz.drawing.profile import bearings_mm, comb, send_bars
 from viz.drawing.scale import Range, extent_of, rounded, widened
 
 LINE = 22.0  # points, height of a label
@@ -49,9 +47,8 @@ def send(at: Entity, axes: Axes, rig: Rig, curves: Sequence[Curve], travel: Rang
     marks = (("nut's travel", paths.NUT), ("bearings", paths.BOUND))
     marks = tuple(mark for mark, there in zip(marks, (travel, rig.supports), strict=True) if there)
     axes.key(at / "key", [*((f"{curve.name} ±2 sd", curve.colour) for curve in curves), *marks])
-    spans = [(s.at_mm - s.width_mm / 2, s.at_mm + s.width_mm / 2) for s in rig.supports.values()]
-    _bars(at / "bearings", axes, spans, paths.BOUND)
-    _bars(at / "travel", axes, [travel] if travel else [], paths.NUT)
+    send_bars(at / "bearings", axes, bearings_mm(rig), paths.BOUND)
+    send_bars(at / "travel", axes, [travel] if travel else [], paths.NUT)
     _line(at / "zero", axes, np.array(axes.x), np.zeros(2), paths.BOUND, 0.7)
     for i, curve in enumerate(curves):
         shift = (axes.x[1] - axes.x[0]) / STROKES * i / len(curves)  # bands that overlap are both seen
@@ -60,11 +57,6 @@ def send(at: Entity, axes: Axes, rig: Rig, curves: Sequence[Curve], travel: Rang
         pale = tuple(round(PALE * part + (1 - PALE) * dark) for part, dark in zip(curve.colour, paths.BACKGROUND))
         _line(at / "band" / str(i), axes, np.repeat(x, 2), comb(low[None], high[None])[0], pale, 0.8)
         _line(at / "curve" / str(i), axes, curve.x_mm, curve.mean, curve.colour, 1.6)
-
-
-def _bars(at: Entity, axes: Axes, spans: Sequence[Range], colour: paths.Colour) -> None:
-    bars = [axes.place(span, axes.y[0]) for span in spans]
-    at.log(rr.LineStrips2D(bars, radii=rr.Radius.ui_points(3.5), colors=colour, draw_order=2.5))
 
 
 def _line(at: Entity, axes: Axes, x: Array, y: Array, colour: paths.Colour, radius: float) -> None:

@@ -1,7 +1,5 @@
 """Values in large letters and in colour, as a picture: the viewer's text has one colour and no such size."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Sequence
 from functools import cache

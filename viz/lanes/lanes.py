@@ -4,8 +4,6 @@ A lane of a channel is there from when the channel is first anything but used: f
 does not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np
@@ -13,7 +11,7 @@ import rerun as rr
 
 from viz.drawing import paths
 from viz.drawing.entity import Entity
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.lanes.states import State
 
 USED = "used"

@@ -4,8 +4,6 @@ A lane changes only when the new state has lasted, and then from when it began: 
 be told as a number of states. What comes once a stroke is there until it is missing for longer than that.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import NamedTuple
 

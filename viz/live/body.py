@@ -5,8 +5,6 @@ through afterwards; and, for whoever looks on, the newest tick of each batch, wh
 never more than the batches of a second of wall time, however fast a run is played.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ What is to be read at a glance stands above all pages of a stream that is served
 would be of another moment. The first page holds without scrolling in a window of 1366 x 768.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import rerun.blueprint as rrb

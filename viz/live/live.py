@@ -3,8 +3,6 @@
 Viewers come and go as they like, the disk may fill up and the server may die: none of it stops whoever shows the ticks.
 """
 
-from __future__ import annotations
-
 import shutil
 import uuid
 from pathlib import Path
@@ -21,8 +19,7 @@ from viz.drawing.entity import Entity
 from viz.drawing.file import begin, stream
 from viz.drawing.series import Event
 from viz.drawing.views import EVERYTHING, Span, sliding
-from viz.lanes.judged import Judged
-from viz.lanes.standing import Standing
+from viz.lanes.standing import Judged, Standing
 from viz.live.body import frame_of
 from viz.live.layout import blueprint
 from viz.live.outlet import Outlet

@@ -1,7 +1,5 @@
 """Maps and tests of the innovations in a live stream: a minute at a time, each sent when it is over."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 
 import numpy as np
@@ -53,14 +51,13 @@ class Minutes:
         if self._scale is None and np.isfinite(ticks.innovation_sd).any():
             self._scale = Decades.of(ticks.innovation_sd)  # of both maps, from now on
             for bar in paths.MAPS.values():
-                colour_bar(self._at / bar, COLOURS, "K", self._scale.labels("K"))
+                colour_bar(self._at / bar, COLOURS, self._scale.labels)
         for drawn, values in ticks.mapped().items():
             begins, means = minutes(ticks.time_s, values, first_s=self._begin_s)
             stripes = np.append(begins, begins[-1] + MINUTE_S - SHORT_S)
             means = np.concatenate([means, means[-1:]])
             shades = self._scale.shares(means) if self._scale else np.full_like(means, np.nan)
             residuals.send_map(self._at / drawn, stripes, shades, COLOURS)
-        residuals.send_bounds(self._at, begins + MINUTE_S / 2)
         self._nis.hold(begins[-1], [np.array(NIS_RANGE)])
         self._begin_s = begins[-1] + MINUTE_S
 

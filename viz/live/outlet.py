@@ -1,7 +1,5 @@
 """One stream of a live view, fed from a thread of its own: whoever shows a tick never waits for a disk or a viewer."""
 
-from __future__ import annotations
-
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -12,8 +10,7 @@ import rerun as rr
 from estimator.record import Sample
 from estimator.step import Step
 from viz.drawing.series import Event
-from viz.lanes.judged import Judged
-from viz.lanes.standing import Standing
+from viz.lanes.standing import Judged, Standing
 from viz.live.rows import Rows
 
 WAITING = 20_000  # ticks and events that may wait; the oldest are given up

@@ -10,8 +10,6 @@ the same just before and after a stop; a line through half a minute of it, at th
     left = reading - the model alone;   dial = growth by the model alone + left + shift
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

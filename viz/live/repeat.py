@@ -1,7 +1,5 @@
 """Sending what seldom changes: axes, colour bars, the status."""
 
-from __future__ import annotations
-
 from typing import Generic, TypeVar
 
 Value = TypeVar("Value")

@@ -1,7 +1,5 @@
 """Ticks into one live stream: the same entities, names and colours as in a saved file, as many rows as there are."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,9 +12,8 @@ from viz.drawing.entity import Entity
 from viz.drawing.residuals import Residuals
 from viz.drawing.series import Event
 from viz.lanes import banner
-from viz.lanes.judged import Judged
 from viz.lanes.lanes import Lanes
-from viz.lanes.standing import Glance, Standing
+from viz.lanes.standing import Glance, Judged, Standing
 from viz.lanes.states import States
 from viz.live.body import Body
 from viz.live.minutes import Minutes

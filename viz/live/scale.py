@@ -58,10 +58,11 @@ class Decades:
         """Where values stand on the scale, -1 ... 1 and beyond."""
         return np.sign(values) * np.log10(np.maximum(np.abs(values), self.finest) / self.finest) / 2
 
-    def labels(self, unit: str) -> list[str]:
+    @property
+    def labels(self) -> list[str]:
         """What stands at equal distances along the scale, lowest first."""
-        small, large = (f"{self.finest * ratio:g} {unit}" for ratio in (10.0, 100.0))
-        return [f"-{large}", f"-{small}", f"±{self.finest:g} {unit}", f"+{small}", f"+{large}"]
+        small, large = (f"{self.finest * ratio:g} K" for ratio in (10.0, 100.0))
+        return [f"-{large}", f"-{small}", f"±{self.finest:g} K", f"+{small}", f"+{large}"]
 
 
 class Room:

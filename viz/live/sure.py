@@ -1,7 +1,5 @@
 """How sure the filter is while a run goes on: what it predicts of the displacement, within two standard deviations."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

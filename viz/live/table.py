@@ -3,8 +3,6 @@
 What was sent to the control is drawn where it was sent as valid, and nowhere else.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,7 +15,7 @@ from viz.drawing import paths, profile
 from viz.drawing.entity import Entity
 from viz.drawing.frames import Axes
 from viz.drawing.scale import Range, extent_of
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.live.repeat import Repeated
 from viz.live.scale import Growing, Room
 

@@ -3,8 +3,6 @@
 They go through the highest and the lowest (reference - estimate); their distance is the accuracy band.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

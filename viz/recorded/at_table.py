@@ -2,8 +2,6 @@
 time, and what the filter leaves of it. It is what a control compensates.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb

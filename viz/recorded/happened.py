@@ -1,7 +1,5 @@
 """What happened in a run, in words: drives and stops, alarms, notes of the recording."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,7 +7,7 @@ import numpy as np
 from estimator.inputs.phase import stopped
 from viz.drawing.scale import clock
 from viz.drawing.series import Event
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.recorded.run import ReviewedRun
 
 

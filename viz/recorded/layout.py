@@ -1,7 +1,5 @@
 """Which view stands where in a saved file: tabs for the summary, for accuracy, and for what each run looked like."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import rerun.blueprint as rrb

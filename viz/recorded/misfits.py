@@ -4,17 +4,14 @@ Two maps, because each hides what the other shows: the innovation (against the f
 error (against the model that never sees a temperature).
 """
 
-from __future__ import annotations
-
 import numpy as np
 import rerun.blueprint as rrb
 
-from estimator.record import Array
 from viz.drawing import bars, paths, residuals, views
 from viz.drawing.bars import BarSeries, NisBars
 from viz.drawing.entity import Entity
 from viz.drawing.residuals import Residuals, consistency, whiteness
-from viz.drawing.scale import Range, extent_of
+from viz.drawing.scale import Range, extent_of, rms
 from viz.figures.map import Map, Sheet, means
 from viz.recorded.run import ReviewedRun
 
@@ -52,7 +49,7 @@ def surprises(run: ReviewedRun) -> NisBars:
     only if its innovations are white, too."""
     track, names = run.track, [name for name in run.rig.names if np.isfinite(run.nis_of[name])]
     each = np.sqrt([run.nis_of[name] for name in names])
-    sums = _rms(whiteness(track.time_s, np.where(track.fused, track.innovation, np.nan), track.innovation_sd)[1])
+    sums = rms(whiteness(track.time_s, np.where(track.fused, track.innovation, np.nan), track.innovation_sd)[1])
     series = [
         BarSeries("each tick", each, paths.FILTER),
         BarSeries("sum of 1 min", sums[[run.rig.index(name) for name in names]], paths.POLYLINE),
@@ -60,13 +57,6 @@ def surprises(run: ReviewedRun) -> NisBars:
     worst = f"; worst {names[int(each.argmax())]}: {each.max():.2f}" if names else ""
     rows, title = names or ["none fused"], f"Innovation / sd, rms [1]{worst}"
     return NisBars(title, rows, series if names else [], BARS_WIDTH, BARS_LINE)
-
-
-def _rms(values: Array) -> Array:
-    """Of each column, (m,); NaN where nothing is known."""
-    known = np.isfinite(values).sum(axis=0)
-    squares = np.nansum(values**2, axis=0)
-    return np.sqrt(np.divide(squares, known, out=np.full(len(known), np.nan), where=known > 0))
 
 
 def _nis(run: ReviewedRun) -> Range:

@@ -1,7 +1,5 @@
 """Runs into one .rrd file, layout included."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A run: one recording with everything that was estimated from it, ready to be shown."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,7 +12,7 @@ from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.step import TableErrors, Track
 from viz.drawing.scale import BodyScale, Flags, Range, extent_of, minutes, rounded, symmetric, widened
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 
 READINGS = "readings"  # the reference where the truth is not known
 JUDGED = ("filter", "polyline")  # the estimates that see the thermometers

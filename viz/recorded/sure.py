@@ -2,8 +2,6 @@
 its own, what share of it is inside when, and the deviations over time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -4,8 +4,6 @@ The innovations stand over their own sd, so that one scale suits every channel: 
 +-2, and the mean of a minute belongs at 0.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

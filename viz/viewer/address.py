@@ -1,7 +1,5 @@
 """Where to listen: one address of this machine, by default the loopback, and a port that nobody uses."""
 
-from __future__ import annotations
-
 import ipaddress
 import socket
 

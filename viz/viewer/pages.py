@@ -3,8 +3,6 @@
 A layout is a mapping from blueprint paths ("/container/ID", "/view/ID", ...) to their components.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -24,11 +22,6 @@ class Page:
         for container, child in self.chosen:
             layout[f"/{container}"]["ContainerBlueprint"]["active_tab"] = child
 
-    def views(self, layout: Layout) -> dict[str, str]:
-        """Names of the views on this page by their id."""
-        paths = _leaves(layout, self.chosen[-1][1])
-        return {path.removeprefix("view/"): _name(layout, path) for path in paths}
-
 
 def pages_of(layout: Layout) -> list[Page]:
     """All pages, from left to right."""
@@ -43,14 +36,6 @@ def _pages(layout: Layout, container: str, outer: Page) -> Iterator[Page]:
             yield from _pages(layout, child, page)
         else:
             yield page
-
-
-def _leaves(layout: Layout, path: str) -> Iterator[str]:
-    if path.startswith("view/"):
-        yield path
-        return
-    for child in layout[f"/{path}"]["ContainerBlueprint"]["contents"]:
-        yield from _leaves(layout, child)
 
 
 def _name(layout: Layout, path: str) -> str:

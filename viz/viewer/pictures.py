@@ -1,11 +1,9 @@
 """Every tab of a saved file as a PNG, through the viewer without a window.
 
-    python -m viz.viewer.pictures OUT.rrd FOLDER [--at SECONDS] [--only TAB]... [--window 1600x1000] [--views]
+    python -m viz.viewer.pictures OUT.rrd FOLDER [--at SECONDS] [--only TAB]... [--window 1600x1000]
 
 A machine without a graphics card needs the software renderer of Mesa.
 """
-
-from __future__ import annotations
 
 import argparse
 import io
@@ -39,18 +37,11 @@ def render_stream(url: str, folder: Path, window: str = WINDOW, only: Sequence[s
     folder.mkdir(parents=True, exist_ok=True)
     with headless(["--connect", url], window) as client:
         time.sleep(GREETING_S)
-        return list(walk(client, folder, {*only}, views=False, patience_s=RUNNING_S))
+        return list(walk(client, folder, {*only}, RUNNING_S))
 
 
-def render(
-    rrd: Path,
-    folder: Path,
-    at_s: float | None = None,
-    only: Sequence[str] = (),
-    window: str = WINDOW,
-    views: bool = False,
-) -> list[Path]:
-    """Write FOLDER/TAB.png for each tab, and FOLDER/TAB-VIEW.png for each of its views if `views`.
+def render(rrd: Path, folder: Path, at_s: float | None, only: Sequence[str], window: str) -> list[Path]:
+    """Write FOLDER/TAB.png for each tab.
 
     at_s    the moment to show, s; the one that the file remembers if None
     only    names of tabs to take; all if empty
@@ -65,13 +56,11 @@ def render(
     with headless([str(rrd)], window) as client:
         client.set_time(paths.TIMELINE, duration=moment, play_state="paused")
         time.sleep(GREETING_S)
-        return list(walk(client, folder, {*only}, views))
+        return list(walk(client, folder, {*only}, PATIENCE_S))
 
 
-def walk(
-    client: ViewerClient, folder: Path, only: set[str], views: bool, patience_s: float = PATIENCE_S
-) -> Iterator[Path]:
-    """Show one page after the other and write its pictures."""
+def walk(client: ViewerClient, folder: Path, only: set[str], patience_s: float) -> Iterator[Path]:
+    """Show one page after the other and write its picture."""
     layout = {**client.get_blueprint().blueprint, "/top_panel": {"PanelBlueprint": {"state": "Hidden"}}}
     for page in pages_of(layout):
         if only and not only & {*page.names}:
@@ -80,9 +69,7 @@ def walk(
         client.set_blueprint(layout, store_id=client.get_state().active_recording)
         time.sleep(1.0)
         name = "-".join(_word(part) for part in page.names)
-        yield _write(client, folder / f"{name}.png", None, patience_s)
-        for view, title in page.views(layout).items() if views else ():
-            yield _write(client, folder / f"{name}-{_word(title)}.png", view, patience_s)
+        yield _write(client, folder / f"{name}.png", patience_s)
         _complain(client, name)
 
 
@@ -110,23 +97,21 @@ def _why(said: str, error: TimeoutError) -> str:
     return " ".join(f"pictures: {error}; {panic or said[-200:]}".split())
 
 
-def _write(client: ViewerClient, path: Path, view: str | None, patience_s: float) -> Path:
+def _write(client: ViewerClient, path: Path, patience_s: float) -> Path:
     """Take pictures until two are the same: then all data has arrived."""
     before, end = b"", time.monotonic() + patience_s
-    while (now := client.take_screenshot(view)) != before and time.monotonic() < end:
+    while (now := client.take_screenshot()) != before and time.monotonic() < end:
         before = now
         time.sleep(0.5)
-    return keep(now, path, 0 if view else TOP_BAR)
+    return keep(now, path)
 
 
-def keep(png: bytes, path: Path, top: int = 0) -> Path:
-    """Write a picture without its `top` pixels, as small as it gets."""
+def keep(png: bytes, path: Path) -> Path:
+    """Write a picture without the window's own bar, as small as it gets."""
     picture = Image.open(io.BytesIO(png)).convert("RGB")
-    picture = picture.crop((0, top, *picture.size))
-    picture = picture.quantize(
-        256, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE
-    )  # a third of the size
-    picture.save(path, optimize=True)
+    picture = picture.crop((0, TOP_BAR, *picture.size))
+    picture = picture.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
+    picture.save(path, optimize=True)  # a third of the size
     return path
 
 
@@ -151,10 +136,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--at", type=float, metavar="SECONDS", help="moment to show; default: the first stop")
     parser.add_argument("--only", action="append", default=[], metavar="TAB", help="only tabs with this name")
     parser.add_argument("--window", default=WINDOW, metavar="WxH", help=f"size of the window; default: {WINDOW}")
-    parser.add_argument("--views", action="store_true", help="each view by itself, too")
     asked = parser.parse_args(arguments)
     try:
-        for path in render(asked.rrd, asked.folder, asked.at, asked.only, asked.window, asked.views):
+        for path in render(asked.rrd, asked.folder, asked.at, asked.only, asked.window):
             print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
     except BallscrewError as error:
         print(f"error: {error}", file=sys.stderr)

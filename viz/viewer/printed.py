@@ -16,6 +16,7 @@ from viz.comparison.heat import curves, frame_of
 from viz.comparison.maps import BROUGHT, HEAT, OPEN_LOOP, SAID, UNITS, brings, map_of, scales_of
 from viz.drawing import paths
 from viz.drawing.bars import Bars
+from viz.drawing.profile import bearings_mm
 from viz.drawing.scale import DIVERGING, Range
 from viz.figures.map import Map
 
@@ -93,9 +94,8 @@ def _along(axes: Axes, run: ComparedRun, name: str) -> None:
         axes.fill_between(curve.x_mm, *curve.ends, color=_part(curve.colour), alpha=0.35, lw=0)
         axes.plot(curve.x_mm, curve.mean, color=_part(curve.colour), label=curve.name)
     axes.axhline(0.0, color=_part(paths.BOUND), lw=0.7)
-    for support in run.rig.supports.values():
-        half = support.width_mm / 2
-        axes.axvspan(support.at_mm - half, support.at_mm + half, 0.0, 0.04, color=_part(paths.BOUND))
+    for span in bearings_mm(run.rig):
+        axes.axvspan(*span, 0.0, 0.04, color=_part(paths.BOUND))
     if run.travel_mm:
         axes.axvspan(*run.travel_mm, 0.0, 0.04, color=_part(paths.NUT), label="nut's travel")
     axes.set_xlabel("place x [mm]", fontsize=8)

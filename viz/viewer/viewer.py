@@ -4,8 +4,6 @@ It listens on the loopback only. Usage statistics are off, and what it would ask
 goes to a proxy that is not there: the viewer runs without outbound traffic.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -4,8 +4,6 @@ Its stock page asks for fonts, for its own new versions, and reports its use. He
 under a policy by which the browser connects it to the live stream and to nothing else.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import re

@@ -10,17 +10,33 @@ its own uncertainty comes on top.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ballscrew.page.iso230.spells import Spell, spells
 from drivers.logs.truth import Truth
 from estimator.accuracy.review import Review
+from estimator.inputs.phase import phases
 from estimator.record import Array, Recording
 
 HOUR_S = 3600.0
+PAUSE_S = 300.0  # a shorter rest between drives is part of the heating: gauges are read in such
+
+
+@dataclass(frozen=True)
+class Spell:
+    """A heating, repeated traverses, or a cooling, at rest; from the tick before its first to its last."""
+
+    heats: bool
+    number: int
+    first: int
+    last: int
+
+    @property
+    def name(self) -> str:
+        """As a table has it."""
+        return f"{'heating' if self.heats else 'cooling'} {self.number}"
 
 
 @dataclass(frozen=True)
@@ -104,3 +120,25 @@ def drift(review: Review, truth: Truth | None, at_mm: Sequence[float]) -> Drift:
     published = np.vstack([np.full((1, len(at_mm)), np.nan), table.error_um[:-1]])
     sd = np.zeros_like(table.sd_um) if known else table.sd_um
     return Drift(recording, table.at_mm, whole, whole - published, sd, known, spells(recording))
+
+
+def spells(recording: Recording) -> list[Spell]:
+    """Heatings and coolings in order, from the first drive on."""
+    found: list[Spell] = []
+    for heats, first, last_tick in _merged(recording):
+        if found and found[-1].heats == heats:
+            found[-1] = Spell(heats, found[-1].number, found[-1].first, last_tick)
+        elif heats or found:
+            number = sum(one.heats for one in found) + heats
+            found.append(Spell(heats, number, max(first - 1, 0), last_tick))
+    return found
+
+
+def _merged(recording: Recording) -> Iterator[tuple[bool, int, int]]:
+    """Drives and rests, short rests between two drives as drives."""
+    driven = False
+    for driving, ticks in phases(recording):
+        first, last_tick = int(ticks[0]), int(ticks[-1])
+        pause = recording.time_s[last_tick] - recording.time_s[first] < PAUSE_S and last_tick + 1 < len(recording)
+        yield driving or (driven and bool(pause)), first, last_tick
+        driven = driven or driving

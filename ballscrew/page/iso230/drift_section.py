@@ -1,16 +1,13 @@
 """The drift of an axis as a section of the page: figure and table in the manner of the standard, and for programs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
-from ballscrew.page.iso230.drift import HOUR_S, Drift, Range
+from ballscrew.page.iso230.drift import HOUR_S, Drift, Range, Spell
 from ballscrew.page.iso230.drift_picture import picture
-from ballscrew.page.iso230.spells import Spell
 from ballscrew.page.section import Block, Grid, Points, Section, Words
 from ballscrew.terminal import Rows, duration
 

@@ -1,7 +1,5 @@
 """Positions of the table at which an axis' drift is told: named, or those of the stroke."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.errors import SetupError

@@ -1,14 +1,12 @@
 """An effect that no catalogue has, in words and as JSON."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
 from ballscrew.report.sections import with_sd
 from estimator.accuracy.noise_floor import Error
+from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.unknown.composed import Composed
-from estimator.unknown.stand_ins import Unknown
 
 SENSE = {  # what heat, of a sign, that follows something often is
     ("warm", "speed"): "something that rubs: a wiper, a seal, a cover",
@@ -23,21 +21,35 @@ SENSE = {  # what heat, of a sign, that follows something often is
 AT_REST = ("rest", "early_stop", "slow_stop", "late_rest")
 
 
+def own_words(h: Hypothesis) -> str:
+    """The parameters of an effect that was added, or the one that was freed, with their sd."""
+    return ", ".join(
+        f"{path.partition('.')[2]} {with_sd(value, h.model.param(path).unit)}"
+        for path, value in h.own().items()
+        if path == (h.freed or path)
+    )
+
+
+def own_json(h: Hypothesis) -> dict[str, dict[str, Any]]:
+    """Parameters of an effect that was added, for programs."""
+    return {
+        path.partition(".")[2]: {"value": value.value, "sd": value.sd, "unit": h.model.param(path).unit}
+        for path, value in h.own().items()
+    }
+
+
 def composed_sentence(made: Composed) -> str:
     """What the effect is, how sure, and from how many it was chosen."""
     sentence = made.effect.sentence().rstrip(".")
     law = made.effect.equation().splitlines()[0].rstrip(",")
-    values = ", ".join(
-        f"{path.partition('.')[2]} {with_sd(value, made.hypothesis.model.param(path).unit)}"
-        for path, value in made.hypothesis.own().items()
-    )
     off = 1.0 - made.hypothesis.misfit / made.before.misfit
     sense = f" Often that is {_sense(made)}." if _sense(made) else ""
     others = ", or ".join(one.follower.words for one in made.rivals)
     as_well = f" These recordings cannot tell it from what follows {others}." if others else ""
     return (
-        f"As an effect: {sentence}; {law}, with {values}. It takes {off:.0%} off the misfit; of {made.tried} that were"
-        f" tried the best takes {made.by_chance:.0%} off by chance in one search of twenty.{as_well}{sense}"
+        f"As an effect: {sentence}; {law}, with {own_words(made.hypothesis)}."
+        f" It takes {off:.0%} off the misfit; of {made.tried} that were tried the best"
+        f" takes {made.by_chance:.0%} off by chance in one search of twenty.{as_well}{sense}"
     )
 
 
@@ -63,20 +75,14 @@ def composed_json(
     return {
         "name": made.effect.name, "equation": made.effect.equation(), "sentence": made.effect.sentence(),
         "from_mm": from_mm, "to_mm": to_mm, "node": made.unknown.node, "channel": made.unknown.channel,
-        "follows": follower.name, "rivals": [_rival(one) for one in made.rivals],
-        "parameters": {
-            path.partition(".")[2]: {"value": value.value, "sd": value.sd, "unit": h.model.param(path).unit}
-            for path, value in h.own().items()
-        },
+        "follows": follower.name,
+        "rivals": [{"what": one.place, "follows": one.follower.name} for one in made.rivals],
+        "parameters": own_json(h),
         "before": vars(made.before.error), "after": vars(h.judged.error),
         "held_out_before": vars(held_before) if held_before else None,
         "held_out_after": vars(held) if held else None,
         "tried": made.tried, "text": made.text, "effect_file": str(file) if file else None,
     }  # fmt: skip
-
-
-def _rival(one: Unknown) -> dict[str, str]:
-    return {"what": one.place, "follows": one.follower.name}
 
 
 def _ends(made: Composed) -> tuple[float | None, float | None]:

@@ -1,7 +1,5 @@
 """The report on an improvement: its parts in order, and as Markdown with pictures beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The run to make next, in words and as JSON."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from estimator.next_run.next_run import NextRun
@@ -25,8 +23,9 @@ def next_run_sentence(run: NextRun | None, rig: Rig) -> str:
     """What to do about what is open; "" where nothing is, or nothing would help."""
     if run is None:
         return ""
-    if run.separation_sd < APART_SD:
-        return _no_run(run)
+    if run.separation_sd < APART_SD:  # an effect that no run tells from a change of own parameters is not worth a word
+        rivals = run.why in ("tie", "unexplained")
+        return f"{NONE_TELLS} tell {run.between[0]} from {run.between[1]}." if rivals else ""
     best, *others = run.between
     plan = plan_words(run.plan, rig)
     least = f" or more, {best} and {others[0]} least" if run.several else ""
@@ -57,8 +56,3 @@ def next_run_json(run: NextRun | None) -> dict[str, Any] | None:
         "separation_sd": run.separation_sd, "stroke_mm": plan.stroke_mm, "levels": dict(plan.levels), "why": run.why,
         "between": list(run.between),
     }  # fmt: skip
-
-
-def _no_run(run: NextRun) -> str:
-    """Said of rivals; an effect that no run tells from a change of the model's own parameters is not worth a word."""
-    return f"{NONE_TELLS} tell {run.between[0]} from {run.between[1]}." if run.why in ("tie", "unexplained") else ""

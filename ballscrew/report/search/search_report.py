@@ -1,7 +1,5 @@
 """What a search for a missing effect found: ranking, verdict in words, JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -9,7 +7,7 @@ from typing import Any
 from rich.markup import escape
 
 from ballscrew.began import events_json
-from ballscrew.report.search.composed_words import composed_json
+from ballscrew.report.search.composed_words import composed_json, own_json, own_words
 from ballscrew.report.search.next_run_words import next_run_json
 from ballscrew.report.search.verdict import sentence
 from ballscrew.report.sections import Section, cells, with_sd
@@ -67,12 +65,7 @@ def ranked(verdict: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
 
 def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
     errors = [h.judged.error, *([held] if held is not None else [])]
-    values = ", ".join(
-        f"{path.partition('.')[2]} {with_sd(value, h.model.param(path).unit)}"
-        for path, value in h.own().items()
-        if path == (h.freed or path)
-    )
-    return [title, *cells(errors), "all" if h.refit else "it alone" if h.names else "", values]
+    return [title, *cells(errors), "all" if h.refit else "it alone" if h.names else "", own_words(h)]
 
 
 def _stand_ins(verdict: Verdict, rig: Rig) -> list[list[str]]:
@@ -167,8 +160,5 @@ def _effect(
         "before": vars(before.judged.error), "after": vars(h.judged.error),
         "held_out_before": vars(held_before[0]) if held_before else None,
         "held_out_after": vars(held[0]) if held else None,
-        "parameters": {
-            path.partition(".")[2]: {"value": value.value, "sd": value.sd, "unit": h.model.param(path).unit}
-            for path, value in h.own().items()
-        },
+        "parameters": own_json(h),
     }  # fmt: skip

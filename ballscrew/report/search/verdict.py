@@ -1,7 +1,5 @@
 """What a search for a missing effect found, in words."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

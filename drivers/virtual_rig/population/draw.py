@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivers.virtual_rig.dice import dice
-from drivers.virtual_rig.machine.geometry import BORE_RADIUS_M, OMEGA_20, OUTER_RADIUS_M, SCREW_MM, SPAN_MM
+from drivers.virtual_rig.machine.geometry import OMEGA_20, OUTER_RADIUS_M, SCREW_MM, SPAN_MM
+from drivers.virtual_rig.machine.screw import AREA_M2
 from drivers.virtual_rig.population.constants import CHANNELS, PAPER, Air, Anchor, Machine, Nut, Range, Sensors
 
 SLOWEST, REACHED_UM = 0.125, 50.0  # every machine must reach 50 um at 2.5 m/min, as the paper's does
 FINE_GAIN, COARSE_GAIN = 0.003, 0.007
 SHORTEST_LAG_S, LONGEST_LAG_S = 3.0, 15.0
 RADIATION = 5.8  # W/(m2 K), 4 sigma T^3 at 295 K
-AREA_M2 = math.pi * (OUTER_RADIUS_M**2 - BORE_RADIUS_M**2)
 AROUND_M = 2.0 * math.pi * OUTER_RADIUS_M
 
 

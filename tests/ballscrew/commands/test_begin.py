@@ -15,10 +15,11 @@ SLOW = {
 def test_no_command_loads_what_is_slow_to_say_what_it_does_nor_for_a_dbc():
     program = """if True:
         import importlib, pathlib, sys
+        from ballscrew.cli import module_of
         from drivers.mended import read_dbc
         read_dbc(pathlib.Path(sys.argv[3]))
         for name in sys.argv[1].split():
-            importlib.import_module(f"ballscrew.commands.{name.replace('-', '_')}")
+            importlib.import_module(module_of(name))
             print(name, *sorted(set(sys.argv[2].split()) & set(sys.modules)))
     """
     words = [" ".join(COMMANDS), " ".join(SLOW), DBC]

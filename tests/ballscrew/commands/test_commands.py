@@ -14,6 +14,7 @@ from ballscrew.cli import COMMANDS
 from ballscrew.muting import muted
 from ballscrew.options import all_named
 from tests.conftest import ballscrew as run
+from tests.conftest import json_of
 from tests.processes import PATIENCE_S, started
 
 ESTIMATES = ["filter", "smoothed", "open_loop", "polyline", "polyline_7", "polyline_joined", "last_reading"]
@@ -21,9 +22,7 @@ ESTIMATES = ["filter", "smoothed", "open_loop", "polyline", "polyline_7", "polyl
 
 def reviewed(*words: object) -> dict:
     """The one recording in the JSON of a review that must succeed."""
-    status, out, err = run("review", *words, "--json")
-    assert status == 0, err
-    (recording,) = json.loads(out)["recordings"]
+    (recording,) = json_of("review", *words)["recordings"]
     return recording
 
 

@@ -13,15 +13,13 @@ import pytest
 from ballscrew.terminal import Terminal
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests.ballscrew.conftest import FREE
-from tests.conftest import PAPER
+from tests.conftest import PAPER, json_of
 from tests.conftest import ballscrew as run
 
 
 def test_fit_writes_a_model_that_review_calls_fitted(rig_folder):
     out = rig_folder / "new.toml"
-    status, text, _ = run("fit", rig_folder / "logs", "-o", out, "--json")
-    told = json.loads(text)
-    assert status == 0
+    told = json_of("fit", rig_folder / "logs", "-o", out)
     assert set(told["parameters"]) == FREE
     assert told["converged"]
     assert told["open_loop"]["after"]["temperature_K"] < told["open_loop"]["before"]["temperature_K"]
@@ -31,8 +29,8 @@ def test_fit_writes_a_model_that_review_calls_fitted(rig_folder):
     assert list(model.about["fitted_on"]) == ["FS-20.log"]
     copy = rig_folder / "logs" / "copy.log"
     shutil.copy(rig_folder / "logs" / "FS-20.log", copy)
-    assert json.loads(run("review", copy, "--model", out, "--json")[1])["held_out"] is None
-    assert json.loads(run("review", copy, "--json")[1])["held_out"] is not None
+    assert json_of("review", copy, "--model", out)["held_out"] is None
+    assert json_of("review", copy)["held_out"] is not None
 
 
 def test_fit_never_opens_the_truth(short_folder):
@@ -118,7 +116,7 @@ def test_show_prints_every_effect_with_equation_values_and_units(full):
 
 
 def test_show_as_json_is_the_model_file(full):
-    told = json.loads(run("show", PAPER / "model.toml", "--json")[1])
+    told = json_of("show", PAPER / "model.toml")
     table = tomllib.loads((PAPER / "model.toml").read_text())
     assert told["about"] == table.pop("about")
     assert list(told["effects"]) == list(table)

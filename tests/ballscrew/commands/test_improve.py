@@ -30,7 +30,7 @@ from estimator.unknown.effect_text import effect_text
 from estimator.unknown.stand_ins import Unknown
 from estimator.unknown.written import effect_of, name_of, wanted_of
 from tests.ballscrew.page.test_section import sound
-from tests.conftest import PAPER
+from tests.conftest import PAPER, json_of
 from tests.conftest import ballscrew as run
 from tests.viz_read import fixed, view_names
 
@@ -156,18 +156,7 @@ def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, undrawn, u
     file, out = tmp_path / "effects.py", tmp_path / "made" / "b.toml"
     file.write_text(f"{OWN}\n\nclass HeatNear350:\n    pass\n")
     out.parent.mkdir()
-    words = [
-        "--rig",
-        PAPER,
-        "--model",
-        PAPER / "base.toml",
-        "-o",
-        out,
-        "--compose",
-        file,
-        "--json",
-        tmp_path / "b.json",
-    ]
+    words = ["--rig", PAPER, "--model", PAPER / "base.toml", "-o", out, "--compose", file]
     status, said, err = run("improve", short_log, *words, "--json", tmp_path / "b.json")
     assert status == 0, err
     assert {"Rub", "HeatNear350"} <= {*asked[0]}
@@ -237,10 +226,8 @@ def test_ctrl_c_leaves_the_best_so_far(searching, short_log, tmp_path) -> None:
 def test_nothing_missing_leaves_the_model_as_it_was(searching, undrawn, unfelt, short_log, tmp_path) -> None:
     searching()
     out = tmp_path / "b.toml"
-    words = ["--held-out", short_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out, "--json"]
-    status, said, err = run("improve", short_log, *words)
-    assert status == 0, err
-    assert json.loads(said)["steps"][0]["held_out"]["temperature_K"] > 0
+    words = ["--held-out", short_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out]
+    assert json_of("improve", short_log, *words)["steps"][0]["held_out"]["temperature_K"] > 0
     given = load_model(PAPER / "base.toml")
     assert load_model(out).values == given.values
     assert load_model(out).about == given.about

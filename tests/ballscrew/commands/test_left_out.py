@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import ballscrew as run
+from tests.conftest import json_of
 from tests.viz_read import fixed, rows
 
 ROD = Path(__file__).parents[3] / "examples" / "heated_rod"
@@ -220,6 +221,4 @@ def test_parameters_are_those_of_the_other_thermometers(dead, tmp_path):
 
 
 def parameters(log: Path, out: Path) -> dict[str, dict]:
-    status, said, err = run("fit", log, "-o", out, "--json")
-    assert status == 0, err
-    return {path: one for path, one in json.loads(said)["parameters"].items() if one["sd"]}
+    return {path: one for path, one in json_of("fit", log, "-o", out)["parameters"].items() if one["sd"]}

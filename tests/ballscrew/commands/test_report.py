@@ -8,6 +8,7 @@ import pytest
 
 from tests.ballscrew.page.test_section import sound
 from tests.conftest import ballscrew as run
+from tests.conftest import json_of
 
 NAME = "<b onload=x> um & co.log"
 
@@ -54,9 +55,7 @@ def test_the_page_is_whole_and_its_parts_stand_in_order(made):
 
 def test_its_figures_are_those_of_the_review(made, fs20_log):
     text, told, _ = made
-    status, out, _ = run("review", fs20_log, "--mute", "T03:100-130", "--json", "--quiet")
-    assert status == 0
-    assert told["overall"] == json.loads(out)["overall"]
+    assert told["overall"] == json_of("review", fs20_log, "--mute", "T03:100-130", "--quiet")["overall"]
     low, high = told["overall"]["filter"]["band_um"]
     assert f"within {low:+.2f} .. {high:+.2f} µm" in text
     row = re.search(r'<td class="text">filter</td><td>(.*?)</td><td>(.*?)</td><td>(.*?)</td>', text)

@@ -1,11 +1,10 @@
 """Review says of each recording whether it begins with a cold screw."""
 
-import json
 from pathlib import Path
 
 import pytest
 
-from tests.conftest import ballscrew
+from tests.conftest import ballscrew, json_of
 
 
 @pytest.fixture
@@ -23,8 +22,7 @@ def test_a_warm_start_is_said_and_a_cold_one_is_not(warm_log, fs20_log):
     assert status == 0
     assert "warm.log began warm: about 4" in out
     assert "FS-20.log began warm" not in out
-    _, out, _ = ballscrew("review", warm_log, fs20_log, "--json")
-    warm, cold = (one["start"] for one in json.loads(out)["recordings"])
+    warm, cold = (one["start"] for one in json_of("review", warm_log, fs20_log)["recordings"])
     assert warm["warm"]
     assert not cold["warm"]
     assert set(warm) == {"warm", "grown_um", "sd_um"}

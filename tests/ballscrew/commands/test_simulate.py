@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import ballscrew as run
+from tests.conftest import json_of
 
 
 def test_simulate_writes_a_recording_and_its_truth(tmp_path):
@@ -23,10 +24,8 @@ def test_simulate_writes_a_recording_and_its_truth(tmp_path):
 def test_another_machine_leaves_its_constants_beside_the_recording(tmp_path):
     drag = {}
     for number in (0, 7):
-        words = ["-o", tmp_path / f"{number}.log", "--seconds", 2, "--machine", number, "--json"]
-        status, out, _ = run("simulate", "FS-20", *words)
-        assert status == 0
-        assert json.loads(out)["machine"] == number
+        words = ["-o", tmp_path / f"{number}.log", "--seconds", 2, "--machine", number]
+        assert json_of("simulate", "FS-20", *words)["machine"] == number
         drag[number] = json.loads((tmp_path / f"{number}.machine.json").read_text())["constants"]["nut"]["drag_torque"]
     assert drag[0] == 0.68
     assert drag[7] != 0.68

@@ -15,7 +15,7 @@ from estimator.batch.trial import Trial
 from estimator.fit.tune import Factors, Level, Tuned
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests.ballscrew.test_workspace import ROD
-from tests.conftest import PAPER
+from tests.conftest import PAPER, json_of
 from tests.conftest import ballscrew as run
 from tests.viz_read import fixed, rows, view_names
 
@@ -103,9 +103,7 @@ def test_tune_writes_a_model_of_other_noise_levels_and_nothing_else(rig_folder):
     """From thermometers said to be twice as good as they are."""
     out = rig_folder / "tuned.toml"
     save_model(load_model(rig_folder / "model.toml").with_values({"thermometers.sd": 0.01}), rig_folder / "model.toml")
-    status, text, _ = run("tune", rig_folder / "logs", "-o", out, "--json")
-    told = json.loads(text)
-    assert status == 0
+    told = json_of("tune", rig_folder / "logs", "-o", out)
     before, after = load_model(rig_folder / "model.toml"), load_model(out)
     assert {level["of"] for level in told["levels"].values()} == {"measurement", "process"}
     for path, value in before.values.items():

@@ -1,6 +1,5 @@
 """`ballscrew check`: none on what ships, and for each thing that is wrong a line with its place and its fix."""
 
-import json
 import re
 import shutil
 from collections.abc import Callable
@@ -9,17 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import PAPER, ballscrew
+from tests.conftest import PAPER, ballscrew, json_of
 
 ROOT = PAPER.parent
 ROD, TWO = ROOT / "examples" / "heated_rod", ROOT / "examples" / "two_heaters"
 
 
 def doubts(*words: object) -> list[dict]:
-    """The JSON of a check that must succeed."""
-    status, out, err = ballscrew("check", *words, "--json")
-    assert status == 0, err
-    return json.loads(out)
+    """What a check that must succeed doubts."""
+    return json_of("check", *words)
 
 
 def the_one(*words: object) -> tuple[str, str, str]:

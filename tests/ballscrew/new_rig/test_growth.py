@@ -1,6 +1,5 @@
 """A growth in a CSV that repeats its last reading: told from one that is read in every row, by `init` and `check`."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 
 from ballscrew.new_rig.growth import held
 from estimator.rig_folder.rig_folder import load_rig
-from tests.conftest import ballscrew
+from tests.conftest import ballscrew, json_of
 
 ROWS = 400
 RISE_K = 5.0 * np.concatenate((np.linspace(0, 1, ROWS // 2), np.linspace(1, 0.2, ROWS // 2)))  # a drive and a stop
@@ -46,8 +45,7 @@ def test_init_takes_no_repeated_value_for_a_reading_and_check_asks_who_wrote_it_
     assert load_rig(folder).channels["displacement"].fresh == "growth_um"
     text = (folder / "rig.toml").read_text()
     (folder / "rig.toml").write_text(text.replace(', fresh = "growth_um"', ""))
-    _, out, _ = ballscrew("check", folder, "--json")
-    (one,) = [one for one in json.loads(out) if one["place"] == "rig.toml: channels.displacement"]
+    (one,) = [one for one in json_of("check", folder) if one["place"] == "rig.toml: channels.displacement"]
     assert one["doubt"].startswith("stays the same to the last digit")
     assert 'fresh = "growth_um"' in one["fix"]
 

@@ -1,6 +1,5 @@
 """`ballscrew init`: from recordings of a rig that nobody has described to a folder that reviews."""
 
-import json
 import re
 import shlex
 from pathlib import Path
@@ -9,17 +8,15 @@ import pytest
 
 from estimator.rig_folder.rig_folder import load_rig
 from tests.ballscrew.new_rig import foreign
-from tests.conftest import ballscrew
+from tests.conftest import ballscrew, json_of
 
 ROD = foreign.ROOT / "examples" / "heated_rod" / "check.csv"
 TWO = foreign.ROOT / "examples" / "two_heaters" / "first.csv"
 
 
 def made(*words: object) -> dict:
-    """The JSON of an init that must succeed."""
-    status, out, err = ballscrew("init", *words, "--json")
-    assert status == 0, err
-    return json.loads(out)
+    """What an init that must succeed has made."""
+    return json_of("init", *words)
 
 
 def refused(*words: object) -> tuple[int, str]:

@@ -1,11 +1,8 @@
-"""Lines of a study that was stopped, and its tables."""
+"""Cases in words, and the tables of the study."""
 
-from dataclasses import replace
-
-from benchmarks.hidden import lines as lines_of_study
 from benchmarks.hidden import tables
 from benchmarks.hidden.cases import Case, asked
-from benchmarks.hidden.lines import known, line_of, told
+from benchmarks.hidden.lines import told
 from benchmarks.hidden.outcome import Outcome
 from benchmarks.hidden.tables import interval
 
@@ -13,28 +10,6 @@ CASE = Case("one", "same", 7)
 FOUND = Outcome(
     "tie", ["churning", "motor_heat"], values={"nut_friction.n": [1.2]}, before=(0.3, 2.5), after=(0.1, 0.2)
 )
-
-
-def test_lines_are_read_back_for_their_commit_only(tmp_path):
-    lines = tmp_path / "hidden.jsonl"
-    lines.write_text(
-        line_of("commit a", CASE, replace(FOUND, said=[])) + "\n" + line_of("commit a", CASE, FOUND) + "\n"
-    )
-    assert dict(known("commit a", lines))[CASE].said == ["churning", "motor_heat"]
-    assert not dict(known("commit b", lines))
-
-
-def test_lines_of_a_changed_tree_are_not_read_back(tmp_path):
-    lines = tmp_path / "hidden.jsonl"
-    lines.write_text(line_of("commit a and changes", CASE, FOUND) + "\n")
-    assert not dict(known("commit a and changes", lines))
-
-
-def test_a_study_that_was_stopped_goes_on_where_it_was(tmp_path, monkeypatch):
-    monkeypatch.setattr(lines_of_study, "LINES", tmp_path / "hidden.jsonl")
-    monkeypatch.setattr(lines_of_study, "commit", lambda: "commit a")
-    (tmp_path / "hidden.jsonl").write_text(line_of("commit a", CASE, FOUND) + "\n")
-    assert lines_of_study.outcomes([CASE], 1)[CASE].said == FOUND.said
 
 
 def test_a_case_is_told_in_one_line():

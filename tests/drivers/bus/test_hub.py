@@ -13,8 +13,7 @@ from unittest import mock
 import can
 import pytest
 
-from drivers.bus.hub import Hub, _Client
-from drivers.bus.stamp import Stamp
+from drivers.bus.hub import Hub, Stamp, _Client
 from estimator.errors import SetupError
 from tests.hub_fake import hub_running
 from tests.processes import PATIENCE_S, ended, until

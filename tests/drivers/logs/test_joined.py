@@ -1,6 +1,5 @@
 """Logs that are parts of one recording are read as if they had never been cut."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from drivers.recorder.recorder import Recorder
 from drivers.recordings import find_recordings, read_joined, read_recording
 from estimator.errors import InputError
 from tests import log_fake
-from tests.conftest import ballscrew as run
+from tests.conftest import json_of
 from tests.drivers.decode.test_ticks import RIG, assert_same
 
 ROWS = log_fake.log(40, 10, (3, 30))
@@ -99,14 +98,11 @@ def test_review_runs_one_estimate_through_the_parts(tmp_path: Path, fs20_log: Pa
     for name, part in (("b.log", lines[: len(lines) // 3]), ("a.log", lines[len(lines) // 3 :])):
         (tmp_path / name).write_text("".join(part))
     (tmp_path / "b.truth.csv").write_bytes(fs20_log.with_name("FS-20.truth.csv").read_bytes())
-    status, out, err = run("review", "--join", tmp_path, "--json")
-    assert status == 0, err
-    (joined,) = json.loads(out)["recordings"]
-    (whole,) = json.loads(run("review", fs20_log, "--json")[1])["recordings"]
+    (joined,) = json_of("review", "--join", tmp_path)["recordings"]
+    (whole,) = json_of("review", fs20_log)["recordings"]
     assert joined.pop("name") == "b.log.."
     whole.pop("name")
     for key in ("seconds", "took_s"):
         joined.pop(key, None), whole.pop(key, None)
     assert joined == whole
-    status, out, _ = run("review", "--join", tmp_path / "a.log", "--json")
-    assert [one["name"] for one in json.loads(out)["recordings"]] == ["a.log"]
+    assert [one["name"] for one in json_of("review", "--join", tmp_path / "a.log")["recordings"]] == ["a.log"]

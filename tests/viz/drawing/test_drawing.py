@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rerun.chunk import RrdReader
 
 from estimator.errors import SetupError
 from tests.viz_fake import fake_run
+from tests.viz_read import has_no_empty_chunk
 from viz.drawing.frames import Axes
 from viz.drawing.profile import picture_ticks
 from viz.drawing.residuals import consistency, whiteness
@@ -97,7 +97,6 @@ def test_pages_are_the_innermost_tabs() -> None:
     summary, overview = pages.pages_of(layout)
     assert summary.names == ("Summary",)
     assert overview.names == ("FS-20", "Overview")
-    assert overview.views(layout) == {"2": "Elongation"}
     overview.show(layout)
     assert layout["/container/r"]["ContainerBlueprint"]["active_tab"] == "container/b"
 
@@ -119,7 +118,6 @@ def test_the_viewer_that_came_with_the_package_is_there() -> None:
 
 
 def test_no_chunk_is_empty(tmp_path: Path) -> None:
-    """The viewer panics at a chunk without rows; one tick leaves nothing to say in several views."""
+    """One tick leaves nothing to say in several views."""
     save(tmp_path / "short.rrd", [fake_run("short", 1)], "")
-    chunks = RrdReader(tmp_path / "short.rrd").stream().to_chunks()
-    assert all(chunk.to_record_batch().num_rows for chunk in chunks)
+    assert has_no_empty_chunk(tmp_path / "short.rrd")

@@ -13,7 +13,7 @@ from estimator.step import Mode
 from tests.viz_fake import fake_run
 from tests.viz_read import fixed, state_at
 from viz.drawing import paths
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.lanes.states import LASTS_S, States, telling
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun

@@ -1,13 +1,11 @@
 """A run that live views were shown tick by tick, and the same saved afterwards."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pytest
-import rerun as rr
 
 from estimator.filter import Filter
 from estimator.record import Sample
@@ -42,9 +40,7 @@ def show(views: LiveViews, ticks: Ticks, batch: int = BATCH) -> None:
 
 
 @pytest.fixture(scope="package")
-def fed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fed]:
-    """In strict mode: a value that the format does not know raises."""
-    rr.set_strict_mode(True)
+def fed(tmp_path_factory: pytest.TempPathFactory) -> Fed:
     run = fake_run("FS-20", SECONDS)
     channels = run.recording.channels.copy()
     channels[:WAITING] = np.nan
@@ -62,8 +58,7 @@ def fed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fed]:
     views.stand(Standing(float(SECONDS), (Glance("elongation", "+1.00 µm", "", "value"),), "**at rest**", stroke))
     views.close()
     assert views.trouble == ""
-    yield Fed(replace(run, recording=recording, track=track), ticks, file, stroke)
-    rr.set_strict_mode(False)
+    return Fed(replace(run, recording=recording, track=track), ticks, file, stroke)
 
 
 @pytest.fixture(scope="package")

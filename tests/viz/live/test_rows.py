@@ -13,8 +13,7 @@ from tests.viz.live.conftest import WAITING, Fed
 from tests.viz_fake import SILENT
 from tests.viz_read import rows
 from viz.drawing.entity import Entity
-from viz.lanes.judged import Judged
-from viz.lanes.standing import Glance, Standing
+from viz.lanes.standing import Glance, Judged, Standing
 from viz.live.live import LiveViews
 from viz.live.repeat import Repeated
 from viz.live.rows import Rows

@@ -40,4 +40,4 @@ def test_colours_of_a_map_show_small_and_large_alike() -> None:
     scale = Decades.of(np.full((10, 3), 0.03))
     assert scale.finest == pytest.approx(0.005)
     np.testing.assert_allclose(scale.shares(np.array([0.004, 0.05, -0.5, np.nan])), [0.0, 0.5, -1.0, np.nan])
-    assert scale.labels("K") == ["-0.5 K", "-0.05 K", "±0.005 K", "+0.05 K", "+0.5 K"]
+    assert scale.labels == ["-0.5 K", "-0.05 K", "±0.005 K", "+0.05 K", "+0.5 K"]

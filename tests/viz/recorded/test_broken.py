@@ -10,7 +10,7 @@ from estimator.faults.fault import MAY_DRIFT, Fault
 from tests.viz_read import pixels, rows
 from viz.drawing.paths import MAPS
 from viz.drawing.scale import UNKNOWN
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun
 

@@ -13,7 +13,7 @@ from tests.viz_read import fixed, pixels, rows, view_names
 from viz.drawing import profile, screw
 from viz.drawing.file import distinct, opens_at
 from viz.drawing.scale import DIVERGING, coloured, minutes
-from viz.lanes.judged import Judged
+from viz.lanes.standing import Judged
 from viz.recorded import accuracy, misfits
 from viz.recorded.recorded import save
 from viz.recorded.run import ReviewedRun

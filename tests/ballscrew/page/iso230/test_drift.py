@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ballscrew.page.iso230.drift import Drift, drift
+from ballscrew.page.iso230.drift import Drift, drift, spells
 from ballscrew.page.iso230.drift_section import as_json, section, table
 from ballscrew.page.iso230.positions import ends_and_middle, positions
-from ballscrew.page.iso230.spells import spells
 from drivers.logs.truth import Truth
 from estimator.accuracy.review import review
 from estimator.errors import SetupError

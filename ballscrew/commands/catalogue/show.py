@@ -1,7 +1,5 @@
 """ballscrew show: a model as equations with values, units, bounds and sources."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """ballscrew add: add an effect to a model."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

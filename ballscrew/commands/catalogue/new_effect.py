@@ -1,7 +1,5 @@
 """ballscrew new-effect: write an effect of your own into a file, ready to be changed."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -10,7 +10,7 @@ from tests.ballscrew.commands.conftest import OWN, SECOND, done, refused
 from tests.conftest import PAPER
 from tests.conftest import ballscrew as run
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 
 
 def test_the_catalogue_is_printed_by_kind():

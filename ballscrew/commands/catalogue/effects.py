@@ -1,7 +1,5 @@
 """ballscrew effects: the catalogue of effects, one of them in full, and whether an effect passes the battery."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """ballscrew check: a rig folder against its recordings, every doubt in one line."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,10 +1,8 @@
 """ballscrew init: make a rig folder that works from recordings."""
 
-from __future__ import annotations
-
 import os
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ from ballscrew.new_rig.new_rig import RIG, Found, NewRig, find, unknown, write
 from ballscrew.new_rig.seen import Guess
 from ballscrew.options import PATH, logs_argument, terminal_options
 from ballscrew.terminal import Terminal, duration
+from drivers.frames import few
 from drivers.recordings import find_recordings
 from estimator.errors import InputError, SetupError
 from estimator.rig_folder.rig_folder import load_rig
@@ -89,9 +88,9 @@ def _print(terminal: Terminal, found: Found, new: NewRig) -> None:
         held = [key for key in CHECKED if getattr(log, key)]
         terminal.say(f"a tick closes with {log.closes}" + (f"; right on this log: {', '.join(held)}" if held else ""))
     if found.unused:
-        terminal.say(f"taken for no measured value: {_few([one.source for one in found.unused])}")
+        terminal.say(f"taken for no measured value: {few([one.source for one in found.unused], _SHOWN)}")
     if found.never:
-        terminal.say(f"messages of {found.dbc.name if found.dbc else ''} that never came: {_few(found.never)}")
+        terminal.say(f"messages of {found.dbc.name if found.dbc else ''} that never came: {few(found.never, _SHOWN)}")
     if found.dbc == OURS:
         terminal.say("these are the built-in rig's ids: if it is that screw, `ballscrew review LOG` needs no folder")
     terminal.say()
@@ -118,11 +117,6 @@ def _texts(guess: Guess) -> list[str]:
     why += f"; or {', '.join(also[:3])}" if also else ""
     taken = f"{role} {name}" if role in ("thermometer", "heater", "temperature") else role
     return [source, f"{rate:.3g}", f"{low:.4g} ... {high:.4g} {unit}".rstrip(), taken, why]
-
-
-def _few(names: Sequence[str]) -> str:
-    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
-    return ", ".join(names[:_SHOWN]) + more
 
 
 def _next(folder: Path) -> Iterator[str]:

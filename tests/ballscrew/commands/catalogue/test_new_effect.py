@@ -1,6 +1,5 @@
 """`ballscrew new-effect`: an effect of one's own that passes as it is written."""
 
-import json
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +9,7 @@ import pytest
 from estimator.inputs.follower import NAMES
 from estimator.rig_folder.model_toml import load_model
 from tests.ballscrew.commands.conftest import OWN, done, refused
-from tests.conftest import ballscrew as run
+from tests.conftest import json_of
 
 READINGS = [None, "all", "T04", "displacement"]
 
@@ -23,9 +22,7 @@ def test_every_follower_and_reading_makes_an_effect_that_passes_as_written(own_e
         reading = READINGS[i % 3 + 1] if i % 2 and not follows.startswith("temperature_") else None
         words = ["--reading", reading] if reading else ["--at", "350mm"] if i % 4 else []
         assert "effects.py: Effect" in done("new-effect", f"effect {chr(97 + i)}", "--follows", follows, *words)
-    status, out, err = run("effects", "effects.py", "--check", "--json")
-    assert status == 0, err
-    told = json.loads(out)
+    told = json_of("effects", "effects.py", "--check")
     assert len(told) == len(rig_inputs)
     assert {check["detail"] for one in told.values() for check in one["checks"]} == {""}
     assert all(one["trace"].endswith(".") for one in told.values())

@@ -1,0 +1,1 @@
+"""A rig folder, made and looked over: init, check."""
