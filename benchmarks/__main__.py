@@ -1,7 +1,7 @@
 """Run studies and keep what they measured in benchmarks/RESULTS.md; the sections of other studies stay.
 
 python -m benchmarks [NAME ...]          without a name: all but those that take long
-python -m benchmarks machines WORD ...   a part of that study, printed and not kept; faults, hidden likewise
+python -m benchmarks machines WORD ...   a part of that study, printed and not kept; faults, hidden, trends likewise
 """
 
 import datetime
@@ -14,8 +14,8 @@ from benchmarks.measure import alone, commit, machine
 
 RESULTS = Path(__file__).parent / "RESULTS.md"
 STUDIES = ("accuracy", "mesh", "speed", "engine")
-LONG = ("faults", "recovery", "search", "hidden", "live", "machines")
-PARTS = (["machines"], ["faults"], ["hidden"])  # which do a part of themselves for the words after them
+LONG = ("faults", "recovery", "search", "hidden", "live", "machines", "trends")
+PARTS = (["machines"], ["faults"], ["hidden"], ["trends"])  # which do a part of themselves for the words after them
 ALONE = ("engine", *LONG)  # in a process that computes in one thread
 
 
