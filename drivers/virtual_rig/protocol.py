@@ -104,7 +104,7 @@ class Experiment:
         rig, weather = self.rig, self.rig.weather
         rise = rig.mean - weather.start
         motor, free = float(self.growths.motor @ rise), float(self.growths.free @ rise)
-        nut = rig.now.bodies[0]
+        nut = rig.nut
         around = (weather.ambient(t), weather.base(t), *rig.brackets, nut, self.jig.probe, self.jig.bar)
         table = self.growths.table @ rise
         self.rows.append((t, rig.at_channels, motor, free, table, around, self.jig.board, rig.anchor_seat, *rig.torque))

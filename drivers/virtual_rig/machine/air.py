@@ -17,6 +17,7 @@ def surface(air: Air, strength: Strengths, seats: np.ndarray) -> Surface:
     return Surface(
         area=area,
         still=air.still * strength["still_air"],
+        growth=air.growth,
         rotating=air.rotating * strength["rotating_convection"],
         exponent=air.exponent,
         threshold=air.threshold,

@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 STEFAN_BOLTZMANN, KELVIN = 5.67e-8, 273.15
+USUAL_K = 4.0  # of the screw above the air
 
 
 class Screw(NamedTuple):
@@ -23,7 +24,7 @@ class Screw(NamedTuple):
 
 
 class Nut(NamedTuple):
-    """Laws of the nut, SI units; its length in cells, `start` degC."""
+    """Laws of the nut, SI units; its length in cells, `start` degC; to_flange 0: one lump."""
 
     torque: float
     into_screw: float
@@ -31,6 +32,8 @@ class Nut(NamedTuple):
     contact_growth: float
     to_table: float
     capacity: float
+    to_flange: float
+    flange_capacity: float
     thinning: float
     exponent: float
     churning: float
@@ -65,6 +68,7 @@ class Surface(NamedTuple):
 
     area: np.ndarray
     still: float
+    growth: float
     rotating: float
     exponent: float
     threshold: float
@@ -83,7 +87,7 @@ class Parts(NamedTuple):
 
 
 class Temperatures(NamedTuple):
-    """degC: both layers of the screw (CELLS,); bodies (6,): nut, housings or rings, grease's freshness, brackets"""
+    """degC: layers of the screw (CELLS,); bodies (7,): nut, housings or rings, grease's freshness, brackets, flange"""
 
     bore: np.ndarray
     outer: np.ndarray
@@ -148,6 +152,7 @@ def rub(nut: Nut, speed: float, omega: float, now: Temperatures, cover, around: 
     M = M_preload speed^n (1 + churning fresh) exp(-thinning (T_film - T_start))
     screw: q_i = (s M omega + g (T_nut - T_i)) w_i,  w_i the cell's share of the nut's length, g = g0 (1 + k |dT|)
     body:  C dT/dt = (1 - s) M omega - g (T_nut - mean T_i) - g_table (T_nut - T_air)
+    two lumps: the nut loses g_nf (T_nut - T_flange) instead, which the flange gains
     fresh: 1 after a long rest, decays while the nut moves, recovers while it stands
     """
     body, fresh = now.bodies[0], now.bodies[3]
@@ -158,7 +163,13 @@ def rub(nut: Nut, speed: float, omega: float, now: Temperatures, cover, around: 
     contact = nut.contact * (1.0 + nut.contact_growth * abs(body - under))
     heat += (nut.into_screw * torque * omega + contact * (body - now.outer)) * cover / nut.length
     gain = (1.0 - nut.into_screw) * torque * omega - contact * (body - under)
-    now.bodies[0] += dt / nut.capacity * (gain - nut.to_table * (body - around.air))
+    flange = now.bodies[6] if nut.to_flange > 0.0 else body
+    lost = nut.to_table * (flange - around.air)
+    if nut.to_flange > 0.0:
+        passed = nut.to_flange * (body - flange)
+        now.bodies[6] += dt / nut.flange_capacity * (passed - lost)
+        lost = passed
+    now.bodies[0] += dt / nut.capacity * (gain - lost)
     now.bodies[3] += dt * (-fresh / nut.decay_s if omega > 0.0 else (1.0 - fresh) / nut.recovery_s)
     return torque
 
@@ -191,9 +202,15 @@ def turn(bearing: Bearing, speed: float, omega: float, now: Temperatures, body: 
 
 @njit(cache=True)
 def cool(surface: Surface, speed: float, outer: np.ndarray, cover: np.ndarray, along: np.ndarray, heat) -> None:
-    """q_i = -[h_still + h_rot s^m] A (T - T_air) - eps sigma A (T^4 - T_air^4)   W off the nut; s from a threshold"""
+    """q_i = -[h_still + h_rot s^m] A (T - T_air) - eps sigma A (T^4 - T_air^4)   W off the nut; s from a threshold
+
+    h_still (|T - T_air| / 4 K)^growth of each place where still air takes more of what is warmer
+    """
     above = max(speed - surface.threshold, 0.0) / (1.0 - surface.threshold)
-    h = surface.still + surface.rotating * above**surface.exponent
+    still = np.full(outer.size, surface.still)
+    if surface.growth > 0.0:
+        still *= (np.abs(outer - along) / USUAL_K) ** surface.growth
+    h = still + surface.rotating * above**surface.exponent
     warm, cold = outer + KELVIN, along + KELVIN
     radiated = surface.emissivity * STEFAN_BOLTZMANN * (warm * warm + cold * cold) * (warm + cold)
     heat -= (h + radiated) * (outer - along) * surface.area * (1.0 - cover)

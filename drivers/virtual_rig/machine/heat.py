@@ -35,7 +35,7 @@ class ThermalRig:
         self.heaters = heaters
         self.parts = parts(machine, strength, weather.start)
         layer = np.full(screw.CELLS, weather.start)
-        self.now = Temperatures(layer.copy(), layer.copy(), np.array([*[weather.start] * 3, 1.0, *[weather.start] * 2]))
+        self.now = Temperatures(layer.copy(), layer.copy(), np.array([*[weather.start] * 3, 1.0, *[weather.start] * 3]))
         self.torque = np.zeros(2)
         self.since_stop_s, self.since_start_s = -1.0, 0.0
         self.later: tuple[float, Strengths, Heaters] | None = None
@@ -78,6 +78,11 @@ class ThermalRig:
         """Wall at the tips of the channels, degC: (15,)"""
         wall = self.now.bore + self.machine.sensors.depth * (self.now.outer - self.now.bore)
         return np.interp(CHANNEL_MM, screw.CELL_MM, wall)
+
+    @property
+    def nut(self) -> float:
+        """What the nut's thermometer stands on, degC"""
+        return float(self.now.bodies[6 if self.parts.nut.to_flange > 0.0 else 0])
 
     @property
     def brackets(self) -> tuple[float, float]:

@@ -47,6 +47,8 @@ class Nut:
     contact_growth: float = drawn(0.0, "1/K", 0.01, 0.04, "preload by unequal expansion", "growing_contact")
     to_table: float = drawn(0.5, "W/K", 0.3, 1.0, "bolted flange and still air, computed")
     capacity: float = drawn(1200.0, "J/K", 1000.0, 2000.0, "computed, 2.2 - 4.3 kg")
+    flange_share: float = drawn(0.0, "1", 0.3, 0.65, "flange and bracket against what balls run in", "two_lump_nut")
+    to_flange: float = drawn(0.0, "W/K", 5.0, 30.0, "some cm of steel, and a bolted joint", "two_lump_nut")
     thinning: float = drawn(0.0, "1/K", 0.005, 0.015, "a fraction of Vogel's 0.031", "thinning_friction")
     churning: float = drawn(0.0, "1", 0.03, 0.12, "fresh grease, a fraction of 0.4", "churning_grease")
     planted_thinning: float = drawn(0.031, "1/K", 0.028, 0.035, "Vogel-Cameron, VG100 .. VG220")
@@ -95,6 +97,7 @@ class Air:
     """The screw's surface."""
 
     still: float = drawn(3.6, "W/(m2 K)", 3.0, 5.3, "natural convection of a 40 mm rod, computed")
+    growth: float = drawn(0.0, "1", 0.15, 0.33, "Nu ~ (Gr Pr)^(1/5 .. 1/3)", "growing_still_air")
     # on top of still air: together 10 / 13 / 19 / 29 at the four speeds, near Jungnickel's 6.8 / 11 / 18 / 29
     rotating: float = drawn(25.0, "W/(m2 K)", 18.0, 45.0, "at 20 m/min, Jungnickel .. Nu = 0.133 Re^(2/3) Pr^(1/3)")
     exponent: float = drawn(0.7, "1", 0.5, 0.8, "Jungnickel 0.7; correlations 0.5 .. 0.8")

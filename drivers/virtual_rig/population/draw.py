@@ -36,6 +36,8 @@ LAWS = {
     ),
     "growing_contact": Law(0.35, "g = contact (1 + contact_growth |T_nut - T_screw|)", "g = contact"),
     "two_lump_housings": Law(0.4, "seat - ring - bracket - base", "seat - housing - base"),
+    "two_lump_nut": Law(0.4, "screw - balls' body - flange - table", "screw - nut - table"),
+    "growing_still_air": Law(0.4, "h = still (|T - T_air| / 4 K)^growth of each place", "h = still"),
     "radiating_surface": Law(0.6, "radiates with its emissivity", "no radiation"),
     "thinning_friction": Law(0.35, "torque falls by 0.5 - 1.5 %/K", "torque independent of temperature"),
     "churning_grease": Law(0.3, "3 - 12 % more nut torque after a rest", "no churning"),
@@ -143,7 +145,8 @@ def _film(air: Air, speed: float) -> float:
 
 def _nut(nut: Nut, speed: float) -> tuple[float, float]:
     power = nut.drag_torque * speed**nut.speed_exponent * speed * OMEGA_20
-    return _left(power, nut.into_screw, nut.contact, nut.to_table)
+    out = _series(nut.to_table, nut.to_flange) if nut.to_flange else nut.to_table
+    return _left(power, nut.into_screw, nut.contact, out)
 
 
 def _bearing(support: Anchor, speed: float) -> tuple[float, float]:

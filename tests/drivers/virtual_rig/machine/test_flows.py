@@ -23,6 +23,17 @@ def test_layers_keep_the_bore_as_far_behind_as_the_cylinder_would():
     assert mean_above_bore * flux == pytest.approx(0.053, abs=0.001)
 
 
+@pytest.mark.parametrize("growth", [0.0, 0.25])
+def test_still_air_takes_more_of_what_is_warmer(growth):
+    """As much as in proportion at 4 K, of each place by its own warmth."""
+    parts = heat.parts(PAPER, dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0), 20.0)
+    rise, heats = np.linspace(0.5, 12.0, screw.CELLS), np.zeros(screw.CELLS)
+    surface, along = parts.surface._replace(growth=growth), np.full(screw.CELLS, 20.0)
+    flows.cool(surface, 0.0, along + rise, np.zeros(screw.CELLS), along, heats)
+    exact = surface.still * (rise / 4.0) ** growth * rise * surface.area
+    np.testing.assert_allclose(heats, -exact, rtol=1e-12)
+
+
 @pytest.mark.parametrize("number", [0, 1, 2, 3, 4])
 def test_friction_heat_is_neither_lost_nor_made(number):
     """With every way out closed, screw, nut and housings hold what the torques have put in."""
@@ -35,7 +46,7 @@ def test_friction_heat_is_neither_lost_nor_made(number):
         surface=parts.surface._replace(emissivity=0.0),
     )
     now = flows.Temperatures(
-        np.full(screw.CELLS, 20.0), np.full(screw.CELLS, 20.0), np.array([20.0, 20.0, 20.0, 1.0, 20.0, 20.0])
+        np.full(screw.CELLS, 20.0), np.full(screw.CELLS, 20.0), np.array([20.0, 20.0, 20.0, 1.0, 20.0, 20.0, 20.0])
     )
     air = np.full(screw.CELLS, 20.0)
     around = flows.Around(along=air, air=20.0, base=20.0, sources=np.zeros(screw.CELLS))
@@ -44,8 +55,9 @@ def test_friction_heat_is_neither_lost_nor_made(number):
         centres = np.linspace(150.0, 250.0, 20) + second
         work += float(flows.advance(tight, now, np.full(20, 174.5), centres, around).sum()) * 174.5
     stored = tight.screw.bore_capacity * (now.bore - 20.0).sum() + tight.screw.outer_capacity * (now.outer - 20.0).sum()
-    brackets = [one.bracket_capacity * (one.to_bracket > 0.0) for one in (tight.anchor, tight.free)]
-    capacities = np.array([tight.nut.capacity, tight.anchor.capacity, tight.free.capacity, 0.0, *brackets])
+    outer = [one.bracket_capacity * (one.to_bracket > 0.0) for one in (tight.anchor, tight.free)]
+    outer.append(tight.nut.flange_capacity * (tight.nut.to_flange > 0.0))
+    capacities = np.array([tight.nut.capacity, tight.anchor.capacity, tight.free.capacity, 0.0, *outer])
     bodies = capacities @ (now.bodies - 20.0)
     assert stored + bodies == pytest.approx(work, rel=1e-9)
 
