@@ -9,20 +9,17 @@ import click
 
 from ballscrew.fleet.fleet_report import as_json, print_fleet
 from ballscrew.fleet.workers import each
-from ballscrew.options import PATH, terminal_options
+from ballscrew.options import PATH, terminal_options, workers_option
 from ballscrew.terminal import Terminal
 from estimator.errors import InputError, SetupError
 
 
 @click.command("fleet")
 @click.argument("folders", nargs=-1, required=True, type=PATH, metavar="FOLDER...")
-@click.option(
-    "--workers", type=click.IntRange(min=1), default=1, show_default=True, metavar="N",
-    help="Processes that share the rigs; the figures are the same with any number.",
-)  # fmt: skip
+@workers_option("Processes that share the rigs; default: 1.", default=1)
 @click.option("--suggest", "search", is_flag=True, help="Look for the missing effect too: minutes a rig.")
 @terminal_options
-def command(terminal: Terminal, folders: Sequence[Path], workers: int, search: bool) -> int:
+def command(terminal: Terminal, folders: Sequence[Path], workers: int | str, search: bool) -> int:
     """Look at every rig FOLDER with its own model and recordings, and print a row for each.
 
     A folder without a rig.toml stands for the rig folders in it. A rig that cannot be used is a row with its reason.

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from ballscrew.fleet.workers import MOST_LOST, shared
+from ballscrew.fleet.workers import LOST, shared
+from ballscrew.workers.by_value import MOST_LOST
 from tests.ballscrew.fleet.killing import killed
 from tests.conftest import PAPER, ballscrew
 
@@ -76,4 +77,4 @@ def test_a_lost_worker_costs_only_what_it_was_at(tmp_path, times):
     well = {name for name, one in found.items() if not one.error}
     assert well == {"a", "b", "c", "d"} | ({"bad"} if times == 1 else set())
     if times == MOST_LOST:
-        assert found["bad"].error == f"its worker was lost {MOST_LOST} times: out of memory?"
+        assert found["bad"].error == LOST
