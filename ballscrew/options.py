@@ -1,5 +1,6 @@
 """Options that several commands share, and what they make of words on the command line."""
 
+import re
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
@@ -19,6 +20,21 @@ MANY = ("--held-out", "--healthy", "--bus-kwargs")  # options that a shell's *.l
 INPUTS = {".log", ".blf", ".asc", ".trc", ".mf4", ".csv", ".toml"}
 TABLES = (".csv", ".parquet")
 NEAREST_RIG = "else the nearest one at or above the first log that holds a rig.toml, else the built-in rig."
+
+
+class Workers(click.ParamType):
+    """A number of processes, or the address of a Dask scheduler."""
+
+    name = "workers"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int | str:
+        """The number, or the address as it is."""
+        if isinstance(value, str) and re.fullmatch(r"tcp://.+:\d+", value):
+            return value
+        try:
+            return click.IntRange(min=1).convert(value, param, ctx)
+        except click.BadParameter:
+            self.fail(f"{value!r} is neither a number of processes nor tcp://HOST:PORT", param, ctx)
 
 
 def json_apart(arguments: Sequence[str]) -> list[str]:
@@ -196,10 +212,15 @@ rig_options = stacked(  # --rig and --model
     rig_option(f"Rig folder; {NEAREST_RIG}"),
     model_option("Model TOML; else the rig folder's model.toml."),
 )
-workers_option = click.option(
-    "--workers", type=click.IntRange(min=1), metavar="N",
-    help="Processes that share the recordings; default: one a core where these are long. The result is the same.",
-)  # fmt: skip
+
+
+def workers_option(help: str, default: int | None = None) -> Decorator:
+    """--workers."""
+    both = f"{help} Or the address of a Dask scheduler, whose workers do it. The result is the same."
+    return click.option("--workers", type=Workers(), default=default, metavar="N|tcp://HOST:PORT", help=both)
+
+
+recording_workers = workers_option("Processes that share the recordings; default: one a core where these are long.")
 save_option = views_file("Write the views as a rerun file.")
 table_option = click.option(
     "--table", type=PATH, metavar="OUT.csv|.parquet", callback=writable_table,

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import wraps
+from functools import partial, wraps
 from typing import Any
 
 import click
@@ -12,13 +12,17 @@ from ballscrew.completion import mutes, words
 from ballscrew.machine import MachineVerdict
 from ballscrew.muting import chosen_thermometers, muted
 from ballscrew.options import channel_options, join_option, stacked
+from ballscrew.workers.processes import working
 from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.machine import Match
 from estimator.accuracy.review import Review, review
 from estimator.errors import InputError
 from estimator.record import Recording
+from estimator.work import kept
 
 Places = Callable[[Recording], Sequence[float]]  # positions of the table at which a recording's error is to be told
+
+Posed = Callable[..., Review]  # of `each`, who hears how many ticks are done
 
 
 @dataclass(frozen=True)
@@ -47,12 +51,12 @@ class Asked:
     no_displacement: bool
     spans: tuple[str, ...]
 
-    def reviewed(self, work: Workspace, places: Places = lambda _: ()) -> Reviewed | None:
+    def reviewed(self, work: Workspace, places: Places = lambda _: (), workers: int | str = 1) -> Reviewed | None:
         """Read and review the logs; None where none could be used."""
         names = chosen_thermometers(self.channels, work.rig)
         work.read(join=self.join)
         work.terminal.say_if_compiling("passes", "smoothed")
-        judged = list(self._judged(work, names, places))
+        judged = list(_used(work, [self._posed(work, one, names, places) for one in work.loaded], workers))
         if not judged:
             return None
         loaded, reviews, seconds = zip(*judged, strict=True)
@@ -67,21 +71,41 @@ class Asked:
         others = [f"thermometers other than {self.channels}"] if self.channels is not None else []
         return [*others, *(["displacement"] if self.no_displacement else []), *self.spans]
 
-    def _judged(
-        self, work: Workspace, names: list[str] | None, places: Places
-    ) -> Iterator[tuple[Loaded, Review, float]]:
-        """Each recording that can be used, its review, and the seconds that it took."""
-        for one in work.loaded:
-            began, recording = time.perf_counter(), one.recording
-            mute, truth = muted(recording, work.rig, names, self.no_displacement, self.spans), work.truth_of(one)
-            at_mm = places(recording)
-            try:
-                with work.terminal.progress(recording.name, len(recording)) as update:
-                    found = review(recording, work.rig, work.model, truth, mute, names, update, at_mm)
-            except InputError as error:
-                work.fail(error)
-                continue
-            yield one, found, time.perf_counter() - began
+    def _posed(self, work: Workspace, one: Loaded, names: list[str] | None, places: Places) -> Posed:
+        """The review of a recording, still to be done."""
+        recording = one.recording
+        mute = muted(recording, work.rig, names, self.no_displacement, self.spans)
+        given = recording, work.rig, work.model, work.truth_of(one), mute, names
+        return partial(review, *given, table_mm=places(recording))
+
+
+def _used(work: Workspace, posed: Sequence[Posed], workers: int | str) -> Iterator[tuple[Loaded, Review, float]]:
+    """Each recording that can be used, its review, and the seconds that it took."""
+    for one, found in zip(work.loaded, _judged(work, posed, workers), strict=True):
+        if isinstance(found, InputError):
+            work.fail(found)
+        else:
+            yield one, *found
+
+
+def _judged(work: Workspace, posed: Sequence[Posed], workers: int | str) -> Iterator[tuple[Review, float] | InputError]:
+    """What came of each, one after the other with a bar for each, or of all, shared."""
+    if workers != 1:
+        with work.terminal.progress(f"reviewing {len(posed)} recordings", None), working(workers) as shared:
+            yield from kept(shared)(_timed, posed)
+        return
+    for one, recording in zip(posed, work.recordings, strict=True):
+        with work.terminal.progress(recording.name, len(recording)) as update:
+            yield _timed(partial(one, each=update))
+
+
+def _timed(posed: Posed) -> tuple[Review, float] | InputError:
+    """A review and the seconds that it took, or why there is none."""
+    began = time.perf_counter()
+    try:
+        return posed(), time.perf_counter() - began
+    except InputError as error:
+        return error
 
 
 def review_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -66,10 +66,10 @@ class Workspace:
         return [one.recording for one in self.loaded]
 
     @contextmanager
-    def runs(self, label: str, total: float | None = 1.0, processes: int | None = 1) -> Iterator[Runs]:
+    def runs(self, label: str, total: float | None = 1.0, processes: int | str | None = 1) -> Iterator[Runs]:
         """The recordings to use, with their workers, and a bar that shows how far the work is.
 
-        `processes` share them; None: as many as serve recordings so long
+        `processes` share them, or the workers of a scheduler; None: as many processes as serve recordings so long
         """
         with self.terminal.progress(label, total) as update, working(processes or self.processes) as workers:
             yield Runs(self.rig, self.recordings, workers, lambda stage, done: update(done, stage))

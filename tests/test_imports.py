@@ -41,7 +41,7 @@ FLOORS = {  # of each package, the ground first: a wing, or a file beside the wi
         "bus logs silences ticker",
         "recorder recordings encoded",
     ),
-    "viz": ("drawing", "figures lanes", "recorded comparison tuning", "viewer", "live"),
+    "viz": ("drawing", "figures lanes", "recorded comparison tuning plant", "viewer", "live"),
 }
 MOST_FILES = {"commands": 15}  # all of one kind, each found by the command's name; 12 in any other folder
 SAID = {"estimator.inputs.phase", "estimator.faults.fault"}  # what the machine was doing, what is wrong with a channel

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import join_option, save_option, workers_option, workspace_options
+from ballscrew.options import join_option, recording_workers, save_option, workspace_options
 from ballscrew.report.diagnosis_report import as_json, print_diagnosis, sections
 from ballscrew.report.sections import Section
 from ballscrew.workspace import Workspace
@@ -16,9 +16,9 @@ from estimator.missing_heat.diagnose import diagnose
 @click.command("diagnose")
 @join_option
 @save_option
-@workers_option
+@recording_workers
 @workspace_options
-def command(work: Workspace, join: bool, rrd: Path | None, workers: int | None) -> int:
+def command(work: Workspace, join: bool, rrd: Path | None, workers: int | str | None) -> int:
     """Say whether a model is adequate for all LOGs, where it fails, and what the failure follows.
 
     What the model alone leaves is divided into heat that it lacks, by place and time, and errors of single readings;

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import model_output, workers_option, workspace_options
+from ballscrew.options import model_output, recording_workers, workspace_options
 from ballscrew.report.fit_report import as_json, print_fit
 from ballscrew.report.use_report import print_use
 from ballscrew.terminal import INTERRUPTED
@@ -16,9 +16,9 @@ from estimator.rig_folder.model_toml import save_model
 @click.command("fit")
 @model_output()
 @click.option("--learned", is_flag=True, help="Go on from what the model's own fit found, not from table values.")
-@workers_option
+@recording_workers
 @workspace_options
-def command(work: Workspace, out: Path, learned: bool, workers: int | None) -> int:
+def command(work: Workspace, out: Path, learned: bool, workers: int | str | None) -> int:
     """Fit the free parameters of the model to all LOGs at once.
 
     So that the model alone follows the measurements (least squares, open loop), as near to the table value of each

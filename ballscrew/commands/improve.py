@@ -9,10 +9,10 @@ import click
 from ballscrew.options import (
     model_output,
     output_file,
+    recording_workers,
     search_options,
     view_option,
     views_file,
-    workers_option,
     workspace_options,
 )
 from ballscrew.own_effect.composed_file import taken_in, write_composed
@@ -47,11 +47,11 @@ from estimator.rig_folder.model_toml import save_model
 )  # fmt: skip
 @views_file("Write the views, before and after, as a rerun file; default: beside MODEL.")
 @view_option
-@workers_option
+@recording_workers
 @workspace_options
 def command(
     work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], compose: Path | None, out: Path, md: Path | None,
-    rrd: Path | None, view: bool, workers: int | None,
+    rrd: Path | None, view: bool, workers: int | str | None,
 ) -> int:  # fmt: skip
     """Add the effects that are missing from the model, one at a time, until none makes all LOGs clearly better.
 
@@ -101,7 +101,7 @@ def _kept(improvement: Improvement, effects: Sequence[Named], work: Workspace, n
     return replace(best, about={**best.about, "rig": work.rig.fingerprint(), "fitted_on": fitted})
 
 
-def _felt(work: Workspace, improvement: Improvement, after: Model, processes: int | None) -> list[AtTheTable]:
+def _felt(work: Workspace, improvement: Improvement, after: Model, processes: int | str | None) -> list[AtTheTable]:
     """What the filter leaves at the table before and after; nothing after Ctrl-C."""
     if improvement.last is None:
         return []

@@ -1,10 +1,11 @@
 """ballscrew review: run the filter over recordings and say how good the estimate is."""
 
+from functools import partial
 from pathlib import Path
 
 import click
 
-from ballscrew.options import save_option, table_option, view_option, workspace_options
+from ballscrew.options import save_option, table_option, view_option, workers_option, workspace_options
 from ballscrew.page.iso230.positions import over_stroke
 from ballscrew.report.review_report import as_json, print_reviews
 from ballscrew.reviewing import Asked, review_options
@@ -16,15 +17,17 @@ from ballscrew.workspace import Workspace
 @table_option
 @save_option
 @view_option
+@workers_option("Processes that share the recordings; default: 1.", 1)
 @workspace_options
-def command(work: Workspace, asked: Asked, table: Path | None, rrd: Path | None, view: bool) -> int:
+def command(work: Workspace, asked: Asked, table: Path | None, rrd: Path | None, view: bool, workers: int | str) -> int:
     """Run the Kalman filter over each LOG and print how far its elongation is from the reference.
 
     Beside it: the model alone, the polyline through the thermometers, and two estimates that need no model. The
     reference is the truth where a NAME.truth.csv lies beside the log, else the displacement readings. A folder means
     all recordings in it.
     """
-    found = asked.reviewed(work, lambda recording: over_stroke(recording, work.rig) if rrd is not None else ())
+    places = partial(over_stroke, rig=work.rig) if rrd is not None else lambda _: ()
+    found = asked.reviewed(work, places, workers)
     if found is None:
         return work.status
     reviews, verdict = found.reviews, found.verdict

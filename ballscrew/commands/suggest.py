@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import PATH, save_option, search_options, workers_option, workspace_options
+from ballscrew.options import PATH, recording_workers, save_option, search_options, workspace_options
 from ballscrew.own_effect.composed_file import taken_in, write_composed
 from ballscrew.own_effect.named import Named
 from ballscrew.report.search.search_report import as_json, print_verdict, ranked, section_of
@@ -25,11 +25,11 @@ from estimator.missing_effect.suggestion import Suggestion
     "first, and the question is what has changed since; may be repeated.",
 )  # fmt: skip
 @save_option
-@workers_option
+@recording_workers
 @workspace_options
 def command(
     work: Workspace, held_out: tuple[Path, ...], own: tuple[str, ...], compose: Path | None, healthy: tuple[Path, ...],
-    rrd: Path | None, workers: int | None,
+    rrd: Path | None, workers: int | str | None,
 ) -> int:  # fmt: skip
     """Say which effect is missing from the model, as judged by all LOGs: each is left out once.
 

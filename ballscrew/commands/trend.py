@@ -2,7 +2,7 @@
 
 import click
 
-from ballscrew.options import workers_option, workspace_options
+from ballscrew.options import recording_workers, workspace_options
 from ballscrew.report.trend_report import as_json, print_trend
 from ballscrew.report.use_report import print_use
 from ballscrew.workspace import Workspace
@@ -10,9 +10,9 @@ from estimator.trend.trend import trend
 
 
 @click.command("trend")
-@workers_option
+@recording_workers
 @workspace_options
-def command(work: Workspace, workers: int | None) -> int:
+def command(work: Workspace, workers: int | str | None) -> int:
     """Say which parameters of a model change over LOGs of one machine: what wears, since when, how fast.
 
     Each run tells every parameter by itself, with what the model's fit knows of the others. A parameter is named where

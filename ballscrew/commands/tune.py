@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from ballscrew.options import model_output, output_file, workers_option, workspace_options
+from ballscrew.options import model_output, output_file, recording_workers, workspace_options
 from ballscrew.report.sections import print_sections
 from ballscrew.report.tune_report import as_json, save_views, sections
 from ballscrew.report.use_report import print_use
@@ -16,9 +16,9 @@ from estimator.rig_folder.model_toml import save_model
 @click.command("tune")
 @model_output()
 @output_file("--save", "rrd", metavar="OUT.rrd", help="Write innovations before and after as a rerun file.")
-@workers_option
+@recording_workers
 @workspace_options
-def command(work: Workspace, out: Path, rrd: Path | None, workers: int | None) -> int:
+def command(work: Workspace, out: Path, rrd: Path | None, workers: int | str | None) -> int:
     """Set measurement and process noise of the model by all LOGs; every other parameter stays.
 
     Measurement noise is the most likely one a tick ahead. Process noise is the most likely one where nothing was read:

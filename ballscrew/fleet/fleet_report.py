@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ballscrew.fleet.inspection import Inspection
-from ballscrew.report.sections import number
+from ballscrew.report.sections import Section, number
 from ballscrew.terminal import Terminal
 
 HEAD = ["rig", "runs", "band, um", "in 2 sd", "NIS", "model", "drifts"]
@@ -16,11 +16,17 @@ JSON = ("folder", "recordings", "failed", "filter", "nis", "adequate", "verdict"
 
 def print_fleet(terminal: Terminal, found: Sequence[Inspection]) -> None:
     """The table, and below it what a person should know of each rig that is not well."""
-    terminal.table([HEAD, *map(_row, found)], prose=6)
-    for one in found:
-        said = [one.error] if one.error else [*_lost(one), *(one.said if not _well(one) else ())]
-        if said:
-            terminal.say("\n" + "\n".join([f"{one.folder}:", *said]))
+    terminal.table(sections(found)[0].rows, prose=6)
+    for section in sections(found)[1:]:
+        terminal.say("\n" + "\n".join([f"{section.title}:", *section.said]))
+
+
+def sections(found: Sequence[Inspection]) -> list[Section]:
+    """The table, and what is to be said of each rig that is not well."""
+    said = {
+        one.folder: [one.error] if one.error else [*_lost(one), *(one.said if not _well(one) else ())] for one in found
+    }
+    return [Section("Plant", rows=[HEAD, *map(_row, found)]), *(Section(*each) for each in said.items() if each[1])]
 
 
 def _row(one: Inspection) -> list[str]:

@@ -15,6 +15,7 @@ from ballscrew.report import diagnosis_report, review_report, trend_report
 from ballscrew.reviewing import Asked
 from ballscrew.terminal import Terminal
 from ballscrew.workspace import Workspace, open_workspace
+from estimator.accuracy.review import Review
 from estimator.effects import CATALOGUE
 from estimator.errors import BallscrewError
 from estimator.missing_effect.suggest import suggest
@@ -28,6 +29,23 @@ EVERYTHING = Asked(join=False, channels=None, no_displacement=False, spans=())
 
 
 @dataclass(frozen=True)
+class InspectedRun:
+    """One recording: when it began, s since 1970, None where no clock tells; rms of the filter's error, NaN without a
+    reference; NIS; rms by which thermometers are off the model alone."""
+
+    began_s: float | None
+    filter_um: float
+    nis: float
+    alone_K: float
+
+    @classmethod
+    def of(cls, review: Review) -> InspectedRun:
+        """What of a review is followed over weeks."""
+        known = review.accuracy("filter").rms_um
+        return cls(review.recording.began_s, known, review.nis_mean, review.open_loop_K)
+
+
+@dataclass(frozen=True)
 class Inspection:
     """What was found of one rig; only `folder` and `error` of one that could not be used.
 
@@ -37,6 +55,7 @@ class Inspection:
     verdict     of `suggest`, where it was asked
     drifts      as `trend --json` has them; None with too few recordings, or a model that no fit has seen
     said        of the model, and of what drifts, in words
+    runs        each recording over time, for views
     """
 
     folder: str
@@ -50,6 +69,7 @@ class Inspection:
     drifts: Sequence[Mapping[str, Any]] | None = None
     said: Sequence[str] = field(default_factory=list)
     error: str | None = None
+    runs: Sequence[InspectedRun] = ()
 
 
 def inspected(folder: Path, search: bool = False) -> Inspection:
@@ -84,6 +104,7 @@ def _inspected(work: Workspace, folder: Path, search: bool) -> Inspection:
         str(folder), len(runs.recordings), list(work.failed), figures["overall"].get("filter"), sum(nis) / len(nis),
         diagnosis.adequate, diagnosis_report.as_json(diagnosis, [])["where"], found and found.verdict,
         trend_report.as_json(followed)["drifts"] if followed else None, [*diagnosis.sentences, *drifting],
+        runs=[InspectedRun.of(review) for review in seen.reviews],
     )  # fmt: skip
 
 

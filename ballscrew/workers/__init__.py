@@ -1,2 +1,2 @@
-"""Who does long work: threads for what is small, and processes that keep recordings; what travels to them: processes,
-by_value."""
+"""Who does long work: threads for what is small, processes that keep recordings, or the workers of a Dask scheduler;
+what travels to them: processes, cluster, by_value."""

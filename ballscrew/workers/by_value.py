@@ -12,12 +12,30 @@ import cloudpickle
 
 from estimator.effect import Effect
 
+MOST_LOST = 3  # workers, at one job
+KEPT = 64  # items that a worker keeps; the one asked of longest ago goes
 LEFT_OUT = {"__dict__", "__weakref__", "params", "name"}  # of a class: each has its own, and an effect names itself
 
 _name_of: WeakKeyDictionary[type, str] = WeakKeyDictionary()
 _named: WeakValueDictionary[str, type] = WeakValueDictionary()
 
 loads = cloudpickle.loads
+
+
+def done(job: bytes, item: Any) -> bytes:
+    """What a job makes of an item, and the error where it made none."""
+    try:
+        return dumps((loads(job)(item), None))
+    except Exception as error:
+        return dumps((None, error))
+
+
+def answered(text: bytes) -> Any:
+    """What a job made, here; its error is raised."""
+    found, error = loads(text)
+    if error is not None:
+        raise error
+    return found
 
 
 def dumps(value: object) -> bytes:

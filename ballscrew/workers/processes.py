@@ -17,12 +17,10 @@ from multiprocessing.connection import Connection
 from threading import Lock
 from typing import Any
 
-from ballscrew.workers.by_value import dumps, loads
-from estimator.errors import InputError
+from ballscrew.workers.by_value import KEPT, MOST_LOST, answered, done, dumps, loads
+from estimator.errors import InputError, SetupError
 from estimator.work import Workers
 
-KEPT = 64  # items a process keeps; the one asked of longest ago goes
-MOST_LOST = 3  # processes, at one job
 WORTH_S = 7200.0  # recorded, by default: to start processes takes a second or two
 
 
@@ -32,11 +30,27 @@ def enough(recorded_s: Sequence[float]) -> int:
 
 
 @contextmanager
-def working(processes: int = 1) -> Iterator[Workers]:
-    """A `map` with a thread for each core, and of several processes, those that keep what they are given."""
+def working(processes: int | str = 1) -> Iterator[Workers]:
+    """A `map` with a thread for each core, and of several processes, those that keep what they are given.
+
+    Instead of processes, the workers of a Dask scheduler: its address.
+    """
     with ThreadPoolExecutor(os.cpu_count()) as pool, ExitStack() as stack:
+        if isinstance(processes, str):
+            cluster = the_cluster()
+            yield cluster.Cluster(pool.map, stack.enter_context(cluster.connected(processes)))
+            return
         homes = [stack.enter_context(Home()) for _ in range(processes)] if processes > 1 else []
         yield Keepers(pool.map, homes) if homes else pool.map
+
+
+def the_cluster() -> Any:
+    """The module of Dask's workers, which takes half a second to import; a SetupError where they are not installed."""
+    try:
+        from ballscrew.workers import cluster
+    except ModuleNotFoundError as error:
+        raise SetupError(f"--workers: there is no {error.name} here; `pip install 'ballscrew[cluster]'`") from None
+    return cluster
 
 
 class Keepers:
@@ -105,16 +119,14 @@ class Home:
     def _asked(self, job: bytes, item: Any, packed: bytes | None) -> Any:
         for _ in range(MOST_LOST):
             try:
-                done, error = self._answer(job, item, packed)
+                text = self._answer(job, item, packed)
             except (EOFError, ConnectionError):
                 self._end()
                 continue
-            if error is not None:
-                raise error
-            return done
+            return answered(text)
         raise InputError(f"a process was lost {MOST_LOST} times at one job: out of memory? Go on with --workers 1")
 
-    def _answer(self, job: bytes, item: Any, packed: bytes | None) -> Any:
+    def _answer(self, job: bytes, item: Any, packed: bytes | None) -> bytes:
         if self._pipe is None:
             self._begin()
         assert self._pipe is not None
@@ -124,7 +136,7 @@ class Home:
         self._pipe.send((job, id(item), packed, gone))
         self._kept[id(item)] = item, size or len(packed or b"")  # as long as it lives no other has its id
         self._kept.move_to_end(id(item))
-        return loads(self._pipe.recv_bytes())
+        return self._pipe.recv_bytes()
 
     def _begin(self) -> None:
         with self._starting:
@@ -159,11 +171,4 @@ def serve(pipe: Connection) -> None:
             del kept[each]
         if item is not None:
             kept[key] = loads(item)
-        pipe.send_bytes(_done(job, kept[key]))
-
-
-def _done(job: bytes, item: Any) -> bytes:
-    try:
-        return dumps((loads(job)(item), None))
-    except Exception as error:
-        return dumps((None, error))
+        pipe.send_bytes(done(job, kept[key]))

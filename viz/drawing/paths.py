@@ -38,6 +38,7 @@ MOMENT = "moment"
 
 BARS = "bars"
 COMPARED = "compared"
+PLANT = "plant"
 SIDES = ("before", "after")
 AUTOCORRELATION = "autocorrelation"
 

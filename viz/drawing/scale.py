@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from estimator.record import Array
 
 Range = tuple[float, float]
+Anchors = tuple[tuple[int, int, int], ...]  # of a map of colours
 Colours = NDArray[np.uint8]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
@@ -130,7 +131,7 @@ def rms(values: Array) -> Array:
     return np.sqrt(np.divide(np.nansum(values**2, axis=0), known, out=np.full(len(known), np.nan), where=known > 0))
 
 
-def coloured(values: ArrayLike, extent: Range, anchors: tuple[tuple[int, int, int], ...] = WARM) -> Colours:
+def coloured(values: ArrayLike, extent: Range, anchors: Anchors = WARM) -> Colours:
     """Colours (..., 4) of values on a map; what is beyond the extent takes its end, NaN a grey that no map has."""
     place = (np.asarray(values, dtype=float) - extent[0]) / (extent[1] - extent[0])
     at = np.clip(place, 0.0, 1.0) * (len(anchors) - 1)

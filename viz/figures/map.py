@@ -15,7 +15,7 @@ import rerun as rr
 from estimator.record import Array
 from viz.drawing import paths
 from viz.drawing.entity import Entity
-from viz.drawing.scale import DIVERGING, MINUTE_S, Colours, Range, coloured, minutes, ticks_of
+from viz.drawing.scale import DIVERGING, MINUTE_S, Anchors, Colours, Range, coloured, minutes, ticks_of
 
 LABEL = 22.0  # height of a label, points
 LETTER, MARGIN = 7.5, 14.0  # width of a letter, and of what is around the letters of a label
@@ -57,6 +57,7 @@ class Sheet:
     extent: Range
     unit: str
     view: Range
+    anchors: Anchors = DIVERGING
 
     @property
     def height(self) -> float:
@@ -84,7 +85,8 @@ class Sheet:
     @property
     def _labels(self) -> list[str]:
         ends = np.linspace(*self.extent, 5)
-        return [f"{value:+g} {self.unit}".rstrip() if value else f"0 {self.unit}".rstrip() for value in ends]
+        sign = "+" if self.extent[0] < 0.0 else ""
+        return [f"{value:{sign if value else ''}g} {self.unit}".rstrip() for value in ends]
 
     @property
     def bounds(self) -> tuple[Range, Range]:
@@ -94,9 +96,9 @@ class Sheet:
 
     def send(self, at: Entity) -> None:
         """Log it, once, and a line that goes with the cursor."""
-        shades = coloured(self.map.values.T, self.extent, DIVERGING)[..., :3]
+        shades = coloured(self.map.values.T, self.extent, self.anchors)[..., :3]
         self._picture(at / "picture", shades, (0.0, self.width))
-        bar = coloured(np.linspace(*self.extent[::-1], SHADES), self.extent, DIVERGING)[:, None, :3]
+        bar = coloured(np.linspace(*self.extent[::-1], SHADES), self.extent, self.anchors)[:, None, :3]
         self._picture(at / "bar", bar, (self.width + GAP, BAR))
         middle = self.width + GAP + BAR + self._label / 2
         self._words(at / "bar_labels", np.full(5, middle), np.linspace(self.height, 0.0, 5), self._labels)

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from ballscrew.fleet.workers import MOST_LOST, shared
+from ballscrew.fleet.workers import LOST, shared
+from ballscrew.workers.by_value import MOST_LOST
 from tests.ballscrew.fleet.killing import killed
 from tests.conftest import PAPER, ballscrew
+from tests.viz_read import fixed
 
 EXAMPLES = PAPER.parent / "examples"
 
@@ -33,7 +35,7 @@ def plant(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def alone(plant) -> tuple[str, str]:
     """What one process prints of it, and its JSON."""
-    status, told, said = ballscrew("fleet", plant, "--workers", 1, "--json")
+    status, told, said = ballscrew("fleet", plant, "--workers", 1, "--json", "--save", plant / "plant.rrd")
     assert status == 1
     return said, told
 
@@ -47,6 +49,21 @@ def test_each_rig_is_a_row_and_one_that_fails_says_why(alone):
     assert rows["new"] == rows["empty"] == ["failed"]
     assert "no model.toml beside rig.toml" in out
     assert "x.csv: no column of any channel" in out
+
+
+def test_the_views_have_a_row_each_and_say_what_the_table_says(plant, alone):
+    assert list(fixed(plant / "plant.rrd", "/plant/2/0/channels", "Points2D:labels")) == [
+        "empty: failed", "new: failed", "heaters: model fails", "rod"
+    ]  # fmt: skip
+    assert alone[0].splitlines()[-1].startswith(f"views: {plant / 'plant.rrd'}")
+    (summary,) = fixed(plant / "plant.rrd", "/summary", "TextDocument:text")
+    assert "no model.toml beside rig.toml" in summary
+
+
+def test_no_views_are_written_where_no_rig_could_be_used(plant, tmp_path):
+    status, _, err = ballscrew("fleet", plant / "new", "--save", tmp_path / "plant.rrd")
+    assert status == 1
+    assert "not written: no rig has a recording that could be used" in err
 
 
 def test_the_same_numbers_whoever_does_the_work(plant, alone):
@@ -76,4 +93,4 @@ def test_a_lost_worker_costs_only_what_it_was_at(tmp_path, times):
     well = {name for name, one in found.items() if not one.error}
     assert well == {"a", "b", "c", "d"} | ({"bad"} if times == 1 else set())
     if times == MOST_LOST:
-        assert found["bad"].error == f"its worker was lost {MOST_LOST} times: out of memory?"
+        assert found["bad"].error == LOST

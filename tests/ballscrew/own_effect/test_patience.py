@@ -3,6 +3,7 @@
 import _thread
 import signal
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 import pytest
@@ -34,6 +35,11 @@ def test_what_never_ends_is_named(ctrl_c):
     with pytest.raises(SetupError, match=ENDED):
         loops(0.1)
     assert signal.getsignal(signal.SIGINT) == ctrl_c
+
+
+def test_it_is_named_in_any_thread():
+    with ThreadPoolExecutor(1) as pool, pytest.raises(SetupError, match=ENDED):
+        pool.submit(loops, 0.1).result()
 
 
 def test_what_ends_goes_on(ctrl_c):

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ballscrew.workers.by_value import dumps, loads
-from ballscrew.workers.processes import KEPT, MOST_LOST, WORTH_S, Home, Keepers, enough
+from ballscrew.workers.by_value import KEPT, MOST_LOST, dumps, loads
+from ballscrew.workers.processes import WORTH_S, Home, Keepers, enough
 from estimator.batch.trials import slow_trials_of
 from estimator.effect import Effect, Param
 from estimator.errors import EffectError, InputError

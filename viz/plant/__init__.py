@@ -1,0 +1,1 @@
+"""A plant, a row a rig, over weeks: plant."""
