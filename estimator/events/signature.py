@@ -71,8 +71,8 @@ def signature(model: Model, trial: Trial) -> Signature:
         for path, column in zip(doubtful, found_by, strict=True)
     }
     variance = averaged.mean(np.broadcast_to(posed.system.R, rest.shape)) / averaged.count
-    push = np.stack([carrier.push for carrier in found], axis=2)
-    moved = without_zeros(moves(posed, push, cut.of_tick, averaged), zeroed, averaged.count)
+    moved = moves(posed, np.stack([carrier.push for carrier in found], axis=2), cut.of_tick, averaged)
+    moved = without_zeros(moved, zeroed, averaged.count)
     rate = np.diff(run.lagged, axis=0, prepend=run.spot[:1]) / trial.rig.tick_s
     rise = averaged.mean(run.lagged - run.spot[:1])
     return Signature(

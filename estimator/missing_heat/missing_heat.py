@@ -163,7 +163,6 @@ def _error(
     if not own:
         return None
     rows = next(iter(own.values())).rows
-    covariance = np.sum([sizes[cause] ** 2 * part.covariance for cause, part in own.items()], axis=0)
     bins, of_row = np.unique(found.bin[rows], return_inverse=True)
     mean = np.zeros((len(bins), len(rows)))
     mean[of_row, np.arange(len(rows))] = 1.0
@@ -171,6 +170,7 @@ def _error(
     if np.isin(found.channel[rows], found.trial.floating).all():
         ticks = found.blocks.ticks[found.bin[rows]]
         mean -= ticks / ticks.sum()
-    seen = mean @ covariance
-    left = seen @ mean.T - seen @ now.inverse[np.ix_(rows, rows)] @ seen.T
-    return ReadingError(bins, seen @ now.pull[rows], left)
+    seen = np.zeros((len(bins), len(found.y)))
+    seen[:, rows] = sum(sizes[cause] ** 2 * (mean @ part.covariance) for cause, part in own.items())
+    left = seen[:, rows] @ mean.T - seen @ now.inverse @ seen.T
+    return ReadingError(bins, seen @ now.pull, left)
