@@ -173,8 +173,7 @@ class Model:
 
     def namespace(self, name: str) -> SimpleNamespace:
         """Values of one effect's parameters, as attributes."""
-        effect = self.effects[name]
-        return effect.namespace({key: self.values[f"{name}.{key}"].value for key in effect.params})
+        return SimpleNamespace(**{key: self.values[f"{name}.{key}"].value for key in self.effects[name].params})
 
     def known(self, paths: Sequence[str], covariance: Array) -> Model:
         """The model with how well these parameters are known, (p, p); correlations are kept to four digits."""

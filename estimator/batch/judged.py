@@ -127,7 +127,10 @@ class Unled:
             self.led(chunk, moves)
         own, self.doubt, led = self._found
         if not self._closely:
-            self._left.append((chunk.ticks, own.fused, self.last))
+            x0, P0 = self.last
+            self._left.append(
+                (chunk.ticks, own.fused, (x0.copy(), P0.copy()))
+            )  # a view would keep all that was filtered
         self.last = self._state.judged(own.x[-1], own.P[-1], judgement)
         own.x[-1] = self.last[0]
         at = slice(chunk.ticks.stop - 1, chunk.ticks.stop)

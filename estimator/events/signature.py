@@ -2,7 +2,7 @@
 
     y = sum of a step from some time on, at some place + what is always wrong with the model + scatter
 
-Readings are averaged over spans of minutes, so that lags of seconds do not count.
+Readings are averaged over spans of minutes.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.batch.open_loop import open_loop_misfit
-from estimator.batch.trial import Posed, Trial
+from estimator.batch.trial import Trial
 from estimator.batch.trials import unjudged
 from estimator.events.carriers import Carrier, carriers
 from estimator.events.spans import Spans, spans
@@ -21,6 +21,7 @@ from estimator.missing_heat.misfit import spikes
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
+from estimator.sensitivity.averages import Averaged, moves
 from estimator.sensitivity.sensitivity import nominal_columns
 from estimator.sensitivity.tangent import tangent
 
@@ -49,19 +50,6 @@ class Signature:
     rate: Array
 
 
-@dataclass(frozen=True)
-class Averaged:
-    """Which readings (T, m) are in which of N averages: `row` (T, m), -1: in none; `count` (N,)."""
-
-    row: Array
-    count: Array
-
-    def mean(self, values: Array) -> Array:
-        """Of values (T, m), (N,)."""
-        known = self.row >= 0
-        return np.asarray(np.bincount(self.row[known], values[known], len(self.count)) / self.count)
-
-
 def signature(model: Model, trial: Trial) -> Signature:
     """Run the model alone beside a recording at a tick that serves for slow heat."""
     posed, cut = trial.pose(model), spans(trial.rest)
@@ -69,9 +57,7 @@ def signature(model: Model, trial: Trial) -> Signature:
     m, run = rest.shape[1], posed.run
     cell = cut.of_tick[:, None] * m + np.arange(m)
     known = np.isfinite(rest) & ~spikes(rest, cell, posed.forcing.readings.sd)
-    rows, row = np.unique(cell[known], return_inverse=True)
-    averaged = Averaged(np.full(rest.shape, -1), np.bincount(row))
-    averaged.row[known] = row
+    averaged, rows = Averaged.of(cell, known)
     found = carriers(trial, posed, model)
     zeroed = [np.flatnonzero(rows % m == channel) for channel in trial.floating]
 
@@ -79,17 +65,18 @@ def signature(model: Model, trial: Trial) -> Signature:
         return without_zeros(averaged.mean(values), zeroed, averaged.count)
 
     doubtful = [path for path in model.free() if model.param(path).sd]
-    moved = nominal_columns(posed, (tangent(trial, posed, model, path) for path in doubtful))
+    found_by = nominal_columns(posed, (tangent(trial, posed, model, path) for path in doubtful))
     columns = {
         path: mean(column.reading) * float(model.param(path).sd or 0.0)
-        for path, column in zip(doubtful, moved, strict=True)
+        for path, column in zip(doubtful, found_by, strict=True)
     }
     variance = averaged.mean(np.broadcast_to(posed.system.R, rest.shape)) / averaged.count
-    moves = without_zeros(_moves(posed, found, cut, averaged), zeroed, averaged.count)
+    moved = moves(posed, np.stack([carrier.push for carrier in found], axis=2), cut.of_tick, averaged)
+    moved = without_zeros(moved, zeroed, averaged.count)
     rate = np.diff(run.lagged, axis=0, prepend=run.spot[:1]) / trial.rig.tick_s
     rise = averaged.mean(run.lagged - run.spot[:1])
     return Signature(
-        trial, cut, found, mean(rest), variance, rows % m, rows // m, moves, columns, rise, averaged.mean(rate)
+        trial, cut, found, mean(rest), variance, rows % m, rows // m, moved, columns, rise, averaged.mean(rate)
     )  # fmt: skip
 
 
@@ -99,20 +86,6 @@ def without_zeros(columns: Array, zeroed: Sequence[Array], count: Array) -> Arra
         if len(rows):
             columns[rows] -= np.tensordot(count[rows], columns[rows], 1) / count[rows].sum()
     return columns
-
-
-def _moves(posed: Posed, found: Sequence[Carrier], cut: Spans, averaged: Averaged) -> Array:
-    """How averages move with each carrier in each span, (N, B, C): all together, tick by tick."""
-    C, n, rows = len(found), posed.heat.shape[1], posed.run.readings.rows
-    push = np.stack([carrier.push for carrier in found], axis=2)
-    x, total = np.zeros((n, len(cut) * C)), np.zeros((len(averaged.count), len(cut) * C))
-    for t, (span, regime) in enumerate(zip(cut.of_tick.tolist(), posed.system.regime.tolist(), strict=True)):
-        begun = slice(0, (span + 1) * C)
-        x[:, begun] = posed.system.F[regime] @ x[:, begun]
-        x[:, span * C : (span + 1) * C] += push[t]
-        read = np.flatnonzero(averaged.row[t] >= 0)
-        total[averaged.row[t, read], begun] += rows[read] @ x[:, begun]
-    return (total / averaged.count[:, None]).reshape(-1, len(cut), C)
 
 
 @dataclass(frozen=True)

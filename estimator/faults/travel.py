@@ -25,11 +25,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from itertools import repeat
 from statistics import median
+from typing import NamedTuple
 
 import numpy as np
 
+from estimator.cover import AT_ONCE
 from estimator.record import Recording, Sample
 from estimator.rig import RAD_S, Rig
 
@@ -46,10 +49,30 @@ FELT_S = 120.0  # after which thermometers alone have told of heat that was not 
 QUICK = 0.5  # ticks: further apart, speeds do not tell how far the table moves between two
 
 
+class Motion(NamedTuple):
+    """What a tick tells of how the table moves, fields as in a Sample, which takes five times as long to make."""
+
+    time_s: float
+    omega: float
+    pace: float
+    apart_s: float
+    slip_mm: float
+    inputs: Mapping[str, float]
+
+
+def motions(recording: Recording) -> Iterator[Motion]:
+    """Those of all ticks."""
+    names = [name for name in ("position", "speed") if name in recording.inputs]
+    series = recording.time_s, recording.omega, recording.pace, recording.apart_s, recording.slip_mm
+    for at in (slice(k, k + AT_ONCE) for k in range(0, len(recording), AT_ONCE)):
+        told = zip(*(recording.inputs[name][at].tolist() for name in names), strict=True) if names else repeat(())
+        yield from map(Motion, *(each[at].tolist() for each in series), (dict(zip(names, row)) for row in told))
+
+
 def disagreements(recording: Recording, rig: Rig) -> Iterator[tuple[float, str]]:
     """What is wrong with position and speed of a recording, and since when, s."""
     travel, before = Travel(rig), ""
-    for sample in recording:
+    for sample in motions(recording):
         travel.step(sample)
         if travel.why and travel.why != before:
             yield sample.time_s, travel.why
@@ -118,7 +141,7 @@ class Travel:
         """Whether heat is in the wrong place, or was within the last hours; or nothing was heard of it for as long."""
         return self._now_s - self._wrong_s < HEAT_S or self._silent > 0
 
-    def step(self, sample: Sample) -> None:
+    def step(self, sample: Sample | Motion) -> None:
         """One tick."""
         self._follow(sample)
         self._now_s = sample.time_s
@@ -127,7 +150,7 @@ class Travel:
         if self.why:
             self._wrong, self._wrong_s = self.why, sample.time_s
 
-    def _follow(self, sample: Sample) -> None:
+    def _follow(self, sample: Sample | Motion) -> None:
         """What position and speed say."""
         if math.isfinite(sample.pace) and sample.apart_s < QUICK / 2 * self._tick_s:
             self._keep_pace(sample)
@@ -153,7 +176,7 @@ class Travel:
             self._offset = offset if abs(offset) > least else 0.0
         self._stands = self._stands + 1 if path > SLACK_MM and abs(moved) < STANDS_MM else 0
 
-    def _keep_pace(self, sample: Sample) -> None:
+    def _keep_pace(self, sample: Sample | Motion) -> None:
         """A speed without a sign hides where the table turns, and that it moved less then."""
         if not self._signed and sample.inputs["speed"] < 0.0:
             self._signed = True
@@ -166,7 +189,7 @@ class Travel:
         wrong = not (PACE if self._signed else UNSIGNED) < pace < 1.0 / PACE
         self._pace = (self._pace or pace) if wrong else 0.0
 
-    def _learn(self, sample: Sample, turned: bool) -> None:
+    def _learn(self, sample: Sample | Motion, turned: bool) -> None:
         """How fast the axis has been, and how often its speed is read while it turns."""
         speed = abs(self._rad_s * sample.inputs["speed"])
         self._fastest = speed if speed > self._fastest else self._fastest  # NaN is none

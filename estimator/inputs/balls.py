@@ -101,6 +101,8 @@ def product(a: Array, b: Array) -> Array:
     as long, and parts that do not lie in one piece take twenty times."""
     if np.iscomplexobj(a) == np.iscomplexobj(b):
         return np.asarray(a @ b)
-    parts = [[np.ascontiguousarray(part(each)) for each in (a, b)] for part in (np.real, np.imag)]
-    (a_real, b_real), (a_imag, b_imag) = parts
-    return np.asarray(a_real @ b_real + 1j * (a_imag @ b_real if np.iscomplexobj(a) else a_real @ b_imag))
+    if np.iscomplexobj(a):
+        real, imag = (np.ascontiguousarray(part) @ np.asarray(b) for part in (a.real, a.imag))
+    else:
+        real, imag = (np.asarray(a) @ np.ascontiguousarray(part) for part in (b.real, b.imag))
+    return np.asarray(real + 1j * imag)

@@ -39,7 +39,7 @@ class Level:
 
     def jumped(self, readings: Sequence[float], at_first: Sequence[bool]) -> list[bool]:
         """Which of the next readings, NaN: none, are refused, and would be `at_first`; the others are learnt."""
-        value, last, variance, missed = self._value, self._last, self._variance, self._missed
+        value, last, variance, missed, least = self._value, self._last, self._variance, self._missed, self._least
         refused = [False] * len(readings)
         for k, now in enumerate(readings):
             if not -math.inf < now < math.inf:
@@ -49,8 +49,10 @@ class Level:
                 refused[k] = at_first[k]
                 value, last = (value, last) if at_first[k] else (now, now)
             else:
-                limit, change = max(SCATTERS * math.sqrt(variance), self._least), now - last
-                refused[k] = abs(now - value) > limit and abs(change) > 0.7 * limit
+                change = now - last
+                if not -least <= now - value <= least:  # next to none is: the rest costs more than all else
+                    limit = max(SCATTERS * math.sqrt(variance), least)
+                    refused[k] = abs(now - value) > limit and abs(change) > 0.7 * limit
                 if not refused[k]:
                     variance += (change * change / 2.0 - variance) / TICKS
                     value += (now - value) / TICKS

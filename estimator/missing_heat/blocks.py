@@ -1,4 +1,6 @@
-"""Stretches of time in which what is missing may be taken as constant: one phase each, ten minutes at most."""
+"""Stretches of time in which what is missing may be taken as constant: one phase each, ten minutes at most; longer ones
+of a recording of many hours, for the work grows with the cube of their number.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +12,7 @@ from estimator.inputs.phase import phase_of
 from estimator.record import Array, Recording
 
 LONGEST_S = 600.0
+MOST = 24  # such stretches that a recording is cut into were it one phase: one of four hours
 # a block's readings are averaged up to each of these times, and after the last
 BINS_S = {"drive": (60.0, 180.0), "early_stop": (60.0, 180.0), "late_stop": (300.0,)}
 PARTS = 3
@@ -55,11 +58,12 @@ def blocks(recording: Recording, tick_s: float) -> Blocks:
     So a long phase is cut, while short drives and stops in turn share two blocks.
     """
     time_s, phases = recording.time_s, phase_of(recording)
+    longest_s = max(LONGEST_S, float(time_s[-1] - time_s[0]) / MOST)
     opened: dict[str, int] = {}
     began: list[float] = []
     of_tick, since = np.empty(len(time_s), dtype=int), np.empty(len(time_s))
     for k, (time, phase) in enumerate(zip(time_s.tolist(), phases.tolist(), strict=True)):
-        if phase not in opened or time - began[opened[phase]] >= LONGEST_S:
+        if phase not in opened or time - began[opened[phase]] >= longest_s:
             opened[phase] = len(began)
             began.append(time)
         of_tick[k] = opened[phase]

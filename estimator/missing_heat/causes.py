@@ -57,11 +57,11 @@ def inverted(measured: Averages, sizes: Mapping[str, float]) -> Inverted:
             S += sizes[name] ** 2 * cause.covariance
         else:
             S[np.ix_(cause.rows, cause.rows)] += sizes[name] ** 2 * cause.covariance
-    upper, fault = scipy.linalg.lapack.dpotrf(S)
+    upper, fault = scipy.linalg.lapack.dpotrf(S.T, overwrite_a=True)  # in the place of S: that of a day is large
     if fault:
         raise np.linalg.LinAlgError("the covariance of the misfits is not positive definite")
-    inverse = scipy.linalg.lapack.dpotri(upper)[0]
-    inverse = np.triu(inverse) + np.triu(inverse, 1).T
+    inverse = scipy.linalg.lapack.dpotri(upper, overwrite_c=True)[0].T
+    inverse += np.tril(inverse, -1).T
     return Inverted(inverse, inverse @ measured.y)
 
 

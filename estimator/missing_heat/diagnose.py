@@ -66,17 +66,18 @@ def diagnose(model: Model, runs: Runs) -> Diagnosis:
     found = errors(trials, model)
     progress("running the model alone", 0.3)
     misfits: list[Misfit] = trials.each(lambda trial: misfit(model, slowed(trial, model)))
+    floor, uses = noise_floor(model, trials[0]), trials.uses
+    del trials  # those of a day fill memory
     progress("looking for missing heat", 0.7)
     maps = missing_heat(misfits, runs.workers)
     progress("asking what it follows", 0.9)
-    floor = noise_floor(model, trials[0])
     limits, alone = good_enough(floor), rms_by_family([each.open_loop for each in misfits], rig)
     heat, wrong = without_shadows(where(maps, limits), wrong_readings(maps, limits))
     adequate = not (alone.temperature_K > limits.temperature_K or alone.elongation_um > limits.elongation_um)
     moves = any(bool(turns(recording.omega).any()) for recording in runs.recordings)
-    broken = any(use.suspects for use in trials.uses)
-    told = (*not_used(trials.uses, rig), *sentences(adequate, found["open_loop"], floor, heat, wrong, moves, broken))
-    return Diagnosis(adequate, found, floor, limits, judged, heat, wrong, told, tuple(maps), trials.uses)
+    broken = any(use.suspects for use in uses)
+    told = (*not_used(uses, rig), *sentences(adequate, found["open_loop"], floor, heat, wrong, moves, broken))
+    return Diagnosis(adequate, found, floor, limits, judged, heat, wrong, told, tuple(maps), uses)
 
 
 def good_enough(floor: Error) -> Error:

@@ -7,21 +7,19 @@ A misfit of heat and of lasting errors is slow; averaged, a recording of hours i
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from estimator.batch.open_loop import open_loop_misfit
-from estimator.batch.trial import Posed, Trial
+from estimator.batch.trial import Trial
 from estimator.missing_heat.blocks import Blocks, blocks
 from estimator.missing_heat.zones import Zone, heat_of, zones
 from estimator.model import Model
-from estimator.network.assemble import Network
 from estimator.record import Array
-from estimator.sensitivity.sensitivity import nominal_columns
-from estimator.sensitivity.tangent import Tangent
+from estimator.sensitivity.averages import Averaged, moves
 
+MOST = 1000  # averages that are likely together: the work grows with the cube of their number
 SPIKE = 6.0  # sd from the middle of its bin, from which on a reading does not count
 
 
@@ -47,6 +45,12 @@ class Misfit:
     rate: Array
     A: Array
 
+    def parts(self) -> list[Misfit]:
+        """The same as recordings of `MOST` averages at most, in order of time: one of four hours is whole."""
+        many = np.array_split(np.arange(len(self.y)), -(-len(self.y) // MOST))
+        series = ("y", "variance", "channel", "bin", "rate", "A")
+        return [replace(self, **{key: getattr(self, key)[rows] for key in series}) for rows in many]
+
 
 def misfit(model: Model, trial: Trial) -> Misfit:
     """Run the model alone beside a recording, at a tick that serves for slow heat."""
@@ -56,30 +60,16 @@ def misfit(model: Model, trial: Trial) -> Misfit:
     m = rest.shape[1]
     cell = cut.bin_of_tick[:, None] * m + np.arange(m)
     rest = np.where(spikes(rest, cell, posed.forcing.readings.sd), np.nan, rest)
-    known = np.isfinite(rest)
-    rows, row = np.unique(cell[known], return_inverse=True)
-    count = np.bincount(row)
-
-    def mean(values: Array) -> Array:
-        return np.asarray(np.bincount(row, values[known]) / count)
-
+    averaged, rows = Averaged.of(cell, np.isfinite(rest))
     places = zones(trial.rig, posed.forcing.place)
-    moved = nominal_columns(posed, _tangents(trial, posed, cut, places))
-    A = np.array([mean(column.reading) for column in moved]).T.reshape(len(rows), -1)
-    variance = mean(np.broadcast_to(posed.system.R, rest.shape)) / count
+    into = np.stack([heat_of(zone, trial.rig, posed.forcing.place) for zone in places], axis=1)
+    push = {r: posed.forcing.transition(r).J @ into for r in set(posed.system.regime.tolist())}
+    A = moves(posed, [push[r] for r in posed.system.regime.tolist()], cut.of_tick, averaged).reshape(len(rows), -1)
+    variance = averaged.mean(np.broadcast_to(posed.system.R, rest.shape)) / averaged.count
     rate = np.diff(posed.run.lagged, axis=0, prepend=posed.run.spot[:1]) / tick_s
-    return Misfit(trial, cut, places, rest, mean(rest), variance, rows % m, rows // m, mean(rate), A)
-
-
-def _tangents(trial: Trial, posed: Posed, cut: Blocks, places: tuple[Zone, ...]) -> Iterator[Tangent]:
-    """The heat of each block and zone."""
-    none = Network.none(posed.forcing.place, len(posed.system.F))
-    still, calm = np.zeros_like(posed.outside), np.zeros_like(trial.rest.channels)
-    into = [heat_of(zone, trial.rig, posed.forcing.place) for zone in places]
-    for block in range(len(cut)):
-        during = (cut.of_tick == block).astype(float)[:, None]
-        for heat in into:
-            yield Tangent(none, during * heat, still, calm, None)
+    return Misfit(
+        trial, cut, places, rest, averaged.mean(rest), variance, rows % m, rows // m, averaged.mean(rate), A
+    )  # fmt: skip
 
 
 def spikes(rest: Array, cell: Array, sd: Array) -> Array:

@@ -3,7 +3,7 @@
     y = A h + errors of the readings + scatter
 
 h   W/m in each zone and block of time: unknown and smooth in place; the sum of four, each of a size that the
-    recordings tell: steady, and smooth in time, at all times, and while driving
+    recordings tell, a long one part by part: steady, and smooth in time, at all times, and while driving
 e   of each reading: a constant from the first motion on, seconds of lag, and something that wanders within 20
     minutes; lag and wandering also of all thermometers together; each of a size that is told likewise
 
@@ -81,7 +81,7 @@ class MissingHeat:
 
 def missing_heat(found: Sequence[Misfit], workers: Workers = map) -> list[MissingHeat]:
     """The missing heat of some recordings of one rig and model."""
-    measured = [_measured(each) for each in found]
+    measured = [_measured(part) for each in found for part in each.parts()]
     rig = found[0].trial.rig
     first, least = dict.fromkeys(HEATS, FIRST_W_M), dict.fromkeys(HEATS, LEAST_W_M)
     for name in {name for each in measured for name in each.causes} - {*HEATS}:
@@ -89,7 +89,7 @@ def missing_heat(found: Sequence[Misfit], workers: Workers = map) -> list[Missin
         unit = 1.0 if channel in (ALL, *rig.thermometers) else PER_K
         first[name], least[name] = FIRST[kind] * unit, LEAST[kind] * unit
     sizes = most_likely(measured, first, least, workers)
-    return [_answer(each, one, sizes) for each, one in zip(found, measured, strict=True)]
+    return [_answer(each, sizes) for each in found]
 
 
 def _priors(found: Misfit) -> dict[str, Array]:
@@ -100,21 +100,31 @@ def _priors(found: Misfit) -> dict[str, Array]:
 
 
 def _measured(found: Misfit) -> Averages:
-    trial = found.trial
+    heats = {name: found.A @ prior @ found.A.T for name, prior in _priors(found).items()}
+    causes = {name: Cause(np.arange(len(found.y)), covariance) for name, covariance in heats.items()}
+    return Averages(found.y, _scatter(found), causes | _readings(found))
+
+
+def _scatter(found: Misfit) -> Array:
+    """Covariance (N, N) of what has no size to be found: scatter, and zeros that have no meaning."""
     known = np.diag(found.variance)
-    for channel in trial.floating:
+    for channel in found.trial.floating:
         rows = np.flatnonzero(found.channel == channel)
         known[np.ix_(rows, rows)] += ZERO_UM**2
-    every = np.arange(len(found.y))
-    causes = {name: Cause(every, found.A @ prior @ found.A.T) for name, prior in _priors(found).items()}
-    names, heat = trial.rig.names, trial.rig.is_thermometer
+    return known
+
+
+def _readings(found: Misfit) -> dict[str, Cause]:
+    """Errors of the readings, of all thermometers together first."""
+    causes = dict[str, Cause]()
+    names, heat = found.trial.rig.names, found.trial.rig.is_thermometer
     together = np.flatnonzero(heat[found.channel])
     if len(np.unique(found.channel[together])) > 2:
         causes |= _errors(found, ALL, together, ("drift", "lag"))
     for channel in np.unique(found.channel):
         kinds = KINDS if heat[channel] else KINDS[:2]
         causes |= _errors(found, names[channel], np.flatnonzero(found.channel == channel), kinds)
-    return Averages(found.y, known, causes)
+    return causes
 
 
 def _errors(found: Misfit, name: str, rows: Array, kinds: Sequence[str]) -> dict[str, Cause]:
@@ -134,25 +144,25 @@ def moved(found: Misfit) -> Array:
     return found.blocks.bin_mean(after)
 
 
-def _answer(found: Misfit, measured: Averages, sizes: Mapping[str, float]) -> MissingHeat:
-    now = inverted(measured, sizes)
+def _answer(found: Misfit, sizes: Mapping[str, float]) -> MissingHeat:
     prior = np.sum([sizes[name] ** 2 * one for name, one in _priors(found).items()], axis=0)
     seen = found.A @ prior
+    causes = _readings(found)
+    now = inverted(Averages(found.y, _scatter(found) + seen @ found.A.T, causes), sizes)
     mean = (seen.T @ now.pull).reshape(len(found.blocks), len(found.zones))
     covariance = prior - seen.T @ now.inverse @ seen
-    readings = {name: _error(found, name, measured, sizes, now) for name in (*found.trial.rig.names, ALL)}
+    readings = {name: _error(found, name, causes, sizes, now) for name in (*found.trial.rig.names, ALL)}
     return MissingHeat(found, mean, covariance, {n: error for n, error in readings.items() if error is not None}, sizes)
 
 
 def _error(
-    found: Misfit, name: str, measured: Averages, sizes: Mapping[str, float], now: Inverted
+    found: Misfit, name: str, causes: Mapping[str, Cause], sizes: Mapping[str, float], now: Inverted
 ) -> ReadingError | None:  # fmt: skip
     """A reading's error in each bin, of all kinds together; None where it was not read."""
-    own = {cause: measured.causes[cause] for kind in KINDS if (cause := f"{kind} {name}") in measured.causes}
+    own = {cause: causes[cause] for kind in KINDS if (cause := f"{kind} {name}") in causes}
     if not own:
         return None
     rows = next(iter(own.values())).rows
-    covariance = np.sum([sizes[cause] ** 2 * part.covariance for cause, part in own.items()], axis=0)
     bins, of_row = np.unique(found.bin[rows], return_inverse=True)
     mean = np.zeros((len(bins), len(rows)))
     mean[of_row, np.arange(len(rows))] = 1.0
@@ -160,6 +170,7 @@ def _error(
     if np.isin(found.channel[rows], found.trial.floating).all():
         ticks = found.blocks.ticks[found.bin[rows]]
         mean -= ticks / ticks.sum()
-    seen = mean @ covariance
-    left = seen @ mean.T - seen @ now.inverse[np.ix_(rows, rows)] @ seen.T
-    return ReadingError(bins, seen @ now.pull[rows], left)
+    seen = np.zeros((len(bins), len(found.y)))
+    seen[:, rows] = sum(sizes[cause] ** 2 * (mean @ part.covariance) for cause, part in own.items())
+    left = seen[:, rows] @ mean.T - seen @ now.inverse @ seen.T
+    return ReadingError(bins, seen @ now.pull, left)

@@ -8,7 +8,7 @@ speed and a place of the nut that hold for a while); q and d belong to a tick.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,6 +23,7 @@ from estimator.rig import Rig
 from estimator.terms import ELONGATION, SCREW, Chain, Heat, Lag, Link, Read, Shift, Spot, Store, Term
 
 Projection = Callable[[Any, Any, Array], Array]
+REAL = {float, int, str, bool, np.float64}  # most of what terms say: to look at a type costs least
 
 
 @dataclass(frozen=True)
@@ -186,16 +187,18 @@ def _dtype(terms: Sequence[Term]) -> Any:
 
 def is_complex(term: Term, but: str = "") -> bool:
     """Whether anything that a term says is complex, one field left out."""
-    said = (value for key, value in vars(term).items() if key not in (but, "weights"))
-    return any(map(is_complex_value, (*said, *getattr(term, "weights", {}).values())))
+    return any(type(value) not in REAL and key != but and is_complex_value(value) for key, value in vars(term).items())
 
 
 def is_complex_value(value: object) -> bool:
-    """Whether a number, an array, a cover by the balls or one weight of a Read is complex."""
+    """Whether a number, an array, a cover by the balls or one weight of a Read, or of several, is complex."""
     if isinstance(value, np.ndarray):
         return value.dtype.kind == "c"
-    spot = isinstance(value, Spot) and (is_complex_value(value.weight) or is_complex_value(value.deep))
-    return spot or isinstance(value, complex) or (isinstance(value, ByBalls) and value.is_complex)
+    if isinstance(value, Mapping):
+        return any(map(is_complex_value, value.values()))
+    if isinstance(value, Spot):
+        return is_complex_value(value.weight) or is_complex_value(value.deep)
+    return isinstance(value, complex) or (isinstance(value, ByBalls) and value.is_complex)
 
 
 def _squares(rows: Array, weights: Any, regimes: int) -> Array:

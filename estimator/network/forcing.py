@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from estimator.cover import AT_ONCE, LONG
-from estimator.faults.travel import Travel
+from estimator.faults.travel import Travel, motions
 from estimator.inputs.balls import Balls, ByBalls
 from estimator.inputs.inputs import InputReader, Inputs, no_inputs, nothing
 from estimator.inputs.start import Start
@@ -175,7 +175,7 @@ class Forcing:
         unseen = self._untold.unseen(chunk)
         speeds = np.hstack([np.broadcast_to(each, u.omega.shape) for each in (u.omega, u.unevenness, u.idle, u.rest_K)])
         before: tuple[list[float], Array] = [], np.empty(0)
-        for sample, row, under, lost in zip(chunk, speeds.tolist(), stay, unseen.tolist(), strict=True):
+        for sample, row, under, lost in zip(motions(chunk), speeds.tolist(), stay, unseen.tolist(), strict=True):
             self._travel.step(sample)
             omega, uneven, idle, rest_K = row
             unknown = lost or bool(self._travel.why)

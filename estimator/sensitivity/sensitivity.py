@@ -16,7 +16,8 @@ from estimator.record import Array
 from estimator.sensitivity.tangent import Tangent
 from estimator.state.open_loop import lag_filter
 
-TOGETHER = 32  # tangents that run side by side: more would leave the processor's cache
+TOGETHER = 32  # tangents that run side by side, of a run of so many ticks or less: fewer of a longer one, or all that
+TICKS = 2500  # is worked out of them leaves the processor's cache
 
 
 @dataclass(frozen=True)
@@ -31,8 +32,8 @@ class NominalColumn:
 
 def nominal_columns(posed: Posed, moved: Iterable[Tangent]) -> Iterator[NominalColumn]:
     """Take tangents through the open-loop run, some side by side."""
-    rest = iter(moved)
-    while some := list(islice(rest, TOGETHER)):
+    rest, together = iter(moved), max(4, TOGETHER * TICKS // max(TICKS, len(posed.heat)))
+    while some := list(islice(rest, together)):
         yield from _side_by_side(posed, some)
 
 
