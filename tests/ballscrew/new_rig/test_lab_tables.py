@@ -40,6 +40,14 @@ def test_two_thermometers_are_on_two_bodies_and_begin_as_they_warmed(tmp_path):
     assert ballscrew("review", tmp_path / "two")[0] == 0
 
 
+def test_a_csv_without_names_is_told_to_get_some(tmp_path):
+    bare = tmp_path / "bare.csv"
+    bare.write_text("0,0,299.5\n" * 60)  # two columns of one name, if these were names
+    status, _, err = ballscrew("init", bare, "-o", tmp_path / "rig")
+    assert status == 1
+    assert "its first line holds numbers: write a line of names above it" in err
+
+
 def mf4(path: Path, table: Path) -> Path:
     """The columns of a CSV as signals of an MF4, each in a group of its own, and one that is text."""
     asammdf = pytest.importorskip("asammdf")  # late: it takes most of a second
