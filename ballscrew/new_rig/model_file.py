@@ -24,6 +24,8 @@ EFFECTS = "effects.py"
 LOSS = "loss"
 ROOM_MM = 2000.0
 CAPACITY = 50.0  # of a body, J/K: what else is fitted is in proportion to it
+MEDIAN = 0.6745  # of what is spread normally, of the absolute values, in sd
+ROUNDING_K = 1e-6
 _PARTS = 100  # of a recording, over which a heater warms what is beside it
 _BODIES = '''class Bodies(Effect):
     """The bodies store heat, and lose it to the air.
@@ -57,7 +59,7 @@ def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> None:
         own = own_effects(folder / EFFECTS)
     for effect in [CATALOGUE[name] for name in of_the_catalogue(rig)] + list(own.values()):
         model = model + effect
-    for path, value in _powers(rig, guesses, own):
+    for path, value in [*_powers(rig, guesses, own), ("thermometers.sd", _scatter_K(guesses))]:
         param = model.param(path)
         model = model.with_values({path: min(max(value, param.lo), param.hi)})
     model = replace(model, use={effect.name: f"{EFFECTS}:{cls}" for cls, effect in own.items()})
@@ -89,6 +91,19 @@ def _powers(rig: Rig, guesses: Sequence[Guess], own: Mapping[str, type[Effect]])
             yield f"{own[_class_of(guess)].name}.power", 1.0
     if rig.screw is None:
         yield "bodies.g", round_to(CAPACITY * max(float(np.mean([*rates[LOSS].values()])), 1e-3), 2)
+
+
+def _scatter_K(guesses: Sequence[Guess]) -> float:
+    """sd of a thermometer's reading, K: of how it leaves a line through the two beside it, or of a step of its digits.
+
+    It is the median thermometer's, and no less than the table says.
+    """
+    found = [CATALOGUE["thermometers"].params["sd"].value]
+    for value in (one.value for one in guesses if one.role == THERMOMETER and np.ptp(one.value)):
+        steps = np.abs(np.diff(value))
+        off = np.median(np.abs(np.diff(value, 2))) / MEDIAN / np.sqrt(6.0) if len(value) > 2 else 0.0
+        found.append(max(off, steps[steps > ROUNDING_K].min(initial=np.inf) / np.sqrt(12.0)))
+    return max(found[0], round_to(float(np.median(found[1:])), 2)) if found[1:] else found[0]
 
 
 def round_to(value: float, digits: int) -> float:
