@@ -46,6 +46,7 @@ class Filter:
     def __init__(self, model: Model, rig: Rig, mute: Mute | None = None) -> None:
         self.model, self.rig, self.mute = model, rig, mute or unmuted(rig)
         self.run: Run | None = None
+        self._begun_s: float | None = None
         self._transitions: dict[int, Transition] = {}
         self._read: tuple[Sample, Drive] | None = None  # a sample that an effect has failed in
 
@@ -88,7 +89,8 @@ class Filter:
         if run is None:
             return Track.waiting(self.rig.names, rows).step(0, ("waiting for a thermometer",) * len(self.rig.names))
         doubt = Doubt(run)
-        self.fusion, self._judge = Fusion(run.x, run.P), run.judge(doubt.known)
+        self._begun_s = run.sample.time_s if self._begun_s is None else self._begun_s
+        self.fusion, self._judge = Fusion(run.x, run.P), run.judge(doubt.known, self._begun_s)
         self._unled = Unled(run, doubt.beside())
         self._open_loop, self._doubt, self._reporter = run.open_loop(), doubt, Reporter(run)
         self._transitions.clear()

@@ -178,7 +178,8 @@ class Model:
     def known(self, paths: Sequence[str], covariance: Array) -> Model:
         """The model with how well these parameters are known, (p, p); correlations are kept to four digits."""
         sd = np.sqrt(np.diag(covariance))
-        rho = covariance / np.maximum(np.outer(sd, sd), SMALLEST)
+        with np.errstate(invalid="ignore"):  # what nothing tells of goes with nothing
+            rho = np.nan_to_num(covariance / np.maximum(np.outer(sd, sd), SMALLEST))
         old = self.about.get("covariance", UNKNOWN)
         stay = [k for k, path in enumerate(old["paths"]) if path not in paths]
         together = scipy.linalg.block_diag(np.asarray(old["correlation"])[np.ix_(stay, stay)], rho).round(DIGITS)

@@ -12,7 +12,7 @@ from ballscrew.new_rig.words import measure, tokens, unit_in_tail
 from drivers.budget import Budget
 from drivers.frames import Array, Tally
 from drivers.lab import counting
-from drivers.lab.columns import kind_in
+from drivers.lab.columns import NAMELESS, kind_in
 from drivers.lab.lab import Table
 from drivers.lab.numerals import decimal_mark, numbers
 from drivers.lab.sheet import Sheet, read_sheet
@@ -68,6 +68,8 @@ def read_lab_table(path: Path, tally: Tally, told: Csv = _RULES[0]) -> LabTable:
     if not sheet.rows:
         names = f"below the names {', '.join(sheet.names[:6])}" if sheet.names else "and no names"
         raise InputError(f"{path}: no rows {names}; expected a line of names and one row per instant")
+    if sheet.nameless:
+        raise InputError(f"{path}: {NAMELESS}")
     time = _time_column(sheet)
     units = {name: unit_in_tail(name) for name in sheet.names}
     first: InputError | None = None

@@ -22,6 +22,8 @@ EFFECTS = "effects.py"
 LOSS = "loss"
 ROOM_MM = 2000.0
 CAPACITY = 50.0  # of a body, J/K: what else is fitted is in proportion to it
+MEDIAN = 0.6745  # of what is spread normally, of the absolute values, in sd
+ROUNDING_K = 1e-6
 _PARTS = 100  # of a recording, over which a heater warms what is beside it
 _BODIES = '''class Bodies(Effect):
     """The bodies store heat, and lose it to the air.
@@ -55,7 +57,7 @@ def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> None:
         own = own_effects(folder / EFFECTS)
     for effect in [CATALOGUE[name] for name in of_the_catalogue(rig)] + list(own.values()):
         model = model + effect
-    for path, value in _powers(rig, guesses, own):
+    for path, value in [*_powers(rig, guesses, own), ("thermometers.sd", _scatter_K(guesses))]:
         param = model.param(path)
         model = model.with_values({path: min(max(value, param.lo), param.hi)})
     model = replace(model, use={effect.name: f"{EFFECTS}:{cls}" for cls, effect in own.items()})
@@ -87,6 +89,19 @@ def _powers(rig: Rig, guesses: Sequence[Guess], own: Mapping[str, type[Effect]])
             yield f"{own[_class_of(guess)].name}.power", 1.0
     if rig.screw is None:
         yield "bodies.g", float(f"{CAPACITY * max(float(np.mean([*rates[LOSS].values()])), 1e-3):.2g}")
+
+
+def _scatter_K(guesses: Sequence[Guess]) -> float:
+    """sd of a thermometer's reading, K: of how it leaves a line through the two beside it, or of a step of its digits.
+
+    It is the median thermometer's, and no less than the table says.
+    """
+    found = [CATALOGUE["thermometers"].params["sd"].value]
+    for value in (one.value for one in guesses if one.role == THERMOMETER and np.ptp(one.value)):
+        steps = np.abs(np.diff(value))
+        off = np.median(np.abs(np.diff(value, 2))) / MEDIAN / np.sqrt(6.0) if len(value) > 2 else 0.0
+        found.append(max(off, steps[steps > ROUNDING_K].min(initial=np.inf) / np.sqrt(12.0)))
+    return max(found[0], float(f"{np.median(found[1:]):.2g}")) if found[1:] else found[0]
 
 
 def _heater(guess: Guess, guesses: Sequence[Guess], rig: Rig) -> str:

@@ -17,6 +17,7 @@ from drivers.units import contradicts, unit_of
 from estimator.errors import InputError
 from estimator.rig import Rig, Signal
 
+NAMELESS = "its first line holds numbers: write a line of names above it"
 COLDEST_K = 150.0  # what is below is no machine in K
 _SAMPLE = 40  # rows that show what a column holds
 _MOST_HEAD = 5  # rows below the names that hold no measurement
@@ -82,8 +83,8 @@ def find_columns(sheet: Sheet, rig: Rig, tally: Tally) -> Columns:
 
 def _layout(sheet: Sheet, names: set[str]) -> str:
     """What else a sheet without a known name is."""
-    if any(sheet.names) and all(is_numeric(name) for name in sheet.names if name):
-        return "; its first line holds numbers: write a line of names above it"
+    if sheet.nameless:
+        return f"; {NAMELESS}"
     for k, name in enumerate(sheet.names):
         if names & {*sheet.column(k)}:
             return f"; a row for each reading, by '{name}': write a column for each instead"

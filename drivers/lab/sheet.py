@@ -45,6 +45,11 @@ class Sheet:
         """The cells of one column, (n,)."""
         return [row[index].strip() for row in self.rows]
 
+    @property
+    def nameless(self) -> bool:
+        """Whether numbers stand where the names should."""
+        return any(self.names) and all(is_numeric(name) for name in self.names if name)
+
 
 def read_sheet(path: Path, rule: Csv, wanted: Collection[str], tally: Tally, budget: Budget) -> Sheet:
     """Read a CSV; what it has too many or too few cells of is counted."""

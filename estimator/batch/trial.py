@@ -233,8 +233,9 @@ class Trial:
         """
         alone, ahead, astray = posed.run.lagged + posed.offset[1:], self.ahead(posed, doubt), self.drive.astray[1:]
         readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, ahead, astray)
+        begun_s = float(self.recording.time_s[self.begun[0]])
         unled = Unled(posed.system, posed.state, doubt, self.rig, closely, lambda: self.ahead(posed, self.doubt(posed)))
-        return judged(posed.system, readings, self.run.judge(doubt.known), posed.state, unled, closely)
+        return judged(posed.system, readings, self.run.judge(doubt.known, begun_s), posed.state, unled, closely)
 
     def loglike(self, model: Model) -> float:
         """Log-likelihood of the readings after the first sample, given that one."""

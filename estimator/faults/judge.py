@@ -38,7 +38,7 @@ class Judge:
     """
 
     def __init__(self, rig: Rig, noise: Array, begun_s: float, begun_with: Array, known: Known) -> None:
-        """noise (m,) sd of each reading, inf: no model; the run began at begun_s with some of the channels (m,).
+        """noise (m,) sd of each reading, inf: no model; the run began with some of the channels (m,), first at begun_s.
 
         known  how well the model's parameters are
         """

@@ -82,13 +82,15 @@ def proven(before: Explanation, after: Explanation, tried: float) -> bool:
 def worth(h: Hypothesis, before: Explanation) -> bool:
     """Whether an effect, if it is there, is worth having: it is of a size that can be.
 
-    In temperature or in elongation it must take something off that can be seen, and make the elongation no worse.
+    In temperature or in elongation it must take something off that can be seen, and make the elongation no worse. What
+    readings lose while the screw turns counts only as far as the elongation, the rests in it, loses it too.
     """
     worse = (h.judged.blocks - before.blocks)[1]
     if h.at_bound() or worse.sum() > APART_SE * _error_of(worse, before):
         return False
-    heat = before.error.temperature_K**2 - h.judged.error.temperature_K**2
-    length = np.nan_to_num(before.read_um**2 - h.judged.read_um**2)
+    was, left = before.error, h.judged.error
+    heat, grown = was.temperature_K**2 - left.temperature_K**2, was.elongation_um**2 - left.elongation_um**2
+    length = np.nan_to_num(min(grown, before.read_um**2 - h.judged.read_um**2))
     return bool(heat > WORTH_K**2 or length > WORTH_UM**2)
 
 

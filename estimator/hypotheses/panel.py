@@ -24,6 +24,7 @@ from estimator.sensitivity.objective import prior_roots
 from estimator.sensitivity.prior import Belief, size
 
 RIDGE = 1e-9  # of a direction's own curvature, where two columns are the same
+SAME = 1e-6  # short of a correlation of one: rounding
 LEAST = 0.25  # of a misfit: no model is known better than from misfits half as large as a good one's
 
 
@@ -193,6 +194,13 @@ class Panel:
         change = np.divide(slope, curvature, out=np.zeros_like(slope), where=known)
         change = np.clip(change, self._lo, self._hi)
         return np.asarray(change * (2 * slope - change * curvature))
+
+    def double(self, others: Sequence[int]) -> Array:
+        """Whether each parameter moves all readings in proportion to how one of some others does, (k,)."""
+        sums = self._weighted.sum(axis=0)[:-1, :-1]
+        size = np.sqrt(np.maximum(np.diag(sums), 1e-300))
+        alike = np.abs(sums[others] / np.outer(size[others], size))
+        return np.asarray(alike.max(axis=0, initial=0.0) > 1.0 - SAME)
 
     def shows(self) -> Array:
         """Whether each parameter moves any reading, (k,)."""

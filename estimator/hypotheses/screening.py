@@ -24,11 +24,15 @@ SEATS = 2  # of an effect, that are judged
 
 @dataclass(frozen=True)
 class Screened:
-    """A candidate and what it explains; `first`: values from which a full fit may begin."""
+    """A candidate and what it explains; `first`: values from which a full fit may begin.
+
+    doubles  whether it does to every reading what one of the model's own parameters does
+    """
 
     candidate: Candidate
     judged: Explanation
     first: Mapping[str, float]
+    doubles: bool = False
 
 
 @dataclass(frozen=True)
@@ -93,10 +97,14 @@ def _screened(group: Sequence[Candidate], k: int, panel: Panel, most: int) -> li
     """The best seats of a group; the first `k` parameters of the panel are the ground's."""
     sizes = [len(c.paths) for c in group]
     starts = k + np.append(0, np.cumsum(sizes[:-1])).astype(int)
-    gain, shows = panel.gains(range(k)), panel.shows()
+    gain, shows, doubles = panel.gains(range(k)), panel.shows(), panel.double(range(k))
     kept: list[int] = []
     for name in {c.name for c in group}:
         seats = [i for i, c in enumerate(group) if c.name == name and shows[starts[i] : starts[i] + sizes[i]].any()]
         kept += sorted(seats, key=lambda i: -float(gain[starts[i] : starts[i] + sizes[i]].max()))[:most]
     judged = [(i, panel.judge([*range(k), *range(starts[i], starts[i] + sizes[i])])) for i in sorted(kept)]
-    return [Screened(group[i], explained, panel.values(explained)) for i, explained in judged]
+    whole = [bool(doubles[starts[i] : starts[i] + sizes[i]].all()) for i, _ in judged]
+    return [
+        Screened(group[i], explained, panel.values(explained), double)
+        for (i, explained), double in zip(judged, whole, strict=True)
+    ]

@@ -35,6 +35,10 @@ class Start:
     zero_K: Mapping[str, float]
     above_K: float = 0.0
 
+    def sets_right(self, told_C: float) -> bool:
+        """Whether an input that tells so at the start is taken for one with an error of its own, at least in part."""
+        return self.spread_K < WARM_K and abs(told_C - self.level_C) <= SENSOR_K
+
 
 def read_start(sample: Sample, rig: Rig, muted: Array | None = None) -> Start | None:
     """Start from this sample, or None while no thermometer has been read. `muted` (m,) bool: channels to leave out.

@@ -39,6 +39,11 @@ class Side:
         self.tried = len(listed) + len(self.screened.own)
 
     @property
+    def doubles(self) -> set[str]:
+        """Effects that are a parameter of the model under another name."""
+        return {one.candidate.name for one in self.screened.best() if one.doubles}
+
+    @property
     def least(self) -> float:
         """As `cost`, of the best that the screen promises and more: below what will be reached."""
         screened = [*(one.judged for one in self.screened.found), *self.screened.own.values()]

@@ -242,8 +242,8 @@ class Search:
             verdict, found = "nothing_in_catalogue", []
         elif pair and both:
             verdict, found = "effects", [pair]
-        elif found and all(name in self.model.effects for name in named):
-            verdict, changed = "nothing_missing", found[0].freed
+        elif (own := self._own(side, named)) is not None:
+            verdict, changed, found = "nothing_missing", own.freed, [own, *(h for h in found if h is not own)]
         elif found and self._far(found[0].judged) and not most(side.plain.judged, found[0].judged):
             verdict, partly = "nothing_in_catalogue", named[0]
         elif found:
@@ -256,6 +256,16 @@ class Search:
             side.plain, self.trials.uses, changed, tuple(pair.names) if pair else (),
             wrong, unexplained, self._composed(unexplained) if unexplained else None, far=far, partly=partly,
         )  # fmt: skip
+
+    def _own(self, side: Side, named: Sequence[str]) -> Hypothesis | None:
+        """The own parameter of another value that all comes to that is named; None where it comes to more.
+
+        An effect that does what an own parameter does is that parameter, where nothing stands out beside it.
+        """
+        doubles = set() if side.pair else side.doubles
+        if not all(name in self.model.effects or name in doubles for name in named):
+            return None
+        return next((h for h in side.missing if h.freed and h.names[0] in named), None)
 
     def _far(self, judged: Explanation) -> bool:
         """Whether a model is so far off that something must be missing."""

@@ -2,7 +2,8 @@
 
 Of a run that the others miss (`odd_run`) it is asked: is there a ratio of one of its inputs, or a shift of a
 temperature or of the position, with which the model suits this run as well? A wrong speed or position alone would show
-without any model: the table would not go as far as the screw turns.
+without any model: the table would not go as far as the screw turns. What a start has set right is not shifted: that far
+from a rig in equilibrium no temperature was.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from estimator.hypotheses.slopes import Column
 from estimator.inputs.inputs import nothing
 from estimator.inputs.moved import moved
 from estimator.model import Model
-from estimator.record import Array, Recording
+from estimator.record import Recording
 from estimator.rig import Rig
 from estimator.terms import Link, Store
 from estimator.work import Runs
@@ -70,7 +71,7 @@ def mislabel(ground: Ground, runs: Runs, trials: Trials, odd: int) -> Mislabel |
     free, known = [Column(model, path) for path in ground.paths], ground.belief(model, ground.paths)
     others = [moments_of(trial, model, free) for i, trial in enumerate(trials) if i != odd]
     wrong = list[Mislabel]()
-    for signal, size in _likely(model, rig, Trial(model, rig, recording).heard)[:JUDGED]:
+    for signal, size in _likely(model, rig, recording)[:JUDGED]:
         right = slow_trial(model, rig, corrected(recording, rig, signal, size))
         judged = Panel(free, [*others, moments_of(right, model, free)], known).judge()
         wrong.append(_mislabel(recording.name, rig, signal, size, judged))
@@ -79,7 +80,9 @@ def mislabel(ground: Ground, runs: Runs, trials: Trials, odd: int) -> Mislabel |
 
 def _likely(model: Model, rig: Rig, recording: Recording) -> list[tuple[str, float]]:
     """Signals that may be wrong, each with the size that leaves the model least, best first."""
-    told = [name for name in signals(model, rig) if name not in rig.inputs or _read(recording.inputs[name])]
+    trial = Trial(model, rig, recording)
+    recording = trial.heard
+    told = [name for name in signals(model, rig) if name not in rig.inputs or _open(rig, trial, name)]
     if abs(np.log(gone(recording, rig))) < LOG.sure:
         told = [name for name in told if name not in DRIVE]
     found = [(*_best(model, rig, recording, name), name) for name in told]
@@ -104,8 +107,11 @@ def gone(recording: Recording, rig: Rig) -> float:
     return float(np.quantile(known, 0.95)) if len(known) > FEW else float("nan")
 
 
-def _read(column: Array) -> bool:
-    return bool(np.nan_to_num(column).any())
+def _open(rig: Rig, trial: Trial, name: str) -> bool:
+    """Whether an input was read, and no start has set it right."""
+    column = trial.heard.inputs[name]
+    right = rig.inputs[name].unit == "degC" and trial.run.start.sets_right(float(column[trial.run.tick]))
+    return bool(np.nan_to_num(column).any()) and not right
 
 
 def _mislabel(run: str, rig: Rig, signal: str, size: float, judged: Explanation) -> Mislabel:

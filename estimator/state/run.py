@@ -54,9 +54,12 @@ class Run:
     x: Array
     P: Array
 
-    def judge(self, known: Known) -> Judge:
-        """The judge of the readings after the first, by a model whose parameters are known so well."""
-        return Judge(self.forcing.rig, self.forcing.readings.sd, self.sample.time_s, self.fuse, known)
+    def judge(self, known: Known, begun_s: float) -> Judge:
+        """The judge of the readings after the first, by a model whose parameters are known so well.
+
+        begun_s  when the first run began, where this one has begun again
+        """
+        return Judge(self.forcing.rig, self.forcing.readings.sd, begun_s, self.fuse, known)
 
     def grown_um(self, z: Array) -> float:
         """Growth of the span since the start, um, when the temperatures are z (n,)."""

@@ -72,6 +72,11 @@ def test_what_a_model_says_of_bounds_and_prior_goes_before_what_its_effect_says(
     assert full.param("still_air.h") == StillAir.params["h"]
 
 
+def test_what_nothing_tells_of_goes_with_nothing(full):
+    known = full.known(["still_air.h", "conduction.capacity"], np.array([[np.inf, np.inf], [np.inf, 0.01]]))
+    assert known.about["covariance"]["correlation"] == [[1.0, 0.0], [0.0, 1.0]]
+
+
 def test_correlations_are_read_back_so_that_no_variance_is_negative(full, tmp_path):
     """Four digits of a correlation are not enough where parameters are hardly apart."""
     paths = ["still_air.h", "nut_friction.power", "nut_body.g"]

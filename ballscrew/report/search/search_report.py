@@ -9,7 +9,7 @@ from rich.markup import escape
 from ballscrew.began import events_json
 from ballscrew.report.search.composed_words import composed_json, own_json, own_words
 from ballscrew.report.search.next_run_words import next_run_json
-from ballscrew.report.search.verdict import sentence
+from ballscrew.report.search.verdict import sentence, thermometer_of
 from ballscrew.report.sections import Section, cells, with_sd
 from ballscrew.report.use_report import recordings_json
 from ballscrew.search import Verdict
@@ -39,7 +39,7 @@ def print_verdict(terminal: Terminal, verdict: Verdict, rig: Rig) -> None:
 def section_of(verdict: Verdict, rig: Rig) -> Section:
     """The verdict, what errors were taken on, and the ranking of hypotheses."""
     head = ["open loop, rms", "K", "um", *(["held out, K", "um"] if verdict.held_out else []), "fitted", "value"]
-    rows = [_row(*one) for one in ranked(verdict)] + _stand_ins(verdict, rig)
+    rows = [_row(rig, *one) for one in ranked(verdict)] + _stand_ins(verdict, rig)
     once = "one recording: none left out" if verdict.suggestion.one_recording else "each recording left out once"
     once = f"without {verdict.suggestion.apart}, {once}" if verdict.suggestion.apart else once
     note = f"{once}; {'held out: never looked at; ' if verdict.held_out else ''}best first"
@@ -63,9 +63,11 @@ def ranked(verdict: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
     return [(*one, error) for one, error in zip(listed, held, strict=False)]
 
 
-def _row(title: str, h: Hypothesis, held: Error | None) -> list[str]:
+def _row(rig: Rig, title: str, h: Hypothesis, held: Error | None) -> list[str]:
     errors = [h.judged.error, *([held] if held is not None else [])]
-    return [title, *cells(errors), "all" if h.refit else "it alone" if h.names else "", own_words(h)]
+    values = [own_words(h), f"of {thermometer}" if (thermometer := thermometer_of(h, rig)) else ""]
+    by = "all" if h.refit else "it alone" if h.names else ""
+    return [title, *cells(errors), by, ", ".join(filter(None, values))]
 
 
 def _stand_ins(verdict: Verdict, rig: Rig) -> list[list[str]]:
@@ -81,7 +83,7 @@ def _stand_ins(verdict: Verdict, rig: Rig) -> list[list[str]]:
     rows = [[_title(found.candidate, rig), *cells([found.judged.error]), *blank, fitted, value]]
     if suggestion.composed is not None:
         made = suggestion.composed
-        rows.append(_row(f"+ {made.effect.name}, composed", made.hypothesis, verdict.composed_held_out))
+        rows.append(_row(rig, f"+ {made.effect.name}, composed", made.hypothesis, verdict.composed_held_out))
     for rival in found.rivals[:SHOWN]:
         behind_by = f"{rival.difference_se:.1f} standard errors behind"
         rows.append([_title(rival.candidate, rig), *cells([rival.judged.error]), *blank, "screened", behind_by])
@@ -110,7 +112,8 @@ def as_json(verdict: Verdict, rig: Rig, file: Path | None = None) -> dict[str, A
         "recordings": recordings_json(verdict.uses),
         "verdict": suggestion.verdict,
         "effects": [
-            _effect(suggestion.without(h), h, suggestion.found[0], held[h.refit : h.refit + 1], held[i : i + 1])
+            {"channel": thermometer_of(h, rig) or None}
+            | _effect(suggestion.without(h), h, suggestion.found[0], held[h.refit : h.refit + 1], held[i : i + 1])
             for i, h in enumerate(suggestion.found, start=2)
         ],
         "tie": list(suggestion.tie),

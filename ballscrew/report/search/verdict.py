@@ -53,8 +53,29 @@ def _sentence(verdict: Verdict, rig: Rig) -> str:
         return f"{' and '.join(best.names)} are missing, neither alone: {_gain(suggestion.before, best)}."
     more = _besides(suggestion)
     if suggestion.verdict == "tie":
-        return f"{' or '.join(suggestion.tie)}: these recordings cannot tell.{more}"
-    return f"{best.names[0]} is missing: {_gain(suggestion.without(best), best)}.{more}"
+        tied = {h.names[0]: seated(h, rig) for h in reversed(suggestion.found)}
+        return f"{' or '.join(tied.get(name, name) for name in suggestion.tie)}: these recordings cannot tell.{more}"
+    return f"{seated(best, rig)} is missing: {_gain(suggestion.without(best), best)}.{more}"
+
+
+def seated(h: Hypothesis, rig: Rig) -> str:
+    """An effect and where it sits: channel_gain of T06, local_heat at 349 mm."""
+    name = h.names[0]
+    if thermometer := thermometer_of(h, rig):
+        return f"{name} of {thermometer}"
+    places = [key for key, param in h.model.effects[name].params.items() if param.over == "place"]
+    return f"{name} at {h.model[f'{name}.{places[0]}']:.0f} mm" if places else name
+
+
+def thermometer_of(h: Hypothesis, rig: Rig) -> str:
+    """The thermometer that an effect of one is about; "" where it is about none, or more."""
+    which = [
+        h.model[f"{name}.{key}"]
+        for name in h.names
+        for key, param in h.model.effects[name].params.items()
+        if param.over == "channel"
+    ]
+    return rig.thermometers[round(which[0]) - 1] if which else ""
 
 
 def _unnamed(suggestion: Suggestion) -> str:

@@ -40,6 +40,28 @@ def test_two_thermometers_are_on_two_bodies_and_begin_as_they_warmed(tmp_path):
     assert ballscrew("review", tmp_path / "two")[0] == 0
 
 
+@pytest.mark.parametrize(("step_K", "sd_K"), [(0.001, 0.05), (0.5, 0.144)])
+def test_thermometers_scatter_as_the_recording_shows(tmp_path, step_K, sd_K):
+    """By 0.05 K about the line through their neighbours, or by the half kelvins that they read in."""
+    names, *rows = TWO.read_text().splitlines()
+    at = [k for k, name in enumerate(names.split(",")) if name in ("T1", "T2")]
+    cells = [row.split(",") for row in rows]
+    for row in cells:
+        for k in at:
+            row[k] = f"{round(float(row[k]) / step_K) * step_K:.3f}"
+    (tmp_path / "two.csv").write_text("\n".join([names, *map(",".join, cells), ""]))
+    made(tmp_path / "two.csv", "-o", tmp_path / "two")
+    assert load_model(tmp_path / "two" / "model.toml")["thermometers.sd"] == pytest.approx(sd_K, rel=0.1)
+
+
+def test_a_csv_without_names_is_told_to_get_some(tmp_path):
+    bare = tmp_path / "bare.csv"
+    bare.write_text("0,0,299.5\n" * 60)  # two columns of one name, if these were names
+    status, _, err = ballscrew("init", bare, "-o", tmp_path / "rig")
+    assert status == 1
+    assert "its first line holds numbers: write a line of names above it" in err
+
+
 def mf4(path: Path, table: Path) -> Path:
     """The columns of a CSV as signals of an MF4, each in a group of its own, and one that is text."""
     asammdf = pytest.importorskip("asammdf")  # late: it takes most of a second

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ballscrew.report.search.verdict import _beside, _sentence
+from ballscrew.report.search.verdict import _beside, _sentence, seated
 from estimator.missing_effect.suggestion import Suggestion
 
 N = "nut_friction.n"
@@ -30,14 +30,28 @@ def test_what_was_held_fixed_and_is_another_is_told_beside_an_effect(verdict, fu
         ("effects", (), ("churning", "motor_heat"), 2.0, "", "on recordings left out."),
     ],
 )
-def test_a_second_effect_is_told_beside_the_one_that_is_named_or_its_rivals(verdict, tie, pair, misfit, second, said):
+def test_a_second_effect_is_told_beside_the_one_that_is_named_or_its_rivals(
+    verdict, tie, pair, misfit, second, said, every
+):
     judged = SimpleNamespace(error=SimpleNamespace(temperature_K=0.1, elongation_um=0.5), runs=[0.0, 0.0])
     h = SimpleNamespace(
-        names=pair if verdict == "effects" else ("churning",), judged=judged, refit=False, misfit=misfit
+        names=pair if verdict == "effects" else ("churning",), judged=judged, refit=False, misfit=misfit, model=every
     )
     found = Suggestion(verdict, (h,), tie, h, h, h, (), pair=pair)
     assert found.second == second
     assert _sentence(SimpleNamespace(suggestion=found), None).endswith(said)
+
+
+@pytest.mark.parametrize(
+    ("name", "at", "said"),
+    [
+        ("channel_gain", {"channel_gain.channel": 6.0}, "channel_gain of T06"),
+        ("local_heat", {"local_heat.at": 348.6}, "local_heat at 349 mm"),
+        ("churning", {}, "churning"),
+    ],
+)
+def test_an_effect_that_may_sit_in_many_places_is_named_with_its_own(name, at, said, every, rig):
+    assert seated(SimpleNamespace(names=(name,), model=every.with_values(at)), rig) == said
 
 
 @pytest.mark.parametrize(

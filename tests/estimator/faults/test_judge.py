@@ -12,6 +12,7 @@ from estimator.batch.replay import replay
 from estimator.batch.trial import Trial
 from estimator.faults import recovery
 from estimator.faults.fault import Fault
+from estimator.faults.judge import START_S
 from estimator.filter import Filter
 from tests.conftest import stepped
 
@@ -91,6 +92,18 @@ def test_live_and_a_trial_name_it_as_well(lived, tick_by_tick, rig, full):
 
 def test_nothing_is_said_of_healthy_thermometers(lived, rig, full):
     assert not replay(full, rig, lived.recording).fault.any()
+
+
+def test_a_run_begins_again_in_its_first_minute_only(rig, full, driven):
+    """A lone thermometer that reads whole kelvins, warmed by what the model does not foretell."""
+    alone, model = replace(rig, channels={"T07": rig.channels["T07"]}), full - "displacement"
+    idle = driven(alone, 400, (10**8, 10**9))
+    recording = replace(idle, channels=22.0 + np.round(0.05 * idle.time_s)[:, None])
+    last = Trial(model, alone, recording).begun[-1]
+    assert last < 30.0 + START_S
+    one = Filter(model, alone)
+    stepped(one, recording)
+    assert one.run.sample.time_s == recording.time_s[last]
 
 
 def test_wrong_readings_of_all_are_no_loose_contacts(lived, rig, full):

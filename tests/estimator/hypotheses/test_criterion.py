@@ -1,10 +1,13 @@
 """When a hypothesis counts."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from estimator.accuracy.noise_floor import Error
-from estimator.hypotheses.criterion import clearly, most, proven
+from estimator.hypotheses.criterion import clearly, most, proven, worth
 from estimator.hypotheses.panel import Explanation
 
 
@@ -34,3 +37,11 @@ def test_what_foretells_runs_left_out_no_better_is_not_proven():
 def test_most_of_a_misfit_is_half_of_it():
     assert most(explanation(100.0, 0.8), explanation(49.0, 0.4))
     assert not most(explanation(100.0, 0.8), explanation(51.0, 0.4))
+
+
+@pytest.mark.parametrize(("grown_um", "is_worth"), [(0.2, True), (0.38, False)])
+def test_readings_of_drives_are_worth_what_the_rests_lose_with_them(grown_um, is_worth):
+    """Temperatures as they were; what is read while driving falls by more than is seen at the table."""
+    before = replace(explanation(1.0, 0.8), error=Error(0.05, 0.25), read_um=0.18)
+    after = replace(before, error=Error(0.05, grown_um), read_um=0.12)
+    assert worth(SimpleNamespace(judged=after, at_bound=list), before) == is_worth

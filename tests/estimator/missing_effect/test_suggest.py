@@ -79,6 +79,14 @@ def test_a_parameter_of_another_value_is_no_missing_effect(plain, bar, lives):
     assert steps[-1].model["nut_friction.power"] == pytest.approx(24.0, rel=0.02)
 
 
+def test_an_effect_that_does_what_an_own_parameter_does_is_that_parameter(plain, bar, lives):
+    """The fit knew the nut's exponent, and it is another one since."""
+    known, other = plain.known(("nut_friction.n",), np.array([[0.01**2]])), plain.with_values({"nut_friction.n": 1.15})
+    found = suggest(known, Runs(bar, lives(other)), [CATALOGUE["nut_speed_exponent"]])
+    assert (found.verdict, found.changed) == ("nothing_missing", "nut_friction.n")
+    assert found.found[0].model["nut_friction.n"] == pytest.approx(1.15, abs=0.02)
+
+
 def test_a_model_fitted_to_these_recordings_stands_on_tables_alone(plain, bar, lives):
     runs = Runs(bar, lives(with_effect(plain, "churning", share=0.5))[:2])
     known = plain.known(("nut_friction.power",), np.array([[0.2**2]]))

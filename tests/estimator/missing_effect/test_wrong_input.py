@@ -75,6 +75,14 @@ def test_speed_that_the_position_bears_out_is_not_called_wrong_alone(plain, bar,
     assert "speed" in [name for name, _ in _likely(plain, bar, unread)]
 
 
+@pytest.mark.parametrize(("told_K", "may_be_wrong"), [(0.0, False), (3.0, True)])
+def test_a_temperature_that_the_start_has_set_right_is_not_called_wrong(plain, bar, lives, told_K, may_be_wrong):
+    """The nut heats by half as much again: an air colder by what a start no longer sets right would make less of it."""
+    run = lives(plain.with_values({"nut_friction.power": 1.5 * plain["nut_friction.power"]}))[2]
+    likely = [name for name, _ in _likely(plain, bar, corrected(run, bar, "ambient", -told_K))]
+    assert ("ambient" in likely) == may_be_wrong
+
+
 def test_a_law_of_other_exponents_is_no_wrong_speed(plain, bar, lives):
     """Of no one parameter more, and of no input, but of all that is held fixed."""
     off = {"nut_friction.n": 1.3, "still_air.h": 12.0}
