@@ -1,5 +1,4 @@
 """Which channels are broken, by what they read against the model and each other.
 
-In the order to read them: fault, jumps, standstill, machine, beside, suspects, recovery, judge, travel, use,
-in_step, sentences.
+In the order to read them: fault, jumps, standstill, machine, beside, suspects, recovery, judge, travel, use, sentences.
 """

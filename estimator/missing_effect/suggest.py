@@ -26,12 +26,12 @@ import numpy as np
 from estimator.accuracy.noise_floor import noise_floor
 from estimator.batch.trials import Trials, slow_trials_of
 from estimator.effect import Effect
-from estimator.faults.in_step import in_step
 from estimator.hypotheses.criterion import GOOD, alike, clearly, most, nats, proven
 from estimator.hypotheses.ground import as_given, of_tables, seen
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation
 from estimator.missing_effect.begun import Begun, begun
+from estimator.missing_effect.in_step import in_step
 from estimator.missing_effect.odd_run import odd_run
 from estimator.missing_effect.side import Side, each_once
 from estimator.missing_effect.suggestion import Suggestion

@@ -78,7 +78,8 @@ def test_the_nut_covers_as_much_wherever_it_is(bar, driven):
 
 def test_improve_adds_nothing_that_may_be_a_wrong_input(plain, bar, lives, monkeypatch):
     tie = ("local_heat", WRONG_INPUTS[0].name)
-    found = SimpleNamespace(verdict="tie", tie=tie, changed="", apart="", before=SimpleNamespace(refit=False))
+    before = SimpleNamespace(refit=False)
+    found = SimpleNamespace(verdict="tie", tie=tie, changed="", apart="", believed=(), before=before)
     monkeypatch.setattr(improving, "suggest", lambda *_, **__: found)
     done = improving.improve(plain, Runs(bar, lives(plain)[:1]), Runs(bar, []), [])
     assert [step.added for step in done.steps] == [""]

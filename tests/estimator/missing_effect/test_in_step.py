@@ -9,8 +9,8 @@ import pytest
 
 from estimator.batch.trials import slow_trials_of
 from estimator.faults.fault import Fault, Spell
-from estimator.faults.in_step import in_step
 from estimator.faults.use import ChannelUse, Jump, Use
+from estimator.missing_effect.in_step import in_step
 from estimator.work import Runs
 
 STARTS, STOPS = 200, 500
