@@ -50,9 +50,11 @@ class BearingSpeedExponent(Effect):
 
 
 class FrictionThinning(Effect):
-    """Friction of nut and bearings falls as the grease warms.
+    """Friction of nut and bearings falls as the grease warms, and is higher on a colder day.
 
-    q = -rate P |omega / omega_ref|^n (T - T_start), P and n of nut_friction;   ratio times that rate at the bearings
+    q = -rate P |omega / omega_ref|^n (T - T_ref), P and n of nut_friction;   ratio times that rate at the bearings
+
+    reference  T_ref, at which the powers are what they are
     """
 
     scales = (
@@ -61,23 +63,29 @@ class FrictionThinning(Effect):
     trace = "The curve bends early: less heat the warmer it is, whatever the time; worse for short strokes."
     rate = Param(0.03, "1/K", lo=0.0, hi=0.08, null=0.0, source="3.1 - 3.5 %/K, Vogel-Cameron for VG100 - VG220")
     ratio = Param(1.35, "1", lo=0.0, hi=3.0, fixed=True, source="bearings 4.2 %/K, Palmgren, against 3.1")
+    reference = Param(22.0, "degC", lo=-50.0, hi=100.0, fixed=True, source="a workshop")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        w = rig.the_screw().relative_speed(u.omega)
+        w, colder = rig.the_screw().relative_speed(u.omega), p.reference - u[START]
         nut = needed(p, "nut_friction")
         turn = p.rate * w**nut.n
         # by the whole nut: in single cells the balls' share may be below 0, and a link would conduct backwards
         yield Link(SCREW, START, turn * nut.power * per_cell(rig), over=u.coverage)
+        yield Heat(SCREW, turn * nut.power * per_cell(rig) * colder, over=u.coverage)
         if p.nut_body is not None:
             yield Link("nut", START, turn * nut.power_nut)
+            yield Heat("nut", turn * nut.power_nut * colder)
         for support in BEARINGS:
             bearing = getattr(p, f"{support}_friction")
             if bearing is None:
                 continue
             turn = p.rate * p.ratio * w**bearing.n
-            yield Link(SCREW, START, turn * bearing.power * under_bearing(rig, support, seat_of(p, support)))
+            seat = under_bearing(rig, support, seat_of(p, support))
+            yield Link(SCREW, START, turn * bearing.power * seat)
+            yield Heat(SCREW, turn * bearing.power * colder, over=seat)
             if getattr(p, f"{support}_housing") is not None:
                 yield Link(f"{support}_housing", START, turn * bearing.power_housing)
+                yield Heat(f"{support}_housing", turn * bearing.power_housing * colder)
 
 
 class Churning(Effect):

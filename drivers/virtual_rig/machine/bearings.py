@@ -3,7 +3,7 @@
 import numpy as np
 
 from drivers.virtual_rig.machine.flows import Bearing
-from drivers.virtual_rig.machine.planted import Strengths
+from drivers.virtual_rig.machine.planted import GREASE_DEGC, Strengths
 from drivers.virtual_rig.machine.screw import overlap
 from drivers.virtual_rig.population.constants import Anchor
 
@@ -16,7 +16,7 @@ def cover(support: Anchor) -> np.ndarray:
     return overlap(support.centre - support.width / 2.0, support.centre + support.width / 2.0)
 
 
-def bearing(support: Anchor, name: str, strength: Strengths, start_degc: float) -> Bearing:
+def bearing(support: Anchor, name: str, strength: Strengths) -> Bearing:
     """The laws of the support called anchor or free, at the given strengths of its effects."""
     friction, under = strength[f"{name}_friction"], cover(support)
     return Bearing(
@@ -34,5 +34,5 @@ def bearing(support: Anchor, name: str, strength: Strengths, start_degc: float) 
         to_air=support.to_air,
         thinning=support.thinning + support.planted_thinning * strength["friction_thinning"],
         exponent=SPEED_EXPONENT * strength["bearing_speed_exponent"],
-        start=start_degc,
+        grease_degc=GREASE_DEGC,
     )

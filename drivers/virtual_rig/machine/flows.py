@@ -24,7 +24,7 @@ class Screw(NamedTuple):
 
 
 class Nut(NamedTuple):
-    """Laws of the nut, SI units; its length in cells, `start` degC; to_flange 0: one lump."""
+    """Laws of the nut, SI units; its length in cells, `grease_degc` its torque's; to_flange 0: one lump."""
 
     torque: float
     into_screw: float
@@ -39,12 +39,12 @@ class Nut(NamedTuple):
     churning: float
     decay_s: float
     recovery_s: float
-    start: float
+    grease_degc: float
     length: float
 
 
 class Bearing(NamedTuple):
-    """One support: seat (weights of cells under the ring, sum 1), SI units, `start` degC; to_bracket 0: one lump."""
+    """One support: seat (weights of cells under the ring, sum 1), SI units; to_bracket 0: one lump."""
 
     seat: np.ndarray
     load_torque: float
@@ -60,7 +60,7 @@ class Bearing(NamedTuple):
     to_air: float
     thinning: float
     exponent: float
-    start: float
+    grease_degc: float
 
 
 class Surface(NamedTuple):
@@ -149,7 +149,7 @@ def lay(nut: Nut, centre: float, cover: np.ndarray) -> None:
 def rub(nut: Nut, speed: float, omega: float, now: Temperatures, cover, around: Around, heat, dt) -> float:
     """One step of the nut's contact; returns its torque, N m
 
-    M = M_preload speed^n (1 + churning fresh) exp(-thinning (T_film - T_start))
+    M = M_preload speed^n (1 + churning fresh) exp(-thinning (T_film - T_grease))
     screw: q_i = (s M omega + g (T_nut - T_i)) w_i,  w_i the cell's share of the nut's length, g = g0 (1 + k |dT|)
     body:  C dT/dt = (1 - s) M omega - g (T_nut - mean T_i) - g_table (T_nut - T_air)
     two lumps: the nut loses g_nf (T_nut - T_flange) instead, which the flange gains
@@ -157,7 +157,7 @@ def rub(nut: Nut, speed: float, omega: float, now: Temperatures, cover, around: 
     """
     body, fresh = now.bodies[0], now.bodies[3]
     under = (cover * now.outer).sum() / nut.length
-    thin = np.exp(-nut.thinning * (0.5 * (body + under) - nut.start))
+    thin = np.exp(-nut.thinning * (0.5 * (body + under) - nut.grease_degc))
     friction = nut.torque * (1.0 + nut.churning * fresh) * thin
     torque = friction * speed**nut.exponent if omega > 0.0 else 0.0
     contact = nut.contact * (1.0 + nut.contact_growth * abs(body - under))
@@ -178,14 +178,14 @@ def rub(nut: Nut, speed: float, omega: float, now: Temperatures, cover, around: 
 def turn(bearing: Bearing, speed: float, omega: float, now: Temperatures, body: int, around: Around, heat, dt) -> float:
     """One step of a support whose housing is bodies[body]; returns its torque, N m
 
-    M = (M1 speed^a + M0 speed^b) speed^n exp(-thinning (T_ring - T_start)); Palmgren: a = 0, b = 2/3, n = 0
+    M = (M1 speed^a + M0 speed^b) speed^n exp(-thinning (T_ring - T_grease)); Palmgren: a = 0, b = 2/3, n = 0
     seat:    q_i = (s M omega + g (T_housing - T_i)) w_i
     housing: C dT/dt = (1 - s) M omega - g (T_housing - mean T_i) - g_base (T_housing - T_base) - g_air (...)
     two lumps: the ring loses g_rb (T_ring - T_bracket) instead, which the bracket gains
     """
     housing = now.bodies[body]
     under = (bearing.seat * now.outer).sum()
-    thin = np.exp(-bearing.thinning * (0.5 * (under + housing) - bearing.start))
+    thin = np.exp(-bearing.thinning * (0.5 * (under + housing) - bearing.grease_degc))
     law = bearing.load_torque * speed**bearing.load_exponent + bearing.viscous_torque * speed**bearing.viscous_exponent
     torque = law * speed**bearing.exponent * thin if omega > 0.0 else 0.0
     heat += (bearing.into_screw * torque * omega + bearing.contact * (housing - now.outer)) * bearing.seat

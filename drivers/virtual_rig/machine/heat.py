@@ -14,13 +14,13 @@ from drivers.virtual_rig.population.constants import Machine
 MOVING_STEPS, RESTING_STEPS = 20, 10  # of a 1 s tick: 50 ms while the nut moves, 100 ms while it stands
 
 
-def parts(machine: Machine, strength: Strengths, start_degc: float) -> Parts:
+def parts(machine: Machine, strength: Strengths) -> Parts:
     """All laws of a machine at the strengths of their effects."""
     return Parts(
         screw.steel(machine.screw, strength["conduction"]),
-        nut.nut(machine.nut, strength, start_degc),
-        bearings.bearing(machine.anchor, "anchor", strength, start_degc),
-        bearings.bearing(machine.free, "free", strength, start_degc),
+        nut.nut(machine.nut, strength),
+        bearings.bearing(machine.anchor, "anchor", strength),
+        bearings.bearing(machine.free, "free", strength),
         air.surface(machine.air, strength, bearings.cover(machine.anchor) + bearings.cover(machine.free)),
         OMEGA_20,
     )
@@ -33,7 +33,7 @@ class ThermalRig:
         self.machine = machine
         self.weather = weather
         self.heaters = heaters
-        self.parts = parts(machine, strength, weather.start)
+        self.parts = parts(machine, strength)
         layer = np.full(screw.CELLS, weather.start)
         self.now = Temperatures(layer.copy(), layer.copy(), np.array([*[weather.start] * 3, 1.0, *[weather.start] * 3]))
         self.torque = np.zeros(2)
@@ -48,7 +48,7 @@ class ThermalRig:
         """From t to t + 1 s, with the table's motion at the middle of each step."""
         if self.later is not None and t >= self.later[0]:
             _, strength, self.heaters = self.later
-            self.parts, self.later = parts(self.machine, strength, self.weather.start), None
+            self.parts, self.later = parts(self.machine, strength), None
         unseen = self.weather.unseen(t)
         around = Around(
             along=self.weather.air_along(t),

@@ -4,7 +4,7 @@ import numpy as np
 
 from drivers.virtual_rig.machine.flows import Nut
 from drivers.virtual_rig.machine.geometry import SCREW_MM
-from drivers.virtual_rig.machine.planted import Strengths
+from drivers.virtual_rig.machine.planted import GREASE_DEGC, Strengths
 from drivers.virtual_rig.machine.screw import CELL_M
 from drivers.virtual_rig.population.constants import Nut as Build
 
@@ -12,7 +12,7 @@ SPEED_EXPONENT = 0.2  # added to the heat's exponent by nut_speed_exponent; the 
 CHURNING = 0.4  # extra friction of fresh grease at the start of a drive
 
 
-def nut(build: Build, strength: Strengths, start_degc: float) -> Nut:
+def nut(build: Build, strength: Strengths) -> Nut:
     """The nut of a machine at the given strengths of its effects."""
     return Nut(
         torque=build.drag_torque * strength["nut_friction"],
@@ -28,7 +28,7 @@ def nut(build: Build, strength: Strengths, start_degc: float) -> Nut:
         churning=build.churning + CHURNING * strength["churning"],
         decay_s=build.churning_decay,
         recovery_s=build.churning_recovery,
-        start=start_degc,
+        grease_degc=GREASE_DEGC,
         length=build.length * 1e-3 / CELL_M,
     )
 

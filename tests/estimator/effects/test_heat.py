@@ -77,9 +77,10 @@ def _at(term: Heat, node: str, place: str, rig) -> bool:
     return term.node == "screw" and term.over[np.argmin(abs(rig.screw.x_mm - rig.supports[place].at_mm))] > 0
 
 
-def test_thinning_takes_heat_in_proportion_to_the_rise(rig, u):
+def test_thinning_takes_heat_in_proportion_to_the_warmth(rig, u):
     """Under the nut rate P w^n (T - T_start) less; at a bearing ratio times that rate."""
-    links = terms_of("friction_thinning", rig, u, rate=0.02, ratio=1.5)
+    terms = terms_of("friction_thinning", rig, u, rate=0.02, ratio=1.5)
+    links = [term for term in terms if isinstance(term, Link)]
     assert {(link.a, link.b) for link in links} == {
         (node, START) for node in ("screw", "nut", "anchor_housing", "free_housing")
     }
@@ -95,13 +96,25 @@ def test_thinning_takes_heat_in_proportion_to_the_rise(rig, u):
     np.testing.assert_allclose(body[:, 0], 0.02 * friction["nut"]["power_nut"].value * u.omega[:, 0] / REFERENCE)
 
 
+def test_on_a_colder_day_friction_is_higher_from_the_start(rig, u):
+    """By as much as it falls while that is made up for: rate P w^n (T_ref - T_start)."""
+    cold = replace(u, values={**u.values, START: np.full_like(u.omega, 17.0)})
+    terms = terms_of("friction_thinning", rig, cold, rate=0.02, ratio=1.5, reference=20.0)
+    for node in ("screw", "nut", "anchor_housing", "free_housing"):
+        taken = sum(np.sum(t.g * t.over + 0.0 * u.coverage, axis=1) if node == "screw" else (t.g * t.over)[:, 0]
+                    for t in terms if isinstance(t, Link) and t.a == node)  # fmt: skip
+        np.testing.assert_allclose(watts(terms, node, 3), 3.0 * taken, rtol=1e-9)
+
+
 def test_thinning_serves_a_model_without_bearings_and_bodies(full, rig, u):
     bare = full
-    for name in ("nut_flange", "nut_body", "anchor_housing", "free_housing", "anchor_friction", "free_friction"):
+    for name in (
+        "nut_flange", "nut_body", "housing_shells", "anchor_housing", "free_housing", "anchor_friction", "free_friction"
+    ):  # fmt: skip
         bare = bare - name
     model = bare + CATALOGUE["friction_thinning"]
-    (link,) = model.terms_of("friction_thinning", u, rig)
-    assert (link.a, link.b) == ("screw", START)
+    link, heat = model.terms_of("friction_thinning", u, rig)
+    assert (link.a, link.b, heat.node) == ("screw", START, "screw")
     assert all(finding.ok for finding in battery(CATALOGUE["friction_thinning"], bare, rig))
 
 

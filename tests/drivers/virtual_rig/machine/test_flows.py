@@ -26,7 +26,7 @@ def test_layers_keep_the_bore_as_far_behind_as_the_cylinder_would():
 @pytest.mark.parametrize("growth", [0.0, 0.25])
 def test_still_air_takes_more_of_what_is_warmer(growth):
     """As much as in proportion at 4 K, of each place by its own warmth."""
-    parts = heat.parts(PAPER, dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0), 20.0)
+    parts = heat.parts(PAPER, dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0))
     rise, heats = np.linspace(0.5, 12.0, screw.CELLS), np.zeros(screw.CELLS)
     surface, along = parts.surface._replace(growth=growth), np.full(screw.CELLS, 20.0)
     flows.cool(surface, 0.0, along + rise, np.zeros(screw.CELLS), along, heats)
@@ -38,7 +38,7 @@ def test_still_air_takes_more_of_what_is_warmer(growth):
 def test_friction_heat_is_neither_lost_nor_made(number):
     """With every way out closed, screw, nut and housings hold what the torques have put in."""
     base = dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0)
-    parts = heat.parts(machine(number), base | {"still_air": 0.0, "rotating_convection": 0.0}, 20.0)
+    parts = heat.parts(machine(number), base | {"still_air": 0.0, "rotating_convection": 0.0})
     tight = parts._replace(
         nut=parts.nut._replace(to_table=0.0),
         anchor=parts.anchor._replace(to_base=0.0, to_air=0.0),

@@ -94,7 +94,7 @@ def test_constants_are_written_beside_the_recording(number, tmp_path):
 def test_steps_are_stable_on_every_machine(many):
     """dt < C / sum g at every node, with the steps of a screw at rest."""
     for one in many:
-        parts = heat.parts(one, dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0), 20.0)
+        parts = heat.parts(one, dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0))
         steel, nut, film = parts.screw, parts.nut, parts.surface
         contact = nut.contact * (1.0 + 50.0 * nut.contact_growth)  # W/K, at a difference never seen
         seats = max((bearing.contact * bearing.seat).max() for bearing in (parts.anchor, parts.free))
