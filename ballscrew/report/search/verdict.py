@@ -191,7 +191,9 @@ def _nothing(suggestion: Suggestion) -> str:
         fixed = f", of the fixed ones {', '.join(moved)}" if (moved := suggestion.loosened) else ""
         free = ", these free" if moved else ""
         return f"Nothing is missing, but the parameters are off{fixed}: fit the model again{free}, which leaves {left}."
-    return f"Nothing is missing: the model alone leaves {left}, and no effect makes that clearly less."
+    well = suggestion.before.misfit <= GOOD
+    head, more = ("Nothing is missing", "") if well else ("Nothing is proven", ", more than a good model")
+    return f"{head}: the model alone leaves {left}{more}, and no effect makes that clearly less."
 
 
 def _left(suggestion: Suggestion) -> str:

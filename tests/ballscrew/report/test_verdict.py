@@ -66,3 +66,11 @@ def test_what_explains_a_part_is_named_as_that(partly, said):
     before, h = (SimpleNamespace(names=("churning",), judged=judged, refit=False, misfit=m) for m in (10.0, 8.0))
     found = Suggestion("nothing_in_catalogue", (h,), (), before, before, before, (), far=True, partly=partly)
     assert said in _sentence(SimpleNamespace(suggestion=found), None)
+
+
+@pytest.mark.parametrize(("misfit", "said"), [(0.6, "Nothing is missing: "), (3.0, "Nothing is proven: ")])
+def test_a_model_that_leaves_much_is_not_said_to_lack_nothing(misfit, said):
+    judged = SimpleNamespace(error=SimpleNamespace(temperature_K=0.21, elongation_um=0.5), runs=[0.0, 0.0])
+    before = SimpleNamespace(names=(), judged=judged, refit=False, misfit=misfit)
+    found = Suggestion("nothing_missing", (), (), before, before, before, ())
+    assert _sentence(SimpleNamespace(suggestion=found), None).startswith(said)
