@@ -102,8 +102,45 @@ class Known:
         slope = wide.T @ sums[:k, k]
         slope[:k] -= self._precision @ self._off
         slope[k:] += np.array([each.usual - each.now for each in some]) * widths**-2.0
-        size = np.diag(curvature)
-        scale = np.where(size > 0.0, size, 1.0) ** -0.5  # 0: of what neither the run nor anything else tells
-        scaled = curvature * np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
-        inverse = np.linalg.inv(scaled) * np.outer(scale, scale)
+        inverse = _inverse(curvature)
         return float((inverse @ slope)[k]), float(np.sqrt(inverse[k, k]))
+
+    def gain(self, one: Direction, shape: Array, beside: Sequence[Direction] = ()) -> float:
+        """Twice the nats that a change of this shape (R,) explains of all runs together.
+
+        Parameters are the same in all of them, which the courses, each run by itself, do not say: what all runs leave
+        open alike counts once. So what two directions explain is compared by the same misfit. Those beside change from
+        run to run.
+        """
+        k, along = len(self.paths), np.array([one.along.get(path, 0.0) for path in self.paths])
+        curvature, slope = np.zeros((k + 1, k + 1)), np.zeros(k + 1)
+        for sums, size in zip(self._sums, shape, strict=True):
+            own = self._without(sums, beside)
+            wide = np.hstack([np.eye(k), size * along[:, None]])
+            curvature += wide.T @ own[:k, :k] @ wide
+            slope += wide.T @ own[:k, k]
+        curvature[:k, :k] += self._precision
+        slope[:k] -= self._precision @ self._off
+        taken = curvature[k, :k] @ _inverse(curvature[:k, :k])
+        left = float(curvature[k, k] - taken @ curvature[:k, k])
+        return float(slope[k] - taken @ slope[:k]) ** 2 / left if left > 0.0 else 0.0
+
+    def _without(self, sums: Array, free: Sequence[Direction]) -> Array:
+        """A run's sums where what changes from run to run is as it fits this run best."""
+        if not free:
+            return sums
+        k = len(self.paths)
+        U = np.array([[each.along.get(path, 0.0) for path in self.paths] + [0.0] for each in free])
+        precision = np.diag([each.sd**-2.0 for each in free])
+        off = np.zeros_like(U)
+        off[:, k] = [(each.usual - each.now) * each.sd**-2.0 for each in free]
+        across = U @ sums + off
+        return np.asarray(sums - across.T @ _inverse(U @ sums @ U.T + precision) @ across)
+
+
+def _inverse(curvature: Array) -> Array:
+    """Its inverse, scaled; large where nothing tells of a parameter."""
+    size = np.diag(curvature)
+    scale = np.where(size > 0.0, size, 1.0) ** -0.5  # 0: of what neither the run nor anything else tells
+    scaled = curvature * np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
+    return np.asarray(np.linalg.inv(scaled) * np.outer(scale, scale))

@@ -61,35 +61,42 @@ def drift(course: Course, start_s: Array, asked: int) -> Drift | None:
         return None
     value, weight = course.value[known], course.sd[known] ** -2.0
     shapes = list(_shapes(start_s[known]))
-    basis = np.array([_white(shape, weight) for _, _, shape in shapes])
+    basis = np.array([_white(each, weight) for _, _, each in shapes])
     middle = float(weight @ value / weight.sum())
     z = (value - middle) * np.sqrt(weight)
     orders = np.vstack([z, np.random.default_rng(SEED).permuted(np.tile(z, (ORDERS, 1)), axis=1)])
     left = orders - np.outer(orders @ np.sqrt(weight), np.sqrt(weight)) / weight.sum()  # without their own middle
     explained = ((left @ basis.T) ** 2).max(axis=1) / np.maximum((left**2).sum(axis=1), TIRED)
     chance = float((explained >= explained[0] - TIRED).mean())
-    name, first, shape = shapes[int(np.argmax((basis @ z) ** 2))]
-    return _fitted(course, known, name, first, shape, min(1.0, chance * asked))
+    best = shapes[int(np.argmax((basis @ z) ** 2))]
+    return _fitted(course, known, *best, min(1.0, chance * asked))
 
 
 def tellable(start_s: Array, asked: int, sure: float) -> set[str]:
     """Of which shapes one, however large, would be told of runs of these dates: few runs have few orders."""
     found = set[str]()
-    for name, _, shape in _shapes(start_s):
-        clear = drift(Course("", "", shape, np.ones_like(shape)), start_s, asked) if name not in found else None
+    for name, _, each in _shapes(start_s):
+        clear = drift(Course("", "", each, np.ones_like(each)), start_s, asked) if name not in found else None
         found |= {name} if clear is not None and clear.p < sure else set()
     return found
 
 
+def shape(name: str, first: int, start_s: Array) -> Array:
+    """A step up to 1 at a run, or a rise to 1 at the last run from the one before a run on: (R,)."""
+    if name == "step":
+        return (np.arange(len(start_s)) >= first).astype(float)
+    since = np.maximum(start_s - start_s[first - 1], 0.0)
+    return np.asarray(since / max(since[-1], TIRED))
+
+
 def _shapes(start_s: Array) -> Iterator[tuple[str, int, Array]]:
-    """Steps up to 1 at a run, and rises to 1 at the last run from the one before a run on: (R,) each."""
+    """Those that are tried: (R,) each."""
     R = len(start_s)
     for first in range(AT_EACH_END, R - AT_EACH_END + 1):
-        yield "step", first, (np.arange(R) >= first).astype(float)
+        yield "step", first, shape("step", first, start_s)
     for first in range(1, R - AT_EACH_END):
-        since = np.maximum(start_s - start_s[first - 1], 0.0)
-        if since[-1]:  # not of runs of one date
-            yield "rise", first, since / since[-1]
+        if start_s[-1] > start_s[first - 1]:  # not of runs of one date
+            yield "rise", first, shape("rise", first, start_s)
 
 
 def _white(shape: Array, weight: Array) -> Array:

@@ -1,8 +1,8 @@
 """Which parameters of a model drift from run to run.
 
-Parameters are known together: one that wears takes others along that look like it. The one whose change explains most
-is told, and those that explain as much are named beside it; then it may change from run to run while the others are
-asked again, until none has changed.
+Parameters are known together: one that wears takes others along that look like it. Of those whose values change, the
+one whose change explains most of all runs together is told, and those that explain as much are named beside it; then it
+may change from run to run while the others are asked again, until none has changed.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from estimator.hypotheses.slopes import Column
 from estimator.model import Model
 from estimator.record import Array
 from estimator.trend.course import Course, Direction, Known, directions
-from estimator.trend.drift import FEWEST, Drift, drift, tellable
+from estimator.trend.drift import FEWEST, Drift, drift, shape, tellable
 from estimator.work import Runs
 
 SURE = 0.05  # that anything is told of a machine that does not change
@@ -95,10 +95,11 @@ def _next(known: Known, asked: Sequence[Direction], start_s: Array, told: Sequen
     names = [one.drift.course.name for one in told]
     beside = [one for one in asked if one.name in names]
     rest = [one for one in asked if one.name not in names]
-    found = [drift(known.course(one, beside), start_s, len(rest)) for one in rest]
-    drifts = [one for one in found if one is not None and one.p < SURE and one.gain > LEAST_GAIN]
-    if not drifts:
+    found = [(one, drift(known.course(one, beside), start_s, len(rest))) for one in rest]
+    clear = [(one, each) for one, each in found if each is not None and each.p < SURE and each.gain > LEAST_GAIN]
+    gains = [known.gain(one, shape(each.shape, each.run, start_s), beside) for one, each in clear]
+    ranked = sorted(zip(gains, (each for _, each in clear), strict=True), key=lambda pair: -pair[0])
+    if not ranked or ranked[0][0] < LEAST_GAIN:
         return None
-    best = max(drifts, key=lambda one: one.gain)
-    others = [one for one in drifts if one is not best and one.gain > best.gain - ALIKE]
-    return Told(best, tuple(one.course.name for one in sorted(others, key=lambda one: -one.gain)))
+    (most, best), *others = ranked
+    return Told(best, tuple(each.course.name for gain, each in others if gain > most - ALIKE))

@@ -89,3 +89,25 @@ def test_a_parameter_that_neither_fit_nor_table_knows_is_not_told(known):
     sums = cast(list[Moments], [SimpleNamespace(weighted=np.zeros((size, size)))])
     (power,) = (one for one in directions(model) if one.name == "chips.power")
     assert not np.isfinite(Known(model, sums).course(power).value).any()
+
+
+def test_what_a_change_explains_is_by_brute_force_the_misfit_that_it_takes(known):
+    """All runs at once: parameters alike in all, the change of one shape, and another direction free in each run."""
+    one, beside = (each for each in directions(known) if each.name in SD)
+    paths, shape, dice = known.free(), np.array([0.0, 0.0, 0.5, 1.0]), np.random.default_rng(3)
+    runs = dice.standard_normal((len(shape), 30, len(paths) + 1))
+    told = Known(known, [cast(Moments, SimpleNamespace(weighted=rows.T @ rows)) for rows in runs])
+    at = [paths.index(each.name) for each in (one, beside)]
+
+    def left(*columns: np.ndarray) -> float:
+        each = [np.kron(np.eye(len(shape))[i][:, None], rows[:, [at[1]]]) for i, rows in enumerate(runs)]
+        wide = np.hstack([np.vstack(runs[:, :, :-1]), *each, *columns])
+        prior, free = np.linalg.cholesky(told._precision).T, np.eye(len(shape)) / beside.sd
+        parts = [np.pad(part, [(0, 0), (from_, wide.shape[1] - from_ - part.shape[1])]) for from_, part in
+                 ((0, prior), (len(paths), free))]  # fmt: skip
+        off = np.full(len(shape), (beside.usual - beside.now) / beside.sd)
+        rows, y = np.vstack([wide, *parts]), np.concatenate([runs[:, :, -1].ravel(), -prior @ told._off, off])
+        return float(((y - rows @ np.linalg.lstsq(rows, y)[0]) ** 2).sum())
+
+    change = np.concatenate([size * rows[:, [at[0]]] for size, rows in zip(shape, runs, strict=True)])
+    assert told.gain(one, shape, [beside]) == pytest.approx(left() - left(change), rel=1e-5)
