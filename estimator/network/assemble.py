@@ -3,7 +3,7 @@
     M dz/dt = -G z + B T_in + V'q,      y = H z + d
 
 with T = V z the temperatures of all nodes, M = V'C V, G = V'(network)V. G, B, H and the noise belong to a regime (a
-speed and a place of the nut that hold for a while); q and d belong to a tick.
+speed, a place of the nut, a warmth at rest that hold for a while); q and d belong to a tick.
 """
 
 from __future__ import annotations
@@ -194,10 +194,9 @@ def is_complex_value(value: object) -> bool:
     """Whether a number, an array, a cover by the balls or one weight of a Read, or of several, is complex."""
     if isinstance(value, np.ndarray):
         return value.dtype.kind == "c"
-    if isinstance(value, Mapping):
-        return any(map(is_complex_value, value.values()))
-    if isinstance(value, Spot):
-        return is_complex_value(value.weight) or is_complex_value(value.deep)
+    if isinstance(value, Mapping | Spot):
+        parts = (value.weight, value.deep) if isinstance(value, Spot) else value.values()
+        return any(map(is_complex_value, parts))
     return isinstance(value, complex) or (isinstance(value, ByBalls) and value.is_complex)
 
 
@@ -258,9 +257,8 @@ def span_growth(terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
 def offsets(terms: Sequence[Term], rig: Rig, ticks: int) -> Array:
     """d: what the channels read beside the temperatures, (ticks, m)."""
     reads = [term for term in terms if isinstance(term, Read)]
-    total = np.zeros(
-        (ticks, len(rig.names)), complex if any(is_complex_value(each.offset) for each in reads) else float
-    )
+    dtype = complex if any(is_complex_value(each.offset) for each in reads) else float
+    total = np.zeros((ticks, len(rig.names)), dtype)
     for term in reads:
         i = rig.index(term.channel)
         total[:, i : i + 1] += term.offset
@@ -288,9 +286,8 @@ def readings(terms: Sequence[Term], rig: Rig, place: Layout) -> Readings:
             lag_noise[i] = np.sqrt(lag_noise[i] ** 2 + term.noise**2)
             lag_sd[i] = np.sqrt(lag_sd[i] ** 2 + term.own_sd**2)
     sd = np.where(known, np.sqrt(variance), np.inf)
-    return Readings(
-        rows, sd, tau, lag_noise, lag_sd, zero_sd, zero_walk, gain_sd, spans, span_growth(terms, rig, place)
-    )  # fmt: skip
+    growth = span_growth(terms, rig, place)
+    return Readings(rows, sd, tau, lag_noise, lag_sd, zero_sd, zero_walk, gain_sd, spans, growth)
 
 
 def _row(node: str, weight: Any, terms: Sequence[Term], rig: Rig, place: Layout) -> Array:
