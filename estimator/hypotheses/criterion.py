@@ -90,7 +90,7 @@ def worth(h: Hypothesis, before: Explanation) -> bool:
         return False
     was, left = before.error, h.judged.error
     heat, grown = was.temperature_K**2 - left.temperature_K**2, was.elongation_um**2 - left.elongation_um**2
-    length = np.nan_to_num(min(grown, before.read_um**2 - h.judged.read_um**2))
+    length = np.nan_to_num(np.minimum(grown, before.read_um**2 - h.judged.read_um**2))
     return bool(heat > WORTH_K**2 or length > WORTH_UM**2)
 
 

@@ -39,9 +39,11 @@ def test_most_of_a_misfit_is_half_of_it():
     assert not most(explanation(100.0, 0.8), explanation(51.0, 0.4))
 
 
-@pytest.mark.parametrize(("grown_um", "is_worth"), [(0.2, True), (0.38, False)])
-def test_readings_of_drives_are_worth_what_the_rests_lose_with_them(grown_um, is_worth):
-    """Temperatures as they were; what is read while driving falls by more than is seen at the table."""
+@pytest.mark.parametrize(
+    ("grown_um", "read_um", "is_worth"), [(0.2, 0.12, True), (0.38, 0.12, False), (0.2, float("nan"), False)]
+)
+def test_readings_of_drives_are_worth_what_the_rests_lose_with_them(grown_um, read_um, is_worth):
+    """Temperatures as they were; what is read while driving falls by more than is seen at the table, or is not read."""
     before = replace(explanation(1.0, 0.8), error=Error(0.05, 0.25), read_um=0.18)
-    after = replace(before, error=Error(0.05, grown_um), read_um=0.12)
+    after = replace(before, error=Error(0.05, grown_um), read_um=read_um)
     assert worth(SimpleNamespace(judged=after, at_bound=list), before) == is_worth
