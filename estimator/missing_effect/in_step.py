@@ -15,8 +15,8 @@ from estimator.inputs.phase import phases
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 
-NEAR_S = 60.0  # of a start or stop: within that a jump is seen; four of them are a thirtieth of a usual recording
-RECORDINGS = 2  # with jumps, and none elsewhere, that chance makes in one of a thousand
+NEAR_S = 60.0  # of a start or stop: within that a jump is seen; around four of them it is a fifteenth of two hours
+RECORDINGS = 2  # with jumps, and none elsewhere, that chance makes in one of two hundred
 
 
 def in_step(uses: Sequence[Use], recordings: Sequence[Recording], rig: Rig) -> list[str]:
@@ -41,4 +41,4 @@ def _jumps(name: str, use: Use) -> Iterator[float]:
 
 def _changes(recording: Recording) -> Array:
     """When the drive started or stopped, s."""
-    return np.array([recording.time_s[ticks[0]] for _, ticks in phases(recording)])
+    return np.array([recording.time_s[ticks[0]] for driving, ticks in phases(recording) if driving or ticks[0]])

@@ -39,6 +39,7 @@ def use(rig, spells=(), jumps=()) -> Use:
         (([STARTS + 5.0], []), ([], [STOPS + 20.0]), True),
         (([STARTS + 5.0, STOPS + 5.0], []), ([STOPS + 30.0], [STARTS + 1.0]), True),
         (([STARTS + 5.0], []), ([], []), False),  # once may be chance
+        (([20.0], []), ([20.0], []), False),  # a recording that begins at rest begins at no stop
         (([STARTS + 5.0], []), ([STARTS + 150.0], []), False),
         (([STARTS + 5.0], []), ([STARTS + 5.0], [STOPS + 90.0]), False),
     ],
