@@ -75,7 +75,7 @@ def thermometer_of(h: Hypothesis, rig: Rig) -> str:
         for key, param in h.model.effects[name].params.items()
         if param.over == "channel"
     ]
-    return rig.thermometers[round(which[0]) - 1] if which else ""
+    return rig.thermometers[round(which[0]) - 1] if len(which) == 1 else ""
 
 
 def _unnamed(suggestion: Suggestion) -> str:

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ballscrew.report.search.verdict import _beside, _sentence, seated
+from ballscrew.report.search.verdict import _beside, _sentence, seated, thermometer_of
 from estimator.missing_effect.suggestion import Suggestion
 
 N = "nut_friction.n"
@@ -52,6 +52,10 @@ def test_a_second_effect_is_told_beside_the_one_that_is_named_or_its_rivals(
 )
 def test_an_effect_that_may_sit_in_many_places_is_named_with_its_own(name, at, said, every, rig):
     assert seated(SimpleNamespace(names=(name,), model=every.with_values(at)), rig) == said
+
+
+def test_two_effects_of_a_thermometer_each_are_about_none(every, rig):
+    assert thermometer_of(SimpleNamespace(names=("channel_gain", "channel_offset"), model=every), rig) == ""
 
 
 @pytest.mark.parametrize(
