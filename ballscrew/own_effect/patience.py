@@ -29,6 +29,7 @@ def patience(whose: object, seconds: float = SECONDS) -> Iterator[None]:
             yield
         finally:
             timer.cancel()
+            timer.join()  # or what it has just begun would raise after the next line
             pythonapi.PyThreadState_SetAsyncExc(thread, None)  # it may have come to its end just now
     except _Over:
         raise SetupError(f"{whose}: an effect's own code has not ended after {seconds:g} s; does it loop?") from None
