@@ -1,11 +1,8 @@
 """What is in the views of a plant: read back with the reader of the format, no viewer needed."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import pytest
-import rerun as rr
 
 from tests.viz_read import fixed, pixels, view_names
 from viz.drawing.scale import UNKNOWN, WARM
@@ -23,20 +20,12 @@ def rig(name: str, error: float, first_day: int = 0, days: int = 10) -> RigOverT
 PLANT = [rig("good", 0.1), rig("bad", 1.0, first_day=5, days=5), RigOverTime("lost", np.empty(0), np.empty((0, 2)))]
 
 
-@pytest.fixture
-def strict() -> Iterator[None]:
-    """A value that the format does not know raises."""
-    rr.set_strict_mode(True)
-    yield
-    rr.set_strict_mode(False)
-
-
 def test_the_worst_is_first_and_before_it_who_could_not_be_used() -> None:
     for figure in (0, 1):
         assert [PLANT[i].name for i in worst_first(PLANT, figure)] == ["lost", "bad", "good"]
 
 
-def test_a_colour_lasts_until_the_next_recording(strict: None, tmp_path: Path) -> None:
+def test_a_colour_lasts_until_the_next_recording(tmp_path: Path) -> None:
     save(tmp_path / "plant.rrd", PLANT, [ERROR, NIS], dated=True, summary="# By the caller")
     picture = pixels(tmp_path / "plant.rrd", "/plant/0/0/picture")
     assert picture.shape == (3, COLUMNS, 3)
@@ -51,7 +40,7 @@ def test_a_colour_lasts_until_the_next_recording(strict: None, tmp_path: Path) -
     assert all(date.startswith("2025-10-") for date in dates)
 
 
-def test_more_rigs_than_a_page_holds_are_on_several(strict: None, tmp_path: Path) -> None:
+def test_more_rigs_than_a_page_holds_are_on_several(tmp_path: Path) -> None:
     many = [RigOverTime(f"axis-{n}", 1.0 + np.arange(3), np.full((3, 2), n / 10)) for n in range(ROWS + 2)]
     save(tmp_path / "plant.rrd", many, [ERROR, NIS], dated=False, summary="")
     assert len([name for name in view_names(tmp_path / "plant.rrd") if "worst lately first" in name]) == 4
