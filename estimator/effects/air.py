@@ -36,7 +36,7 @@ class FreeConvection(Effect):
 
     q = h A dT ((dT / 4 K)^n - 1), dT = T - T_air, h of still_air, about w, how warm the screw is on the whole:
 
-    at rest          h A (r ((1 + n) dT - n w) - dT), r = (w / 4 K)^n, right to the second order in dT - w
+    at rest          h A (r ((1 + n) dT - n w) - dT), r = (w / 4 K)^n: its tangent at dT = w
     while it turns   h A w (r - 1), everywhere alike: its own wind outweighs what is left
 
     beside still_air, which is in proportion; fitted, and never searched for: n has no null

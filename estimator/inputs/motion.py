@@ -31,7 +31,8 @@ class Motion:
     since_s  s since it last started or stopped turning; before that since the first sample
     moved    1.0 from the first motion on
     before   drives and rests before these ticks: whether it turned, and for how many s
-    warmth   K, how warm the motion so far has made the screw on the whole, about, whatever the model
+    warmth   K, how warm the motion so far, and what it began with, has left the screw on the whole, about, whatever the
+             model
     """
 
     time_s: Array
