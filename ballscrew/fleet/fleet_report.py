@@ -16,8 +16,9 @@ JSON = ("folder", "recordings", "failed", "filter", "nis", "adequate", "verdict"
 
 def print_fleet(terminal: Terminal, found: Sequence[Inspection]) -> None:
     """The table, and below it what a person should know of each rig that is not well."""
-    terminal.table(sections(found)[0].rows, prose=6)
-    for section in sections(found)[1:]:
+    plant, *rigs = sections(found)
+    terminal.table(plant.rows, prose=6)
+    for section in rigs:
         terminal.say("\n" + "\n".join([f"{section.title}:", *section.said]))
 
 

@@ -44,7 +44,7 @@ def _names(found: Sequence[Inspection]) -> list[str]:
 
 def _how(one: Inspection) -> str:
     """What its row says beside its name."""
-    said = (
-        ["failed"] if one.error else [*([] if one.adequate else ["model fails"]), *(["drifts"] if one.drifts else [])]
-    )
+    if one.error:
+        return ": failed"
+    said = [*([] if one.adequate else ["model fails"]), *(["drifts"] if one.drifts else [])]
     return f": {', '.join(said)}" if said else ""

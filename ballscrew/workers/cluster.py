@@ -38,9 +38,7 @@ def connected(address: str) -> Iterator[Client]:
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # of what is lost one line is said, here
     try:
         asyncio.run(asyncio.wait_for(_answer(address), ANSWER_S))
-    except (
-        Exception
-    ) as error:  # whatever else may listen there says anything, or nothing, for which Dask waits for ever
+    except Exception as error:  # what else may listen there says anything, or nothing, for which Dask waits for ever
         why = f"no Dask scheduler answers there within {ANSWER_S:g} s; start one, `dask scheduler`"
         raise SetupError(f"--workers {address}: {why}") from error
     with warnings.catch_warnings():

@@ -127,10 +127,8 @@ class Unled:
             self.led(chunk, moves)
         own, self.doubt, led = self._found
         if not self._closely:
-            x0, P0 = self.last
-            self._left.append(
-                (chunk.ticks, own.fused, (x0.copy(), P0.copy()))
-            )  # a view would keep all that was filtered
+            x0, P0 = (each.copy() for each in self.last)  # a view would keep all that was filtered
+            self._left.append((chunk.ticks, own.fused, (x0, P0)))
         self.last = self._state.judged(own.x[-1], own.P[-1], judgement)
         own.x[-1] = self.last[0]
         at = slice(chunk.ticks.stop - 1, chunk.ticks.stop)

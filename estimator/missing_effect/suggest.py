@@ -207,11 +207,9 @@ class Search:
         found = best_stand_in(self.side.ground, heard, channels=names)
         if found is None or not proven(plain.judged, found.judged, 1):  # its jumps have told that there is something
             return said
-        made, verdict = (
-            composed(found, plain.judged, heard, [*self.model.effects, *self._taken]),
-            "nothing_in_catalogue",
-        )
-        return replace(said, verdict=verdict, before=plain, unexplained=found, composed=made, believed=tuple(names))
+        made = composed(found, plain.judged, heard, [*self.model.effects, *self._taken])
+        said = replace(said, verdict="nothing_in_catalogue", before=plain, unexplained=found, composed=made)
+        return replace(said, believed=tuple(names))
 
     def _chosen_from(self, found: Unexplained) -> int:
         """How many stand-ins it must stand out from; none where something must be missing."""
