@@ -28,7 +28,7 @@ def instants(rig: Rig) -> Inputs:
     warmth = np.array([[5.0], [5.1], [5.3]])
     motion = Motion(time_s, turning, since_s, moved, before=((True, 600.0), (False, 299.0)), warmth=warmth)
     coverage, uneven = _coverage(rig, np.array([0.25, 0.35, 0.5])), np.array([[1.0], [1.3], [1.1]])
-    return Inputs(omega, coverage, rises, rises, motion, uneven, rig.seats)
+    return Inputs(omega, coverage, rises, rises, motion, uneven, rig.seats, rest_K=motion.rest_K)
 
 
 def run(rig: Rig) -> Recording:
