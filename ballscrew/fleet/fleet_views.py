@@ -1,7 +1,5 @@
 """A plant as views: what each rig's recordings say over weeks."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

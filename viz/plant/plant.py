@@ -3,8 +3,6 @@
 A colour lasts from a recording to the next one of the rig. How bad a rig is, is the mean of its last few recordings.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime

@@ -1,7 +1,5 @@
 """Which thermometers jump in step with the drive, and are heard by those who look for what the model lacks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
