@@ -20,6 +20,7 @@ WIDEST_MM = 85.0
 CLOSEST_MM = 8.0
 AT_BEARING_MM = 28.0  # the profile is steepest at a bearing: gaps start this wide there ...
 GRADING = 0.56  # ... and may grow by half the distance from it
+STRETCH = 0.01  # by which all gaps between two places may be wider
 
 
 def knots(rig: Rig) -> Array:
@@ -35,7 +36,7 @@ def knots(rig: Rig) -> Array:
             places = sorted([*places, bearing.at_mm])
     filled = [places[0]]
     for lo, hi in pairwise(places):
-        filled.extend(_cut(lo, hi, _widest(lo, hi, rig)))
+        filled.extend(_graded(lo, hi, rig))
     return np.array(_within_seats(filled, rig))
 
 
@@ -54,10 +55,18 @@ def _cut(lo: float, hi: float, widest: float) -> list[float]:
     return list(lo + (hi - lo) * np.arange(1, pieces + 1) / pieces)
 
 
-def _widest(lo: float, hi: float, rig: Rig) -> float:
-    """The widest gap allowed between lo and hi, mm."""
-    away = [max(lo - b.at_mm, b.at_mm - hi, 0.0) for b in rig.supports.values()]
-    return min([WIDEST_MM, *(AT_BEARING_MM + GRADING * distance for distance in away)])
+def _graded(lo: float, hi: float, rig: Rig) -> list[float]:
+    """Ends of gaps between lo and hi that widen away from the nearest bearing, each as wide as it may be, or less.
+
+    All may be a hundredth wider, where that saves one.
+    """
+    sides = [(max(lo - b.at_mm, b.at_mm - hi, 0.0), b.at_mm >= hi) for b in rig.supports.values()]
+    away, above = min(sides, default=(WIDEST_MM / GRADING, False))
+    widths = list[float]()
+    while sum(widths) < (hi - lo) * (1.0 - STRETCH):
+        widths.append(min(WIDEST_MM, AT_BEARING_MM + GRADING * (away + sum(widths))))
+    inner = np.cumsum(widths[:-1]) * (hi - lo) / sum(widths)
+    return [*(np.sort(hi - inner) if above else lo + inner).tolist(), hi]
 
 
 def shapes(places_mm: Array, x_mm: Array) -> Array:
