@@ -37,6 +37,10 @@ class MachineVerdict:
             return f"{self.model.name} does not follow {names}, but the others: {off} there; see where: `{self.next}`"
         if self._was_fitted:
             return f"{self.model.name} lacks something: fitted to these recordings, {off}; see where: `{self.next}`"
+        if self._added:
+            return (
+                f"{self.model.name} is not fitted since {', '.join(self._added)} came in: {off}; fit it: `{self.next}`"
+            )
         return f"{self.model.name} is not this machine's: {off}; fit it: `{self.next}`"
 
     @property
@@ -63,7 +67,13 @@ class MachineVerdict:
     @property
     def _was_fitted(self) -> bool:
         known = set(self.model.about.get("fitted_on", {}).values())
-        return all(one.recording.fingerprint in known for one in self._apart)
+        return not self._added and all(one.recording.fingerprint in known for one in self._apart)
+
+    @property
+    def _added(self) -> list[str]:
+        """Effects of which no fit knows a parameter that it may change, where one knows others."""
+        fitted = self.model.about.get("covariance", {}).get("paths", [])
+        return sorted({path.split(".")[0] for path in self.model.free() if path not in fitted}) if fitted else []
 
     def _command(self, verb: str, logs: Sequence[Path] = (), out: str = "") -> str:
         words = ["ballscrew", verb, *(logs or self.work.logs)]

@@ -120,6 +120,7 @@ class Filter:
                 doubt=moves.readings,
                 led=self._unled.led,
                 astray=drive.astray,
+                driven=drive.driven,
             )
         )
         if judged.anew:

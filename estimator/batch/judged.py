@@ -28,7 +28,7 @@ class Readings:
     """What a judge needs beside the filter: time (T,); of channels, (T, m): reading, by the model alone, muted.
 
     ahead  how the latter move with what the model's parameters may be off by
-    astray  (T,) whether heat is in the wrong place
+    astray, driven  (T,) whether heat is in the wrong place; whether the screw has turned
     """
 
     time_s: Array
@@ -37,6 +37,7 @@ class Readings:
     muted: Array
     ahead: Ahead
     astray: Array
+    driven: Array
 
     def seen(self, system: System, chunk: Chunk, moves: Moves, led: Led) -> Seen:
         """A chunk's ticks as the judge is shown them."""
@@ -52,6 +53,7 @@ class Readings:
             moves.readings,
             led,
             self.astray[at],
+            self.driven[at],
         )
 
 

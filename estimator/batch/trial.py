@@ -231,8 +231,9 @@ class Trial:
         `doubt` is carried ahead of the filter; whoever needs it behind it has to do that part after part, `closely`:
         who asks for the judgements alone needs neither gains nor what the filter without lengths is in doubt by.
         """
-        alone, ahead, astray = posed.run.lagged + posed.offset[1:], self.ahead(posed, doubt), self.drive.astray[1:]
-        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, ahead, astray)
+        alone, ahead = posed.run.lagged + posed.offset[1:], self.ahead(posed, doubt)
+        drive = self.drive.rows(slice(1, None))
+        readings = Readings(self.rest.time_s, self.rest.channels, alone, self.muted, ahead, drive.astray, drive.driven)
         begun_s = float(self.recording.time_s[self.begun[0]])
         unled = Unled(posed.system, posed.state, doubt, self.rig, closely, lambda: self.ahead(posed, self.doubt(posed)))
         return judged(posed.system, readings, self.run.judge(doubt.known, begun_s), posed.state, unled, closely)

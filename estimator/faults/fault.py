@@ -122,6 +122,7 @@ class Seen:
     doubt    (K, m, p) how the model alone moves with each of its parameters that are in doubt
     led        of the tick before each
     astray     (K,) bool, whether heat is in the wrong place: neither neighbours nor lengths tell of each other
+    driven     (K,) bool, whether the screw has turned since the run began
     """
 
     time_s: Array
@@ -133,6 +134,7 @@ class Seen:
     doubt: Array
     led: Led
     astray: Array
+    driven: Array
 
     def first(self, ticks: int) -> Seen:
         """The first of the ticks."""

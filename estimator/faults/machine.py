@@ -9,8 +9,9 @@ which they may be off beside what a fit has left open:
                              been unsure in the last quarter of an hour, and at least as what models lack in detail
 
 Each share has the weight that it began with times its likelihood, and the root of their mean square is that of the run.
-As many filters again take the position of the table for told with another zero: d has one element more, of 100 mm. The
-thermometer that the likeliest of them explains worst is not heard: one may be broken.
+As many filters again take the position of the table for told with another zero: d has one element more, of 100 mm,
+which moves readings only since the screw has turned. The thermometer that the likeliest of them explains worst is not
+heard: one may be broken.
 """
 
 from __future__ import annotations
@@ -141,7 +142,7 @@ class Machine:
         self._zero, self._now, self._heard = Look.none(m, p), Look.none(m, p), False
         self._last, self._age_s, self._unsure = Look(np.zeros(m), np.zeros((m, p)), np.zeros(m)), 0.0 * heat, 0.0 * heat
         self._weight, self._learnt_s, self._waited_s = weight, 0.0, 0.0
-        self._times, self.shift_mm, self.place_mm = 0, 0.0, 0.0
+        self._times, self.shift_mm, self.place_mm, self._rested = 0, 0.0, 0.0, np.zeros(m)
 
     @property
     def share(self) -> float:
@@ -153,8 +154,19 @@ class Machine:
         """Take some ticks, of which readings `used` (k, m) are believed."""
         if self._told:
             y = np.where(used, seen.reading[some] - seen.alone[some], np.nan)
-            self._now.hear(y, seen.doubt[some], seen.sd[some])
+            self._now.hear(y, self._since_driven(seen.doubt[some], seen.driven[some]), seen.sd[some])
             self._heard = True
+
+    def _since_driven(self, moved: Array, driven: Array) -> Array:
+        """How misfits move (k, m, p), by the position only since the screw has turned: no position of this run says
+        where the heat was brought with which it began."""
+        if self._shift is None:
+            return moved
+        moved = moved.copy()
+        place = moved[..., self._shift]
+        self._rested = place[~driven][-1] if not driven.all() else self._rested
+        place -= np.where(driven[:, None], self._rested, place)
+        return moved
 
     def forget(self, i: int) -> None:
         """Channel i has another zero from now on."""

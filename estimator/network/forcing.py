@@ -38,16 +38,18 @@ class Drive:
     """Inputs of K ticks with the regime (K,) each belongs to: all that a model needs to know of a run.
 
     astray  (K,) whether they put heat in the wrong place, or did within the last hours
+    driven  (K,) whether the screw has turned since the run began
     """
 
     inputs: Inputs
     regime: Array
     astray: Array
+    driven: Array
     _covered: dict[tuple[tuple[int, ...], bool], tuple[Balls | None, Array]] = field(default_factory=dict)
 
     def rows(self, at: slice) -> Drive:
         """Some of the ticks."""
-        return Drive(self.inputs.rows(at), self.regime[at], self.astray[at])
+        return Drive(self.inputs.rows(at), self.regime[at], self.astray[at], self.driven[at])
 
     def by_parts(self, make: Callable[[Drive], Made]) -> Made:
         """A record of arrays (K, ...) that is made of all ticks; of a long run some at a time, or they fill memory."""
@@ -119,7 +121,7 @@ class Forcing:
         self._regimes: Regimes = like._regimes if like else Regimes(rig.tick_s, forgets=keep is not None)
         self._travel: Travel = like._travel if like else Travel(rig)
         self._untold: Untold = like._untold if like else Untold(rig)
-        self._keep = keep
+        self._keep, self._driven = keep, False
         self._solved: dict[int, Solved] = {}
         self._latest: Forcing | None = None
         self._asked: dict[tuple[int, ...], Inputs] = like._asked if like else {}  # of those regimes that were last
@@ -183,7 +185,9 @@ class Forcing:
             regime.append(self._regimes.index(omega, under, unknown, uneven, idle, rest_K, again))
             astray.append(self._travel.astray)
             before = row, under
-        return Drive(u, np.array(regime), np.array(astray))
+        driven = np.logical_or.accumulate(u.omega[:, 0] > 0.0) | self._driven
+        self._driven = bool(driven[-1])
+        return Drive(u, np.array(regime), np.array(astray), driven)
 
     def ticks(self, drive: Drive) -> Ticks:
         """What the model makes of these inputs; an EffectError where an effect makes no number of them."""

@@ -86,7 +86,8 @@ def _place(at: str | None, reading: str | None, rig: Rig) -> tuple[float | None,
         raise SetupError(f"--at {at}: {rig.name} has no screw, and no thermometer in such a body; known: {known}")
     number = re.fullmatch(r"([-+]?\d+(?:\.\d*)?) ?(?:mm)?", at.strip())
     if not number:
-        raise SetupError(f"--at {at}: write a place in mm, such as 350mm")
+        others = ", ".join((UNDER_NUT, *rig.bodies))
+        raise SetupError(f"--at {at}: write a place in mm, such as 350mm, or one of: {others}")
     place, screw = float(number[1]), rig.the_screw()
     if not screw.from_mm <= place <= screw.to_mm:
         raise SetupError(f"--at {at}: outside the screw, {screw.from_mm:g} ... {screw.to_mm:g} mm")

@@ -2,6 +2,7 @@
 
 import json
 import shlex
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -56,6 +57,10 @@ def test_what_was_fitted_to_is_to_be_diagnosed_and_one_of_many_by_itself():
     fitted = MachineVerdict(work, model, Match([9.0]), loaded[:1])
     assert fitted.next == f"ballscrew diagnose {ROD} --model {ROD / 'model.toml'}"
     assert "lacks something: fitted to these recordings, alone it is 9.0 times" in fitted.sentence
+    about = {**model.about, "covariance": {"paths": model.free()[1:], "correlation": []}}
+    grown = MachineVerdict(work, replace(model, about=about), Match([9.0]), loaded[:1])
+    assert grown.next == f"ballscrew fit {ROD} --model {ROD / 'model.toml'} -o fitted.toml"
+    assert f"is not fitted since {model.free()[0].split('.')[0]} came in: alone it is 9.0 times" in grown.sentence
     odd = MachineVerdict(work, model, Match([1.0, 9.0]), loaded)
     assert odd.next == f"ballscrew diagnose {ROD / 'slow.csv'} --model {ROD / 'model.toml'}"
     assert "does not follow slow.csv, but the others" in odd.sentence

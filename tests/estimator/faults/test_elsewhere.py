@@ -49,6 +49,12 @@ def test_a_position_that_is_right_is_not_named(by_mm, strokes, paper):
     assert not replay(paper[1], paper[0], shifted(strokes(SECONDS), paper[0], by_mm)).shift_mm.any()
 
 
+def test_a_run_that_begins_in_a_rest_says_nothing_of_it_before_it_drives(strokes, paper):
+    run = strokes(3000)
+    rest = run.rows(slice(int(np.flatnonzero(run.omega)[-1]) + 30, None))  # its start is known badly: it cools fast
+    assert not replay(paper[1], paper[0], rest).shift_mm.any()
+
+
 def test_it_is_not_named_for_one_thermometer_that_drifts(strokes, paper):
     run = strokes(SECONDS)
     for i in (4, 6):  # beside the places where the nut turns round

@@ -15,8 +15,8 @@ def seen(value: np.ndarray) -> Seen:
     """Innovations (K, m) of thermometers at 22 degC, that the model alone stays at."""
     alone, none = np.full(value.shape, 22.0), np.zeros(value.shape, dtype=bool)
     time_s, doubt = np.arange(len(value)) + 1.0, np.zeros((*value.shape, 0))
-    sd, astray = np.full(value.shape, 0.03), np.zeros(len(value), dtype=bool)
-    return Seen(time_s, alone + value, value, sd, alone, none, doubt, Led.nowhere(len(value), 0), astray)
+    sd, never = np.full(value.shape, 0.03), np.zeros(len(value), dtype=bool)
+    return Seen(time_s, alone + value, value, sd, alone, none, doubt, Led.nowhere(len(value), 0), never, never)
 
 
 def test_a_model_that_stays_where_it_began_has_not_moved_and_all_at_once_is_tick_by_tick():

@@ -43,6 +43,7 @@ def heard(y, moved, known, tick_s=TICK_S):
             moved[now],
             Led.nowhere(1, 3),
             np.zeros(1, dtype=bool),
+            np.ones(1, dtype=bool),
         )
         bank.hear(seen, slice(None), np.isfinite(y[now]))
         bank.block(1)

@@ -75,7 +75,7 @@ def test_a_new_effect_is_put_behind_what_is_there_without_running_it(own_effects
         (["4711"], "'4711' cannot be an effect's name; take words of letters, such as coolant_jet"),
         (["heat"], "'heat' cannot be an effect's name; take words of letters, such as coolant_jet"),
         (["churning"], "the catalogue has an effect 'churning' already; choose another name"),
-        (["jet", "--at", "here"], "--at here: write a place in mm, such as 350mm"),
+        (["jet", "--at", "here"], "--at here: write a place in mm, such as 350mm, or one of: under-nut"),
         (["jet", "--at", "2000mm"], "--at 2000mm: outside the screw, -50 ... 1030 mm"),
         (["jet", "--at", "35mm", "--reading", "T04"], "--at is where heat goes, --reading shifts a reading: leave one"),
         (
