@@ -247,6 +247,7 @@ def test_a_long_log_is_read_in_bulk(tmp_path: Path) -> None:
     with path.open("w") as file:
         for k in range(36):
             file.write(log_fake.text([row._replace(time=row.time + 20 * k) for row in rows]))
+    read_recording(path, RIG)  # a rig's DBC is read once
     events: list[str] = []
     sys.setprofile(lambda _frame, event, _argument: events.append(event))
     try:
