@@ -56,6 +56,7 @@ WITH_BEARINGS = {
     "support_yield",
     "motor_heat",
     "held_ends",
+    "housing_shells",
 }  # as all that are named after a bearing
 SMALL = [  # effects that the small rig can serve
     effect

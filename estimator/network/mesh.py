@@ -19,7 +19,7 @@ from estimator.rig import Rig
 WIDEST_MM = 85.0
 CLOSEST_MM = 8.0
 AT_BEARING_MM = 28.0  # the profile is steepest at a bearing: gaps start this wide there ...
-GRADING = 0.56  # ... and may grow by half the distance from it
+GRADING = 0.58  # ... and may grow by half the distance from it
 STRETCH = 0.01  # by which all gaps between two places may be wider
 
 

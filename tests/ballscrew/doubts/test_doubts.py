@@ -100,7 +100,7 @@ def test_a_message_that_never_comes_and_what_the_model_lacks_by_it(screw):
     found = {one["place"]: one["doubt"] for one in doubts(screw)}
     assert found["rig.toml"] == "message Environment1 never came: no ambient, base, anchor_bracket, free_bracket"
     assert found["rig.toml: inputs.ambient"].startswith("never read, and still_air of the model takes it")
-    assert "anchor_housing" in found["rig.toml: inputs.base"]
+    assert "housing_shells" in found["rig.toml: inputs.base"]
 
 
 def test_a_column_that_is_called_otherwise(rod):

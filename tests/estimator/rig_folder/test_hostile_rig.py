@@ -143,8 +143,8 @@ def test_every_number_has_bounds_that_hold_its_default(record):
         (PAPER, "screw.heat_capacity", math.nan, "screw.heat_capacity is nan, must be 50 ... 10000 J/(kg K);"),
         (PAPER, "screw.cells", 10**9, "screw.cells is 1000000000, must be 2 ... 2000; 2 to 5 mm each are enough"),
         (PAPER, "screw.cells", True, "screw.cells: expected int, got True"),
-        (PAPER, "screw.cells", 10, "screw: cells = 10 cannot tell 28 places of thermometers, bearings and "
-         "knots_mm apart, 12.0833 mm the closest; take more cells, or places"),
+        (PAPER, "screw.cells", 10, "screw: cells = 10 cannot tell 26 places of thermometers, bearings and "
+         "knots_mm apart, 10.562 mm the closest; take more cells, or places"),
         (PAPER, "screw.knots_mm", [0, 0, 900], "screw: cells = 270 cannot tell 3 places of thermometers, bearings and "
          "knots_mm apart, 0 mm the closest"),
         (PAPER, "screw.knots_mm", [5.0], "screw: 1 places of states along it, must be 2 ... 200; choose"),
