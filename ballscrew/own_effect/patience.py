@@ -20,8 +20,13 @@ def patience(whose: object, seconds: float = SECONDS) -> Iterator[None]:
 
     In any thread, as a worker has its jobs in one that is not the main one, which alone hears signals.
     """
-    thread = c_ulong(threading.get_ident())
-    timer = threading.Timer(seconds, pythonapi.PyThreadState_SetAsyncExc, (thread, py_object(_Over)))
+    thread, over = c_ulong(threading.get_ident()), threading.Event()
+
+    def end() -> None:
+        over.set()
+        pythonapi.PyThreadState_SetAsyncExc(thread, py_object(_Over))
+
+    timer = threading.Timer(seconds, end)
     timer.daemon = True
     timer.start()
     try:
@@ -29,7 +34,8 @@ def patience(whose: object, seconds: float = SECONDS) -> Iterator[None]:
             yield
         finally:
             timer.cancel()
-            timer.join()  # or what it has just begun would raise after the next line
-            pythonapi.PyThreadState_SetAsyncExc(thread, None)  # it may have come to its end just now
+            timer.join()
+            for _ in range(over.is_set()):  # what has just been begun is raised here; to take it back with a null
+                pass  # would have every call from then on look for it, and a traced one never end (CPython 3.11)
     except _Over:
         raise SetupError(f"{whose}: an effect's own code has not ended after {seconds:g} s; does it loop?") from None

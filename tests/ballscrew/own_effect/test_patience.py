@@ -2,6 +2,7 @@
 
 import _thread
 import signal
+import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -59,3 +60,16 @@ def test_ctrl_c_is_not_taken_for_it(ctrl_c):
 def test_a_ctrl_c_that_is_ignored_ends_nothing(ctrl_c):
     with pytest.raises(SetupError, match=ENDED):
         loops(0.1, interrupt=True)
+
+
+def test_code_that_is_traced_later_ends():
+    """As under a debugger, or where coverage is measured."""
+    with patience("own.py"):
+        pass
+    events: list[str] = []
+    sys.setprofile(lambda _frame, event, _argument: events.append(event))
+    try:
+        (lambda: None)()
+    finally:
+        sys.setprofile(None)
+    assert 0 < len(events) < 50
