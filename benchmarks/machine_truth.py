@@ -17,6 +17,7 @@ from drivers.virtual_rig.machine.geometry import OMEGA_20
 from drivers.virtual_rig.machine.screw import AREA_M2, BORE_SHARE, mean_above_bore
 from drivers.virtual_rig.population.constants import PAPER, Anchor, Machine
 
+USUAL_K = 4.0  # at which the model's still air is what it is
 KEPT = Path(__file__).parent / "machines"
 FIRST_SEED = 500  # machine N has the sensors and the weather of seed 500 + N
 UNLIKE = {  # laws of a machine with which an effect, or one of its parameters, has no counterpart
@@ -67,7 +68,7 @@ def _counterparts(one: Machine) -> dict[str, float]:
     return {
         "conduction.scale": one.screw.conductivity / PAPER.screw.conductivity,
         "conduction.capacity": one.screw.volumetric_heat / PAPER.screw.volumetric_heat,
-        "still_air.h": one.air.still,
+        "still_air.h": one.air.still * (USUAL_K / one.air.rise) ** one.air.growth,
         "free_convection.n": one.air.growth,
         "rotating_convection.h": one.air.rotating,
         "rotating_convection.m": one.air.exponent,

@@ -18,6 +18,7 @@ def surface(air: Air, strength: Strengths, seats: np.ndarray) -> Surface:
         area=area,
         still=air.still * strength["still_air"],
         growth=air.growth,
+        rise=air.rise,
         rotating=air.rotating * strength["rotating_convection"],
         exponent=air.exponent,
         threshold=air.threshold,

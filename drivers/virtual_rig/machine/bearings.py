@@ -3,7 +3,7 @@
 import numpy as np
 
 from drivers.virtual_rig.machine.flows import Bearing
-from drivers.virtual_rig.machine.planted import GREASE_DEGC, Strengths
+from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.screw import overlap
 from drivers.virtual_rig.population.constants import Anchor
 
@@ -34,5 +34,5 @@ def bearing(support: Anchor, name: str, strength: Strengths) -> Bearing:
         to_air=support.to_air,
         thinning=support.thinning + support.planted_thinning * strength["friction_thinning"],
         exponent=SPEED_EXPONENT * strength["bearing_speed_exponent"],
-        grease_degc=GREASE_DEGC,
+        grease_degc=support.grease,
     )

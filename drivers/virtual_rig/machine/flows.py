@@ -10,7 +10,6 @@ import numpy as np
 from numba import njit
 
 STEFAN_BOLTZMANN, KELVIN = 5.67e-8, 273.15
-USUAL_K = 4.0  # of the screw above the air
 
 
 class Screw(NamedTuple):
@@ -69,6 +68,7 @@ class Surface(NamedTuple):
     area: np.ndarray
     still: float
     growth: float
+    rise: float
     rotating: float
     exponent: float
     threshold: float
@@ -204,12 +204,12 @@ def turn(bearing: Bearing, speed: float, omega: float, now: Temperatures, body: 
 def cool(surface: Surface, speed: float, outer: np.ndarray, cover: np.ndarray, along: np.ndarray, heat) -> None:
     """q_i = -[h_still + h_rot s^m] A (T - T_air) - eps sigma A (T^4 - T_air^4)   W off the nut; s from a threshold
 
-    h_still (|T - T_air| / 4 K)^growth of each place where still air takes more of what is warmer
+    h_still (|T - T_air| / rise)^growth of each place where still air takes more of what is warmer
     """
     above = max(speed - surface.threshold, 0.0) / (1.0 - surface.threshold)
     still = np.full(outer.size, surface.still)
     if surface.growth > 0.0:
-        still *= (np.abs(outer - along) / USUAL_K) ** surface.growth
+        still *= (np.abs(outer - along) / surface.rise) ** surface.growth
     h = still + surface.rotating * above**surface.exponent
     warm, cold = outer + KELVIN, along + KELVIN
     radiated = surface.emissivity * STEFAN_BOLTZMANN * (warm * warm + cold * cold) * (warm + cold)

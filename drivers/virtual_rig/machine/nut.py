@@ -4,7 +4,7 @@ import numpy as np
 
 from drivers.virtual_rig.machine.flows import Nut
 from drivers.virtual_rig.machine.geometry import SCREW_MM
-from drivers.virtual_rig.machine.planted import GREASE_DEGC, Strengths
+from drivers.virtual_rig.machine.planted import Strengths
 from drivers.virtual_rig.machine.screw import CELL_M
 from drivers.virtual_rig.population.constants import Nut as Build
 
@@ -28,7 +28,7 @@ def nut(build: Build, strength: Strengths) -> Nut:
         churning=build.churning + CHURNING * strength["churning"],
         decay_s=build.churning_decay,
         recovery_s=build.churning_recovery,
-        grease_degc=GREASE_DEGC,
+        grease_degc=build.grease,
         length=build.length * 1e-3 / CELL_M,
     )
 

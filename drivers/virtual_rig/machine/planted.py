@@ -5,7 +5,6 @@ import math
 from collections.abc import Collection, Mapping
 
 Strengths = Mapping[str, float]
-GREASE_DEGC = 22.0  # of nut and bearings, at which torques are what they are said to be
 
 # Effects of the rig as it stands (strength 1), and what their strength scales. All numbers here are those of the
 # paper's machine, number 0; another machine's own stand in its NAME.machine.json.
@@ -27,7 +26,7 @@ BASE = {
 PLANTED = {
     "nut_speed_exponent": "+0.2 on the nut's heat ~ omega^1, heat at 20 m/min unchanged",
     "bearing_speed_exponent": "+0.25 on the bearings' heat exponent, heat at 20 m/min unchanged",
-    "friction_thinning": "friction falls by 3.1 %/K (nut) and 4.2 %/K (bearings) from what it is at 22 degC",
+    "friction_thinning": "friction falls by 3.1 %/K (nut) and 4.2 %/K (bearings) from what it is at 20 degC",
     "churning": "40 % more nut friction at a fresh start, fading with 600 s of motion",
     "motor_heat": "15 W through the coupling into the motor end while driving",
     "radiation": "emissivity 0.5",

@@ -52,6 +52,7 @@ class Nut:
     thinning: float = drawn(0.0, "1/K", 0.005, 0.015, "a fraction of Vogel's 0.031", "thinning_friction")
     churning: float = drawn(0.0, "1", 0.03, 0.12, "fresh grease, a fraction of 0.4", "churning_grease")
     planted_thinning: float = drawn(0.031, "1/K", 0.028, 0.035, "Vogel-Cameron, VG100 .. VG220")
+    grease: float = drawn(20.0, "degC", 16.0, 27.0, "at which its torque is measured")
     churning_decay: float = drawn(600.0, "s", 300.0, 1500.0, "running-in of grease after a rest")
     churning_recovery: float = drawn(900.0, "s", 300.0, 1500.0, "running-in of grease after a rest")
     length: float = drawn(175.0, "mm", 172.0, 178.0, "paper; where balls carry")
@@ -77,6 +78,7 @@ class Anchor:
     ring_to_bracket: float = drawn(0.0, "W/K", 8.0, 25.0, "flanged cartridge, computed", "two_lump_housings")
     thinning: float = drawn(0.0, "1/K", 0.005, 0.015, "a fraction of Palmgren's 0.042", "thinning_friction")
     planted_thinning: float = drawn(0.042, "1/K", 0.036, 0.048, "Palmgren")
+    grease: float = drawn(20.0, "degC", 16.0, 27.0, "at which its torque is measured")
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,7 @@ class Air:
 
     still: float = drawn(3.6, "W/(m2 K)", 3.0, 5.3, "natural convection of a 40 mm rod, computed")
     growth: float = drawn(0.0, "1", 0.15, 0.33, "Nu ~ (Gr Pr)^(1/5 .. 1/3)", "growing_still_air")
+    rise: float = drawn(5.0, "K", 3.0, 8.0, "above the air, for which `still` is computed", "growing_still_air")
     # on top of still air: together 10 / 13 / 19 / 29 at the four speeds, near Jungnickel's 6.8 / 11 / 18 / 29
     rotating: float = drawn(25.0, "W/(m2 K)", 18.0, 45.0, "at 20 m/min, Jungnickel .. Nu = 0.133 Re^(2/3) Pr^(1/3)")
     exponent: float = drawn(0.7, "1", 0.5, 0.8, "Jungnickel 0.7; correlations 0.5 .. 0.8")

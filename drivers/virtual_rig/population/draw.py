@@ -37,7 +37,7 @@ LAWS = {
     "growing_contact": Law(0.35, "g = contact (1 + contact_growth |T_nut - T_screw|)", "g = contact"),
     "two_lump_housings": Law(0.4, "seat - ring - bracket - base", "seat - housing - base"),
     "two_lump_nut": Law(0.4, "screw - balls' body - flange - table", "screw - nut - table"),
-    "growing_still_air": Law(0.4, "h = still (|T - T_air| / 4 K)^growth of each place", "h = still"),
+    "growing_still_air": Law(0.4, "h = still (|T - T_air| / rise)^growth of each place", "h = still"),
     "radiating_surface": Law(0.6, "radiates with its emissivity", "no radiation"),
     "thinning_friction": Law(0.35, "torque falls by 0.5 - 1.5 %/K", "torque independent of temperature"),
     "churning_grease": Law(0.3, "3 - 12 % more nut torque after a rest", "no churning"),

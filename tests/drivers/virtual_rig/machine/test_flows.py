@@ -25,12 +25,12 @@ def test_layers_keep_the_bore_as_far_behind_as_the_cylinder_would():
 
 @pytest.mark.parametrize("growth", [0.0, 0.25])
 def test_still_air_takes_more_of_what_is_warmer(growth):
-    """As much as in proportion at 4 K, of each place by its own warmth."""
+    """As much as in proportion at the rise it is computed for, of each place by its own warmth."""
     parts = heat.parts(PAPER, dict.fromkeys(BASE, 1.0) | dict.fromkeys(PLANTED, 0.0))
     rise, heats = np.linspace(0.5, 12.0, screw.CELLS), np.zeros(screw.CELLS)
     surface, along = parts.surface._replace(growth=growth), np.full(screw.CELLS, 20.0)
     flows.cool(surface, 0.0, along + rise, np.zeros(screw.CELLS), along, heats)
-    exact = surface.still * (rise / 4.0) ** growth * rise * surface.area
+    exact = surface.still * (rise / surface.rise) ** growth * rise * surface.area
     np.testing.assert_allclose(heats, -exact, rtol=1e-12)
 
 
