@@ -134,12 +134,17 @@ def _levels(seen: Sequence[Seen], driven: bool) -> Iterator[Guess]:
             or (kind == "power" and unit and unit.unit == "W")
             or (bare(one) and words.says(one.label, words.POWER))
         ):
-            scale, name = (unit.scale, unit.unit) if unit else (1.0, "%" if one.usual[1] > _MOST_W else "W")
+            scale, name = (unit.scale, unit.unit) if unit else (1.0, _bare_level(one))
             most = round_up(1.5 * scale * float(one.value.max()) or 50.0)
-            most = 100.0 if name == "%" and scale * one.value.max() <= 100.0 else most
+            most = 100.0 if name == "%" and scale * one.value.max() <= 100.0 else 1.0 if name == "1" else most
             lo = min(0.0, -most if one.usual[0] < 0 else 0.0)
             role = "heater" if heats or not driven else "power"
             yield Guess(words.plain_name(one.label), role, (one,), rule_of(one, name, scale, lo, most), _why(one))
+
+
+def _bare_level(one: Seen) -> str:
+    """The unit of a heater without one: on and off, W, or %."""
+    return "1" if {*one.value} <= {0.0, 1.0} else "%" if one.usual[1] > _MOST_W else "W"
 
 
 def _why(one: Seen) -> str:

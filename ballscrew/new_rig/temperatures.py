@@ -13,6 +13,7 @@ from estimator.rig import Signal
 
 _KELVIN = (230.0, 450.0)
 _COLDEST_C, _HOTTEST_C = -40.0, 150.0
+_FINEST = 0.001  # degC, that a whole number may count
 _FAMILY = 3  # of names that differ in a number only: they are of one kind whatever they are called
 _QUICKEST = 2.0  # of a temperature, K from one reading to the next in the mean
 THERMOMETER = "thermometer"
@@ -87,7 +88,12 @@ def unit_of(one: Seen, seen: Sequence[Seen]) -> Unit | None:
     said = words.measure(one.unit)
     if said is not None:
         return _by_size(one, said) if said.kind == "temperature" else None
-    if one.unit or one.texts.keys() & set(np.unique(one.raw[:100]).tolist()) or not _slow(one):
+    if (
+        one.unit
+        or words.says(one.label, words.TIMES)
+        or one.texts.keys() & set(np.unique(one.raw[:100]).tolist())
+        or not _slow(one)
+    ):
         return None
     named = words.says(one.source, words.TEMPERATURE) or bool(words.role_of(one.label))
     low, high = one.usual
@@ -96,7 +102,7 @@ def unit_of(one: Seen, seen: Sequence[Seen]) -> Unit | None:
         return None
     if low > _COLDEST_C and high < _HOTTEST_C and (named or high > low):
         return words.UNITS["degC"]
-    return _by_size(one, words.UNITS["degC"]) if named else None
+    return _by_size(one, words.UNITS["degC"]) if named and high < _HOTTEST_C / _FINEST else None
 
 
 def _by_size(one: Seen, said: Unit) -> Unit:
@@ -106,7 +112,7 @@ def _by_size(one: Seen, said: Unit) -> Unit:
         return said
     if _KELVIN[0] < low and high < _KELVIN[1]:
         return words.UNITS["K"]
-    scale = next((scale for scale in (0.1, 0.01, 0.001) if high * scale < _HOTTEST_C), 1.0)
+    scale = next((scale for scale in (0.1, 0.01, _FINEST) if high * scale < _HOTTEST_C), 1.0)
     return Unit("temperature", "degC", scale)
 
 

@@ -69,6 +69,7 @@ CURRENT = "current strom amps motorstrom"
 POWER = "power leistung heat"
 HEATER = "heater heizer heizung heizleistung heizpatrone"
 WANTED = "set soll setpoint target cmd command demand ref reference sollwert"  # what was asked for, not what is
+TIMES = "time stamp timestamp zeit zeitstempel elapsed"
 AT_REST = "direct rest ruhe still static standstill stillstand park"
 COUNTED = "crc checksum chk count counter cnt ctr seq sequence alive zaehler number scanno id status state mode flag"
 

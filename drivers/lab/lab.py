@@ -15,7 +15,7 @@ from drivers.frames import Array, Index, Tally
 from drivers.lab import counting, order, stamps
 from drivers.lab.columns import Columns, column_names, find_columns, fresh_key, to_the_unit
 from drivers.lab.doubts import admit, hot
-from drivers.lab.numerals import NOTHING, decimal_mark, numbers
+from drivers.lab.numerals import NOTHING, decimal_mark, numbers, switched
 from drivers.lab.sheet import Sheet, read_sheet
 from estimator.errors import InputError
 from estimator.record import Recording
@@ -48,7 +48,9 @@ class Table:
         self.columns: dict[str, Array] = {}
         self.never: dict[str, str] = {}
         for name in cells:
-            values = self._measured(cells[name], name)
+            warm = name in signals and signals[name].unit in ("degC", "K")  # of which "off" tells nothing
+            values = None if warm else switched(cells[name])
+            values = self._measured(cells[name], name) if values is None else values
             self.columns[name] = to_the_unit(values, sheet, found, name, signals[name]) if name in signals else values
         self.time, local = self._timed(texts, sheet, found)
         self._only_timed(texts)
@@ -61,6 +63,8 @@ class Table:
         if wrong.any() and not np.isfinite(values).any():
             first = int(np.argmax(wrong))
             self.never[name] = f"{name} is '{cells[first][:40]}' in line {self.line[first]}, no number"
+            if switched(cells) is not None:
+                self.never[name] += '; an input that is on or off has unit = "1" in rig.toml'
             self.tally.note(self.never[name])
         return values
 

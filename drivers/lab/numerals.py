@@ -10,6 +10,8 @@ from drivers.units import unit_of
 from estimator.errors import InputError
 
 NOTHING = frozenset({"", "nan", "null", "none", "n/a", "na", "#n/a", "-", "--", "---"})  # not measured
+_ON = frozenset({"true", "on", "yes", "wahr", "ein", "an", "ja", "vrai"})
+_OFF = frozenset({"false", "off", "no", "falsch", "aus", "nein", "faux"})
 _WITH_UNIT = re.compile(r"[+−-]? ?\d[\d.,]*(?:[eE][+-]?\d+)?(\s*[^\s\d.,:/-]\S*)")  # "22.1 °C"
 _MARKED = re.compile(r"[+-]? ?\d[\d.,]*(?:[eE][+-]?\d+)?")
 _BLANK = re.compile(r"(?<=\d)[\s'’](?=\d{3})|(?<=^[+-])\s+")  # between thousands, as in French and Swiss numbers
@@ -56,6 +58,15 @@ def numbers(cells: Sequence[str], mark: str) -> Array:
         return np.array(cells, dtype=float)
     except ValueError:
         return np.array([_number(cell) for cell in cells])
+
+
+def switched(cells: Sequence[str]) -> Array | None:
+    """A column of nothing but on and off as 1 and 0, (n,): NaN where it is empty; None for any other."""
+    words = [cell.lower() for cell in cells]
+    said = {*words} - NOTHING
+    if not said or not said <= _ON | _OFF:
+        return None
+    return np.array([1.0 if word in _ON else 0.0 if word in _OFF else np.nan for word in words])
 
 
 def _plain(cell: str, mark: str, other: str) -> str:

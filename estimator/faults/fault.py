@@ -182,6 +182,7 @@ class Tick:
     known      whether its level is known
     deviation  of the innovation from its level, with its limit;   beyond  further than that
     repeats    how often a thermometer has read the same, or a length, by how unlikely that is
+    moved      by what the reading has changed since it was last well, NaN: it never was
     """
 
     time_s: float
@@ -191,6 +192,7 @@ class Tick:
     limit: Array
     beyond: Array
     repeats: Array
+    moved: Array
 
 
 @dataclass(frozen=True)

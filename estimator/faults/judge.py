@@ -21,10 +21,13 @@ from estimator.faults.machine import SHARES, Known
 from estimator.faults.recovery import Progress, Recovery
 from estimator.faults.standstill import Standstill
 from estimator.faults.suspects import STILL, STUCK, Suspects
-from estimator.record import Array
+from estimator.record import Array, held
 from estimator.rig import Rig
 
 TOGETHER_TICKS = 5  # that most thermometers have to be beyond their limits together
+FEWEST = 3  # thermometers, of which one can have left the others
+STAYED = 0.5  # of how far a reading is from the model: it has changed by less, and the model by more
+AT_ONCE = 0.5  # of it at the first tick: another zero is there from one tick to the next
 START_S = 60.0  # within which all that has been known of a run may have been wrong
 LENGTH_READINGS = 3  # of a length beyond its limit, until it has another zero
 SILENT_TICKS = 3  # after which a level has to be learnt again
@@ -50,8 +53,9 @@ class Judge:
         self.fault, self.since_s = np.zeros(m, dtype=np.int8), np.full(m, np.nan)
         self._silent_ticks = np.where(self._heat, SILENT_TICKS, max(SILENT_TICKS, SILENT_LENGTH_S / rig.tick_s))
         self._recovery = Recovery(self._silent_ticks * rig.tick_s)
-        self._silent, self._beyond, self._held, self._loose_K, self._together = *np.zeros((4, m)), 0
-        self._rezeroed = np.zeros(m, dtype=bool)
+        self._silent, self._beyond, self._at_once, self._held, self._loose_K = np.zeros((5, m))
+        self._together = 0
+        self._rezeroed, self._usual = np.zeros(m, dtype=bool), np.full(m, np.nan)
 
     @property
     def well(self) -> Array:
@@ -70,8 +74,8 @@ class Judge:
         """
         value = np.where(seen.muted | ~np.isfinite(seen.sd), np.nan, seen.value)
         seen = replace(seen, value=value, astray=seen.astray | self._neighbours.elsewhere)
-        jumps = self._jumps.compare(seen, self.well, self._neighbours.warm)
         repeats = self._standstill.compare(np.where(np.isfinite(seen.value), seen.reading, np.nan))
+        jumps = self._jumps.compare(seen, self.well, self._neighbours.warm, repeats.resolution)
         progress = self._recovery.compare(seen.time_s, jumps, repeats.count, self.fault)
         ticks = self._quiet(seen, jumps, repeats.count, progress)
         used = self.well & np.isfinite(seen.value) & ~jumps.beyond
@@ -84,7 +88,9 @@ class Judge:
         if last:
             self._jumps.learn(jumps, last, self.well)
         read = np.isfinite(seen.value[last])
-        of_last = (a[last] for a in (jumps.value, jumps.limit, jumps.beyond, repeats.count))
+        self._usual = held(np.where(self.well, seen.reading[:last], np.nan), self._usual)[-1]
+        moved = np.abs(seen.reading - self._usual)
+        of_last = (a[last] for a in (jumps.value, jumps.limit, jumps.beyond, repeats.count, moved))
         tick = Tick(float(seen.time_s[last]), read, self._jumps.known, *of_last)
         self._recovery.learn(progress, ticks)
         jump, anew = self._decide(tick, progress.back[last])
@@ -93,6 +99,7 @@ class Judge:
             self._set(drifting, Fault.DRIFTING, tick)
             drift = np.where(np.arange(len(read)) == drifting, self._neighbours.departed_K, 0.0)
         apart = added.apart and self._leave_lengths(tick)
+        self._usual = held(np.where(self.well, seen.reading[last:ticks], np.nan), self._usual)[-1]
         self._jumps.learn(jumps, ticks, self.well)
         self._standstill.learn(repeats, ticks)
         self._begun_with = self._begun_with & ~self._jumps.known
@@ -159,9 +166,12 @@ class Judge:
         """By how much zeros jumped, and whether the run begins anew; `fault` and `since_s` are as of this tick."""
         free = (self.fault <= Fault.JUDGED) & tick.read
         out = free & tick.beyond
-        hot = out & self._heat
+        hot, count = out & self._heat, (free & self._heat).sum()
+        if 2 * hot.sum() > count or count < FEWEST:
+            hot &= ~self._left_by_the_model(tick)
         self._beyond = np.where(hot, self._beyond + 1, 0)
-        most = 2 * hot.sum() > (free & self._heat).sum()
+        self._at_once = np.where(self._beyond == 1, np.abs(tick.deviation), self._at_once)
+        most = 2 * hot.sum() > count
         self._together = self._together + 1 if most else 0
         believed = hot & (self._together >= TOGETHER_TICKS)
         anew = tick.time_s - self._begun_s <= START_S and bool((believed | self._wrong_start(tick, hot)).any())
@@ -177,6 +187,12 @@ class Judge:
             self._set(i, Fault.STUCK, tick)
         jumped = believed & tick.known
         return (np.where(jumped, tick.deviation, 0.0) if jumped.any() else None), anew
+
+    def _left_by_the_model(self, tick: Tick) -> Array:
+        """Thermometers (m,) that have not moved as far as they are off, or went there step by step, as heat does."""
+        off = np.abs(tick.deviation)
+        gradual = (self._beyond >= TOGETHER_TICKS - 1) & (self._at_once < AT_ONCE * off)
+        return np.asarray((tick.moved < STAYED * off) | gradual)
 
     def _wrong_start(self, tick: Tick, hot: Array) -> Array:
         """Thermometers (m,) that left what the run began with at once, and stay away."""

@@ -2,7 +2,8 @@
 
     deviation   innovation - level            level: the innovation's mean over the last 8 ticks
     limit       6.5 scatter + 0.27 (moved + |level|)
-    scatter     sd of a reading by the differences of successive innovations, larger where their predicted sd is
+    scatter     sd of a reading by the differences of successive innovations, larger where their predicted sd is; no
+                less than its resolution makes, step / sqrt(12): what reads the same for minutes has a scatter too
     moved       |by what the model alone has left its own mean of the last 16 s|
 
 The level takes what a model has always been wrong by; what has moved, what it may have become wrong by since. After a
@@ -65,16 +66,17 @@ class Jumps:
         """Which levels are known, (m,) bool."""
         return np.asarray(self._state[3] >= self._ticks)
 
-    def compare(self, seen: Seen, well: Array, warm: Array) -> Deviations:
+    def compare(self, seen: Seen, well: Array, warm: Array, resolution: Array) -> Deviations:
         """Readings against levels as they would be learnt at each tick, of channels that are well (m,); none is yet.
 
-        warm  (m,) bool, where there is heat that the model lacks already
+        warm  (m,) bool, where there is heat that the model lacks already;   resolution  of readings, (K, m)
         """
         trail = self._learnt(seen, well)
         level, variance, last, count, usual_sd, read, path, *before = trail[:-1].transpose(1, 0, 2)
         scatter = np.sqrt(variance)
         usual = np.median(scatter[:, self._heat], axis=1)[:, None] if self._heat.any() else np.inf
         scatter = np.where(self._heat, np.minimum(scatter, OUTLYING * usual), scatter)
+        scatter = np.maximum(scatter, resolution / np.sqrt(12.0))
         moved = np.nan_to_num(np.abs(seen.alone - path))
         known = count >= self._ticks
         sd = np.where(np.isfinite(seen.sd), seen.sd, 0.0)

@@ -54,6 +54,22 @@ def test_thermometers_scatter_as_the_recording_shows(tmp_path, step_K, sd_K):
     assert load_model(tmp_path / "two" / "model.toml")["thermometers.sd"] == pytest.approx(sd_K, rel=0.1)
 
 
+def test_a_heater_that_is_on_or_off_heats_and_stamps_of_each_thermometer_are_none(tmp_path):
+    """As a small computer's script writes it: the time of each reading beside it, and words of the heater."""
+    on = [k % 40 < 10 for k in range(200)]
+    warm = 22.0 + 0.1 * np.cumsum(np.where(on, 1.0, -1.0 / 3.0))
+    rows = [
+        f"{1.6e9 + 3 * k},{'True' if on[k] else 'False'},{warm[k]:.3f},{1.6e9 + 3 * k - 1},{22 + k % 2 / 16:.3f},"
+        f"{1.6e9 + 3 * k}" for k in range(200)
+    ]  # fmt: skip
+    (tmp_path / "box.csv").write_text("\n".join(["time,heater_on,t1,time_t1,t2,time_t2", *rows, ""]))
+    told = made(tmp_path / "box.csv", "-o", tmp_path / "box")
+    assert roles(told) == {"t1": "thermometer", "t2": "thermometer", "heater_on": "heater"}
+    assert load_rig(tmp_path / "box").inputs["heater_on"].unit == "1"
+    assert load_model(tmp_path / "box" / "model.toml")["heater_on.power"] == pytest.approx(50.0 * 0.033, rel=0.5)
+    assert 'u["heater_on"]' in (tmp_path / "box" / "effects.py").read_text()
+
+
 def test_a_csv_without_names_is_told_to_get_some(tmp_path):
     bare = tmp_path / "bare.csv"
     bare.write_text("0,0,299.5\n" * 60)  # two columns of one name, if these were names

@@ -11,7 +11,7 @@ import pytest
 from drivers.recordings import read_recording
 from estimator.rig import Rig, Signal
 from estimator.rig_folder.rig_folder import load_rig
-from tests.drivers.lab.conftest import NAMES, ROWS, STEP, assert_as_plain, complaint, rows, write
+from tests.drivers.lab.conftest import NAMES, ROD, ROWS, STEP, assert_as_plain, complaint, rows, write
 
 
 def test_units_that_are_others(tmp_path: Path, rig: Rig) -> None:
@@ -131,3 +131,17 @@ def test_thermometers_alone_in_degrees_fahrenheit_are_asked_about(tmp_path: Path
     warm = [[r[0], *("61.6", "91.8"), *r[3:], "71.7"] for r in rows()]
     notes = read_recording(write(tmp_path / "a.csv", warm, names), replace(rig, channels=wide)).notes
     assert not any("degF" in note for note in notes)
+
+
+@pytest.mark.parametrize(("words", "unit", "read"), [
+    (("True", "FALSE", "true"), "1", [1.0, 0.0, 1.0]), (("ein", "", "aus"), "1", [1.0, np.nan, 0.0]),
+    (("on", "off", "0.5"), "1", [np.nan, np.nan, 0.5]), (("on", "off", "on"), "degC", [np.nan] * 3),
+])  # fmt: skip
+def test_a_column_of_on_and_off_is_1_and_0_but_no_temperature(tmp_path, words, unit, read):
+    (tmp_path / "rig.toml").write_text(ROD + f'switch = {{ unit = "{unit}", lo = 0.0, hi = 100.0 }}\n')
+    rows = [f"{t},20.{t},30,{word}" for t, word in enumerate(words)]
+    (tmp_path / "a.csv").write_text("\n".join(["t,left,B,switch", *rows, ""]))
+    record = read_recording(tmp_path / "a.csv", load_rig(tmp_path))
+    np.testing.assert_array_equal(record.inputs["switch"], read)
+    hint = "switch is 'on' in line 2, no number; an input that is on or off has unit = \"1\" in rig.toml"
+    assert (hint in record.notes) == (unit == "degC")

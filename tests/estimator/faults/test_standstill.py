@@ -24,6 +24,14 @@ def test_a_coarse_sensor_is_not_stuck(step_C):
     assert repeats_of(np.round(values / step_C)[:, None] * step_C, 100).max() <= 10
 
 
+def test_a_temperature_that_ran_by_many_steps_and_rests_within_one_is_not_stuck():
+    """A heater that is on for a minute in ten; sixteenths of a kelvin, and no noise that shows."""
+    on = np.arange(3000) % 200 < 20
+    values = 25.0 + np.cumsum(np.where(on, 0.4, -0.4 * 20 / 180))
+    values = np.append(values, np.full(400, values[-1] + 0.02))
+    assert repeats_of(np.round(values / 0.0625)[:, None] * 0.0625, 100).max() == 0.0
+
+
 @pytest.mark.parametrize("portion", [1, 7, 400])
 def test_a_fine_sensor_counts_its_repeats_over_a_gap(portion):
     dice = np.random.default_rng(4)
