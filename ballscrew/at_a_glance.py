@@ -10,7 +10,7 @@ from estimator.inputs.phase import phase_of
 from estimator.model import Model
 from estimator.record import Array
 from estimator.rig import Rig
-from viz.drawing.series import clock
+from viz.drawing.scale import clock
 
 WHEN = {"drive": "driving", "early_stop": "just stopped", "late_stop": "at rest"}
 

@@ -22,7 +22,7 @@ TABLES = (".csv", ".parquet")
 NEAREST_RIG = "else the nearest one at or above the first log that holds a rig.toml, else the built-in rig."
 
 
-class Workers(click.ParamType):
+class Workers(click.ParamType[int | str]):
     """A number of processes, or the address of a Dask scheduler."""
 
     name = "workers"
@@ -126,7 +126,7 @@ def stacked(*options: Decorator) -> Decorator:
 
 def output_file(*names: str, **more: Any) -> Decorator:
     """A file that the command writes."""
-    return click.option(*names, **{"type": PATH, "callback": writable_result} | more)
+    return click.option(*names, **dict[str, Any](type=PATH, callback=writable_result) | more)
 
 
 def views_file(help: str) -> Decorator:
@@ -172,7 +172,7 @@ def bus_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(command)
     def with_bus(
-        *passed: Any, interface: str | None, channel: str | None, bitrate: int | None, bus_kwargs: Sequence[str],
+        *passed: Any, interface: str | None, channel: str | None, bitrate: int | None, bus_kwargs: tuple[str, ...],
         **given: Any,
     ) -> Any:  # fmt: skip
         from drivers.bus import bus  # python-can takes a while to import

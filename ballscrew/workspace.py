@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from importlib.resources import files
 from pathlib import Path
 
@@ -218,7 +218,7 @@ def load(logs: Sequence[Path], rig: Rig, terminal: Terminal, join: bool = False)
             name = parts[0].name
             update(i, name)
             try:
-                loaded.append(_read(parts, rig, lambda share, i=i, name=name: update(i + share, name)))
+                loaded.append(_read(parts, rig, partial(lambda i, name, share: update(i + share, name), i, name)))
             except InputError as error:
                 failed.append(str(error))
     for message in failed:

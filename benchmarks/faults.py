@@ -11,7 +11,7 @@ python -m benchmarks faults alike        heat that the model lacks, and two neig
 python -m benchmarks faults silences     the telemeter silent for minutes, on machines that are not the model's
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -34,7 +34,7 @@ from estimator.step import Track
 LINES = Path(__file__).parent / "faults.jsonl"
 RUNS = ("FS-20", "FS-10", "FS-5", "FS-2.5", "CS-20", "CS-10", "CS-5", "CS-2.5", "ES-20", "ES-10", "ES-5", "ES-2.5")
 SEVEN = "seven channels, "
-ASIDE = {  # tables of their own
+ASIDE: dict[str, Callable[[], str]] = {  # tables of their own
     "drifts": lambda: drifts.table(WHEN, SEED),
     "lies": lies.table,
     "alike": lambda: alike.table(WHEN, SEED),

@@ -59,7 +59,8 @@ def failing(recording: Recording, kind: str, channels: Sequence[int], at_s: floa
     readings, now = recording.channels.copy(), recording.time_s >= at_s
     since_s, dice = recording.time_s[now] - at_s, np.random.default_rng(seed)
     if kind == "swapped":
-        readings[np.ix_(now, channels)] = readings[np.ix_(now, channels[::-1])]
+        at = np.array(channels)
+        readings[np.ix_(now, at)] = readings[np.ix_(now, at[::-1])]
     else:
         for i in channels:
             readings[now, i] = np.round(FAILURES[kind](since_s, readings[now, i], dice) / STEP_C) * STEP_C

@@ -145,7 +145,7 @@ def temperatures(run: Run, recording: Recording, rig: Rig, track: Track) -> dict
     The estimated profile is that of the sections' means. It is smooth, and bends within the distance of its places: a
     spline between them. The wall of the bore is cooler where heat goes on along the axis.
     """
-    places = [rig.channels[name].at_mm for name in rig.thermometers]
+    places = np.array([rig.channels[name].at_mm for name in rig.thermometers], float)
     began = int(np.flatnonzero(track.begins)[-1])
     profile = CubicSpline(track.x_mm, track.profile_C[began:], axis=1)
     found = profile(places) + rig.the_screw().bore_mm2 * profile(places, 2)

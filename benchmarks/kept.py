@@ -4,7 +4,7 @@ import json
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
 from typing import Any, TypeVar
@@ -13,7 +13,8 @@ from benchmarks.measure import commit, say
 
 CHANGED = "and changes"  # since the commit: what such a tree has found says nothing of the next one
 
-Case, Out = TypeVar("Case"), TypeVar("Out")
+Case = TypeVar("Case")
+Out = TypeVar("Out")
 
 
 def known(file: Path) -> Iterator[tuple[Any, Any]]:
@@ -40,8 +41,7 @@ def outcomes(
         new = (one for done in as_completed(at_work) for one in done.result())
         for n, (case, out) in enumerate(new, start=1):
             found[case] = out
-            outcome = asdict(out) if is_dataclass(out) else out
-            lines.write(json.dumps({"commit": of, "case": asdict(case), "outcome": outcome}) + "\n")
+            lines.write(json.dumps({"commit": of, "case": case, "outcome": out}, default=asdict) + "\n")
             lines.flush()
             left_min = (perf_counter() - began) / n * (len(todo) - n) / 60.0
             say(f"{n} of {len(todo)}, {left_min:.0f} min left: {told(case, out)}")

@@ -100,7 +100,7 @@ def a_day(seconds: float = DAY_S, speed_up: float = DAY_SPEED_UP) -> list[Row]:
             def watched() -> Iterator[Timed]:
                 for due, message in frames:
                     if due >= 3600.0 * (len(hours) + 1):
-                        late_s = (float(str(lines_of(folder)[-1]["t"])) - viewer.time_s()) / speed_up
+                        late_s = (lines_of(folder)[-1]["t"] - viewer.time_s()) / speed_up
                         hours.append((memory_MB(process.pid), memory_MB(viewer.process.pid), late_s))
                         say("  {} h: {:.0f} MB, viewer {:.0f} MB, {:.1f} s late".format(len(hours), *hours[-1]))
                     yield due, message

@@ -12,6 +12,7 @@ from array import array
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import can
 import numpy as np
@@ -97,9 +98,9 @@ def connected(port: int) -> can.BusABC:
     return can.Bus(interface="socketcand", channel="can0", host="127.0.0.1", port=port)
 
 
-def rig_frames(seconds: float, **options: object) -> Iterator[Timed]:
+def rig_frames(seconds: float, cycles: int = 2) -> Iterator[Timed]:
     """Frames of the rig with the time at which each is due, s from the first."""
-    return timed(frame_table(simulate("FS-20", seed=5, seconds=seconds, **options)).messages())
+    return timed(frame_table(simulate("FS-20", seed=5, seconds=seconds, cycles=cycles)).messages())
 
 
 def timed(messages: Iterable[can.Message]) -> Iterator[Timed]:
@@ -133,7 +134,7 @@ def play(bus: can.BusABC, frames: Iterable[Timed], speed_up: float = 1.0) -> tup
     return np.array(instants), np.array(ids)
 
 
-def lines_of(folder: Path) -> list[dict[str, object]]:
+def lines_of(folder: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in (folder / "live.jsonl").read_text().splitlines()]
 
 

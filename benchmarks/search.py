@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from benchmarks import paper_rig
 from benchmarks.measure import Row, say, table
@@ -28,7 +29,7 @@ def without(names: tuple[str, ...]) -> Iterator[Path]:
         yield Path(folder)
 
 
-def told(folder: Path, command: str, *options: str) -> tuple[float, dict[str, object]]:
+def told(folder: Path, command: str, *options: str) -> tuple[float, dict[str, Any]]:
     """Seconds that a command takes on the six recordings, start included, and what it says."""
     logs = [str(paper_rig.path_of(name)) for name in SIX]
     words = ["--rig", str(paper_rig.FOLDER), "--model", str(folder / "model.toml"), "--json", str(folder / "said.json")]

@@ -6,11 +6,12 @@ import sys
 from importlib import import_module
 from typing import Any
 
-_for_mf4 = sys.modules.setdefault("asammdf", None)  # type: ignore[arg-type]
+_for_mf4 = "asammdf" in sys.modules
+sys.modules.setdefault("asammdf", None)  # type: ignore[arg-type]
 try:
     import can as can
 finally:
-    if _for_mf4 is None:
+    if not _for_mf4:
         del sys.modules["asammdf"]
 
 

@@ -12,7 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array, Index, Mask, Whole = NDArray[np.float64], NDArray[np.intp], NDArray[np.bool_], NDArray[np.int64]
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+Whole = NDArray[np.int64]
 # One frame as 27 bytes: what a reader in another process sends, and what arrays are cut from.
 FRAME = np.dtype(
     [
@@ -116,7 +119,8 @@ class Frames:
         """The frames at these indices, or where a mask is true; if that is all of them, themselves and no copy."""
         if not isinstance(which, slice) and len(which) == len(self) and _is_all(which):
             return self
-        return Frames(*(getattr(self, name)[which] for name in _COLUMNS), self.unit, self.buses)
+        columns = {name: getattr(self, name)[which] for name in _COLUMNS}
+        return Frames(**columns, unit=self.unit, buses=self.buses)
 
     def on_clock(self, time: Array) -> Frames:
         """The same frames with other stamps, (n,) s."""
@@ -129,7 +133,8 @@ class Frames:
     @classmethod
     def of(cls, tables: Sequence[NDArray[np.void]], unit: str, buses: Sequence[str] = ("can0",)) -> Frames:
         """From tables of dtype FRAME, one behind the other."""
-        return cls(*(np.concatenate([table[name] for table in tables]) for name in _COLUMNS), unit, tuple(buses))
+        columns = {name: np.concatenate([table[name] for table in tables]) for name in _COLUMNS}
+        return cls(**columns, unit=unit, buses=tuple(buses))
 
     @classmethod
     def joined(cls, parts: Sequence[Frames]) -> Frames:
@@ -139,8 +144,8 @@ class Frames:
         same = [
             np.array([buses.index(b) for b in names], np.uint8)[p.bus] for p, names in zip(parts, named, strict=True)
         ]
-        columns = (np.concatenate([getattr(part, name) for part in parts]) for name in _COLUMNS[:-1])
-        return cls(*columns, np.concatenate(same), parts[0].unit, buses)
+        columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _COLUMNS[:-1]}
+        return cls(**columns, bus=np.concatenate(same), unit=parts[0].unit, buses=buses)
 
 
 def _is_all(which: Mask | Index) -> bool:

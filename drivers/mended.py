@@ -29,7 +29,7 @@ def read_dbc(path: Path) -> tuple[list[Any], dict[str, str]]:
         raise ValueError(f"no line begins with BO_, where a message does; it begins with '{_beginning(lines)}'")
     while True:
         try:
-            messages = cantools.database.load_string("".join(lines), kind, strict=False).messages  # type: ignore[union-attr]
+            messages = cantools.database.load_string("".join(lines), kind, strict=False).messages
             break
         except cantools.Error as error:
             why = " ".join(str(error).split())

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 OWN_DBC = "rig.dbc"  # of the package: what the simulated rig sends by itself
 
 
-class Seconds(click.ParamType):
+class Seconds(click.ParamType[float]):
     """A time such as 2h, 90min, 45s or plain seconds."""
 
     name = "time"

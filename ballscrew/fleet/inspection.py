@@ -102,7 +102,7 @@ def _inspected(work: Workspace, folder: Path, search: bool) -> Inspection:
     drifting = trend_report.sentences(followed) if followed and followed.told else []
     return Inspection(
         str(folder), len(runs.recordings), list(work.failed), figures["overall"].get("filter"), sum(nis) / len(nis),
-        diagnosis.adequate, diagnosis_report.as_json(diagnosis, [])["where"], found and found.verdict,
+        diagnosis.adequate, diagnosis_report.as_json(diagnosis, [])["where"], found.verdict if found else None,
         trend_report.as_json(followed)["drifts"] if followed else None, [*diagnosis.sentences, *drifting],
         runs=[InspectedRun.of(review) for review in seen.reviews],
     )  # fmt: skip

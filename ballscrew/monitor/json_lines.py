@@ -10,8 +10,7 @@ from typing import IO
 
 from ballscrew.monitor.beside import Beside
 from ballscrew.monitor.status import Status
-from ballscrew.options import STDOUT
-from ballscrew.terminal import plain
+from ballscrew.terminal import STDOUT, plain
 from estimator.errors import SetupError
 
 DIGITS = 16  # the same estimate as review's, to the last

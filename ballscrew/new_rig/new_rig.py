@@ -5,6 +5,7 @@ import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -91,7 +92,7 @@ def find(paths: Sequence[Path], dbc: Path | None, progress: Progress | None = No
         raise SetupError(f"--dbc {dbc}: {paths[0]} holds no frames, its signals have their names; leave it out")
     sources: list[BusLog | LabTable] = []
     for k, path in enumerate(paths):
-        share = progress and (lambda done, k=k: progress((k + done) / len(paths)))
+        share = progress and partial(lambda k, done: progress((k + done) / len(paths)), k)
         sources.append(read_lab_table(path, Tally()) if kinds[0] else read_bus_log(path, dbc, Tally(), share))
     every = tuple(behind_each_other([source.seen for source in sources]))
     guesses = _guesses(every)

@@ -45,22 +45,20 @@ def scan_of(log: BusLog, guesses: Sequence[Guess], tick_s: float) -> ScanGuess:
     last = order[-1] if order else None
     closing = _closing(log, last, {*used}, times, tick_s) if last else None
     whole = [*used, closing] if closing and closing not in used else used
-    checks = {
-        "checksums": tuple(source for name in whole for source in _checksums(log, name)),
-        "counters": tuple(source for name in whole for source in _counters(log, name)),
-    }
+    sums = tuple(source for name in whole for source in _checksums(log, name))
+    counters = tuple(source for name in whole for source in _counters(log, name))
     if last is None:
-        return ScanGuess(why="thermometers come at no common time: the tick's timer closes", **checks)
+        why = "thermometers come at no common time: the tick's timer closes"
+        return ScanGuess(checksums=sums, counters=counters, why=why)
     if closing is None:
-        return ScanGuess(last, why="the last message with thermometers in each tick", **checks)
-    numbers = [source for source in checks["counters"] if _bits(log, source).modulus >= 256]
+        return ScanGuess(last, checksums=sums, counters=counters, why="the last message with thermometers in each tick")
+    numbers = [source for source in counters if _bits(log, source).modulus >= 256]
     number = next((source for source in numbers if source.startswith(f"{closing}.")), None)
-    checks["counters"] = tuple(source for source in checks["counters"] if source != number)
+    counters = tuple(source for source in counters if source != number)
     crc = _crc(log, closing, order)
     state = next((f"{s.source} = {text}" for s in log.seen if s.message == closing and (text := ok_text(s))), None)
-    return ScanGuess(
-        closing, tuple(order), state, crc, number, why=f"it comes right behind {last} in each tick", **checks
-    )
+    why = f"it comes right behind {last} in each tick"
+    return ScanGuess(closing, tuple(order), state, crc, number, sums, counters, why)
 
 
 def _in_order(names: Sequence[str], times: dict[str, Array], tick_s: float) -> list[str]:
@@ -117,7 +115,7 @@ def _counters(log: BusLog, name: str) -> list[str]:
 def _counts(bits: Bits, raw: Array) -> bool:
     if bits.real or bits.unit or bits.selector or bits.length < 2 or bits.length > 32 or len(raw) < _FEW:
         return False
-    steps = np.diff(raw.astype(np.int64)) % bits.modulus
+    steps = np.mod(np.diff(raw.astype(np.int64)), bits.modulus)
     return bool(np.mean(steps == 1) > _HOLDS)
 
 

@@ -10,7 +10,7 @@ from estimator.effect import Effect
 from estimator.model import Value
 
 
-def print_effect(terminal: Terminal, effect: type[Effect], values: Mapping[str, Value] | None = None) -> None:
+def print_effect(terminal: Terminal, effect: Effect | type[Effect], values: Mapping[str, Value] | None = None) -> None:
     """Name, sentence, equation, and a table of its parameters: defaults, or a model's values with sd."""
     terminal.out.print(f"[bold]{effect.name}[/bold]  {escape(effect.sentence())}")
     terminal.say("    " + effect.equation().replace("\n", "\n    "))

@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from estimator.record import Array, Recording
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.typing import RcKeyType
 
 
 COLOURS = {  # light, dark
@@ -38,8 +39,8 @@ DRAWN = {name: colour for colour, name in STAND_INS.items()}  # what matplotlib 
 WIDTH = 7.6  # inches
 BINS = 500  # of a curve: two points in each are all that a page can show
 DOTS = 400  # of single values
-INK = ("text.color", "axes.labelcolor", "xtick.color", "ytick.color")
-STYLE = {
+INK: Sequence[RcKeyType] = ("text.color", "axes.labelcolor", "xtick.color", "ytick.color")
+STYLE: dict[RcKeyType, Any] = {
     **dict.fromkeys(INK, DRAWN["ink"]), "axes.edgecolor": DRAWN["faint"], "grid.color": DRAWN["line"],
     "grid.linewidth": 0.6, "axes.grid": True, "axes.axisbelow": True, "axes.spines.top": False,
     "axes.spines.right": False, "font.family": "sans-serif", "font.size": 9, "legend.frameon": False,

@@ -128,7 +128,7 @@ def _sides(model: Model, added: Sequence[str], runs: Runs) -> list[Side]:
     tracks = runs.each(lambda recording: _kept(recording, rig, model))
     trials = slow_trials_of(model, runs)
     heats = missing_heat(trials.each(lambda trial: misfit(model, trial)), runs.workers)
-    return [Side(**track, **_missed(heat, model, added)) for track, heat in zip(tracks, heats, strict=True)]
+    return [_side(track, heat, model, added) for track, heat in zip(tracks, heats, strict=True)]
 
 
 def _kept(recording: Recording, rig: Rig, model: Model) -> dict[str, Array]:
@@ -138,13 +138,13 @@ def _kept(recording: Recording, rig: Rig, model: Model) -> dict[str, Array]:
     return {"readings_um": readings(recording, rig, model, track).um, **{key: getattr(track, key) for key in keys}}
 
 
-def _missed(heat: MissingHeat, model: Model, added: Sequence[str]) -> dict[str, object]:
+def _side(track: dict[str, Array], heat: MissingHeat, model: Model, added: Sequence[str]) -> Side:
     trial, told = heat.misfit.trial, heat.mean[heat.blocks.of_tick]
     more = _by_place(heat, brought(added, trial, trial.pose(model), heat.zones)) if added else None
-    return {
-        "misfit_time_s": trial.rest.time_s, "misfit": heat.misfit.open_loop,
-        "heat": _by_place(heat, told), "along": _along(heat), "brought": more,
-    }  # fmt: skip
+    return Side(
+        **track, misfit_time_s=trial.rest.time_s, misfit=heat.misfit.open_loop,
+        heat=_by_place(heat, told), along=_along(heat), brought=more,
+    )  # fmt: skip
 
 
 def _along(heat: MissingHeat) -> HeatAlong:

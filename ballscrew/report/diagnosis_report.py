@@ -1,6 +1,7 @@
 """A diagnosis: tables and JSON."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -65,7 +66,7 @@ def _followed(follows: Follows) -> list[str]:
     return [follows.name or "", f"{follows.p:.3f}"]
 
 
-def as_json(diagnosis: Diagnosis, events: Sequence[Event]) -> dict[str, object]:
+def as_json(diagnosis: Diagnosis, events: Sequence[Event]) -> dict[str, Any]:
     """The diagnosis for programs."""
     return {
         "adequate": diagnosis.adequate,

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -101,7 +102,7 @@ def per_week(told: Told, trend: Trend) -> tuple[float, float] | None:
     return (one.change / weeks, one.sd / weeks) if trend.dated else None
 
 
-def as_json(trend: Trend) -> dict[str, object]:
+def as_json(trend: Trend) -> dict[str, Any]:
     """The trend for programs."""
     return {
         "parameters": {course.name: list(_values(course, trend)) for course in trend.courses},

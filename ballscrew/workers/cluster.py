@@ -57,7 +57,8 @@ async def _answer(address: str) -> None:
 def _check(client: Client, address: str) -> None:
     """There must be workers; and the same numbers come of the same versions."""
     until = monotonic() + ANSWER_S
-    while not (versions := client.get_versions(packages=SAME))["workers"]:
+    versions_of: Callable[..., Any] = client.get_versions  # by Dask's types perhaps to be awaited
+    while not (versions := versions_of(packages=SAME))["workers"]:
         if monotonic() > until:
             why = f"the scheduler has no worker; start one, `dask worker {address}`"
             raise SetupError(f"--workers {address}: {why}")
@@ -103,7 +104,7 @@ class Cluster:
 
     def __init__(self, threads: Workers, client: Client) -> None:
         self._threads, self._client = threads, client
-        self._kept: OrderedDict[int, tuple[Any, Future]] = OrderedDict()
+        self._kept: OrderedDict[int, tuple[Any, Future[Kept]]] = OrderedDict()
 
     def __call__(self, job: Callable[[Any], Any], items: Sequence[Any]) -> Any:
         return self._threads(job, items)
@@ -121,6 +122,8 @@ class Cluster:
 
     def _tried(self, job: bytes, items: Mapping[int, Any]) -> dict[int, bytes]:
         """Answers by number, but for items that lived on a worker that was lost: these will travel once more."""
+        if self._client.scheduler is None:
+            return {}  # as `_still_there` will say
         asked = {n: self._client.submit(kept_done, job, self._there(item), pure=False) for n, item in items.items()}
         for _ in ended(self._client, asked.values()):
             pass
@@ -132,7 +135,7 @@ class Cluster:
                 self._kept.pop(id(items[n]), None)
         return found
 
-    def _there(self, item: Any) -> Future:
+    def _there(self, item: Any) -> Future[Kept]:
         """The item where it is, or else where there is room for it."""
         if id(item) not in self._kept:
             there = self._client.scatter(Kept(dumps(item)), hash=False, timeout=STILL_THERE_S)
@@ -158,9 +161,9 @@ def shared(job: Callable[[Any], Any], items: Sequence[Any], address: str) -> Ite
                 raise
 
 
-def ended(client: Client, futures: Collection[Future]) -> Iterator[Future]:
+def ended(client: Client, futures: Collection[Future[Any]]) -> Iterator[Future[Any]]:
     """Futures as they end, well or not; an InputError where nobody works any more."""
-    line: SimpleQueue[Future] = SimpleQueue()
+    line: SimpleQueue[Future[Any]] = SimpleQueue()
     for future in futures:
         future.add_done_callback(line.put)
     for _ in futures:
@@ -172,8 +175,10 @@ def ended(client: Client, futures: Collection[Future]) -> Iterator[Future]:
 
 
 def _still_there(client: Client) -> None:
-    try:
-        client.wait_for_workers(1, timeout=STILL_THERE_S)
-    except OSError:
-        left = f"{client.scheduler.address}: the scheduler is lost, or its last worker"
-        raise InputError(f"{left}; start them again, or go on with --workers 1") from None
+    scheduler = client.scheduler  # None where it was lost for so long that Dask has closed the client
+    with suppress(OSError):
+        if scheduler is not None:
+            client.wait_for_workers(1, timeout=STILL_THERE_S)
+            return
+    left = f"{scheduler.address}: the scheduler" if scheduler is not None else "the scheduler"
+    raise InputError(f"{left} is lost, or its last worker; start them again, or go on with --workers 1")

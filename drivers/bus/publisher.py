@@ -50,7 +50,8 @@ class Publisher:
         self._messages = [known[ESTIMATE], known[COMPENSATION]]
         self._ids = {(message.frame_id, bool(message.is_extended_frame)) for message in self._messages}
         self._heat = rig.is_thermometer
-        self._opens, self._bus, self._count = opens, None, 0
+        self._opens, self._count = opens, 0
+        self._bus: can.BusABC | None = None
         self._own: dict[bytes, float] = {}
         self._last, self._retry, self._stopped = (-np.inf, False), -np.inf, False
         self._step: Step | None = None

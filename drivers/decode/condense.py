@@ -25,7 +25,7 @@ class Readings(NamedTuple):
 
     def where(self, use: Mask | slice) -> Readings:
         """Those in a slice, or for which `use` (n,) is true."""
-        return Readings(*(column[use] for column in self))
+        return Readings._make(column[use] for column in self)
 
     def of_ticks(self, ticks: slice) -> Readings:
         """Those of some ticks, counted from the first of them."""
@@ -34,7 +34,7 @@ class Readings(NamedTuple):
 
     def after(self, other: Readings) -> Readings:
         """These behind the others."""
-        return Readings(*map(np.concatenate, zip(other, self, strict=True)))
+        return Readings._make(map(np.concatenate, zip(other, self, strict=True)))
 
 
 def portions(ticks: int) -> list[slice]:

@@ -139,7 +139,7 @@ class Decoder:
             signals = (f"{source.message.name}.{bits.name}" for bits in source.parts)
             wrong = np.logical_or.reduce([bad.get(signal, sound) for signal in signals])
             reading = readings[source.name]
-            self.tally.refused[source.name] += np.count_nonzero(wrong[reading.row])
+            self.tally.refused[source.name] += int(np.count_nonzero(wrong[reading.row]))
             readings[source.name] = reading.where(~wrong[reading.row])
 
     def _frames_of(self, message: Layout, frames: Frames) -> Index:

@@ -8,6 +8,7 @@ position to the next.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivers.frames import Array, Index, Tally
 from estimator.rig import AT_REST, Rig
@@ -30,7 +31,7 @@ class Drive(NamedTuple):
     apart_s: Array
     pace: Array
     slip_mm: Array
-    stay: Array
+    stay: NDArray[np.float32]
     idle: Array
 
 

@@ -88,7 +88,7 @@ def _opened(path: Path) -> Iterator[tuple[Any, list[tuple[str, tuple[int, int]]]
 
     try:
         with path.open("rb") as file, MDF(file) as mdf:
-            every = [(k, n) for k, one in enumerate(mdf.groups) for n in range(len(one.channels))]
+            every = [(k, n) for k in range(len(mdf.groups)) for n in range(len(mdf.groups[k].channels))]
             places = [(group, k) for group, k in every if k != mdf.masters_db.get(group)]
             yield mdf, [(mdf.groups[group].channels[k].name, (group, k)) for group, k in places]
     except InputError:

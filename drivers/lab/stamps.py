@@ -128,12 +128,9 @@ def _clock(match: re.Match[str]) -> float:
     if half := (match["half"] or "")[:1].casefold():
         hour = hour % 12 + 12 * (half == "p")
     second = float(re.sub("[,:]", ".", match["second"] or "0"))
-    sign, *digits = (match["zone"] or "Z").replace(":", "")
-    ahead = (
-        int("".join(digits).ljust(4, "0")[:2]) * 3600 + int("".join(digits).ljust(4, "0")[2:]) * 60
-        if sign in "+-"
-        else 0
-    )
+    zone = (match["zone"] or "Z").replace(":", "")
+    sign, digits = zone[0], zone[1:].ljust(4, "0")
+    ahead = int(digits[:2]) * 3600 + int(digits[2:]) * 60 if sign in "+-" else 0
     valid = minute < 60 and second < 61 and (hour < 25 or not match["date"])
     hour += 24 * int(match["days"] or 0)
     return hour * 3600 + minute * 60 + second - (-ahead if sign == "-" else ahead) if valid else np.nan

@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from can.io import mf4
 
 from drivers.canbus import can
 
-mf4 = reload(can.io.mf4)  # with asammdf
+reload(mf4)  # with asammdf
 _GROUPS = {"CAN_DataFrame": mf4.STD_DTYPE, "CAN_ErrorFrame": mf4.ERR_DTYPE, "CAN_RemoteFrame": mf4.RTR_DTYPE}
 _BLOCK = 10_000
 

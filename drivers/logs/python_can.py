@@ -39,9 +39,10 @@ class Messages:
 
     def channel(self, message: can.Message) -> str:
         """The name of a message's channel; formats that number their channels count from 0, .trc from 1."""
-        if isinstance(message.channel, str) and not message.channel.isdigit():
-            return message.channel
-        return f"can{max(int(message.channel or 0) - (self._suffix == '.trc'), 0)}"
+        name: Any = message.channel  # by its types perhaps several; in a log it is one
+        if isinstance(name, str) and not name.isdigit():
+            return name
+        return f"can{max(int(name or 0) - (self._suffix == '.trc'), 0)}"
 
     def tell(self) -> int:
         """Bytes read so far."""
@@ -76,7 +77,8 @@ class Messages:
     def _read(self, options: dict[str, Any]) -> Iterator[can.Message]:
         reads = {".asc": AscLines}.get(self._suffix, WholeLines)
         self._lines = reads(self._path) if self._suffix in TEXT else None
-        with can.io.player.MESSAGE_READERS[self._suffix](self._lines or str(self._path), **options) as reader:
+        opens: Any = can.io.player.MESSAGE_READERS[self._suffix]  # by its types none takes a file
+        with opens(self._lines or str(self._path), **options) as reader:
             self._file = self._lines or reader.file
             for message in reader:
                 self.count += 1

@@ -86,5 +86,5 @@ def read_truth(path: Path) -> Truth | None:
     time_s = columns.pop("time_s")
     if (np.diff(time_s) <= 0).any():
         raise InputError(f"{file}: time_s must rise (row {int(np.argmax(np.diff(time_s) <= 0)) + 3})")
-    table = {float(at[1]): columns.pop(name) for name in list(columns) if (at := TABLE.fullmatch(name))}
-    return Truth(time_s, columns.pop("elongation_um"), columns, table)
+    places = {float(at[1]): columns.pop(name) for name in list(columns) if (at := TABLE.fullmatch(name))}
+    return Truth(time_s, columns.pop("elongation_um"), columns, places)

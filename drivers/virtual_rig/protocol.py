@@ -4,6 +4,7 @@ import difflib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -59,7 +60,7 @@ class Experiment:
         self.rig, self.probes, self.travel, self.draw = rig, probes, travel, draw
         self.growths, start = growths, rig.weather.start
         self.jig = Jig(start, start, start + rig.machine.jig.board_self_heating)
-        self.rows: list[tuple] = []
+        self.rows: list[tuple[Any, ...]] = []
         self.held: list[tuple[float, float, float, int]] = []
         self.start_at, self.cycles_done = REST_S, 0
 

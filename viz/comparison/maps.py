@@ -26,6 +26,7 @@ SAID = {
 PHASES = {"drive": "D", "early_stop": "S", "late_stop": "R"}
 STRETCHES = "D drive, S 10 min after, R rest: begin [min]"
 MOST_TEXTS = 4  # below a map of stretches
+NONE = Map((), np.empty(0), np.empty(0), np.empty(0), (), "")
 PAGE = 1350.0, 285.0  # points: maps beside each other share the width
 
 
@@ -33,7 +34,7 @@ def map_of(run: ComparedRun, side: Side, what: str) -> Map:
     """A map of one model on one run; without rows where there is nothing to show."""
     if what in (HEAT, BROUGHT):
         heat = side.heat if what == HEAT else side.brought
-        return _stretches(heat) if heat is not None else Map((), *[np.empty(0)] * 3, (), "")
+        return _stretches(heat) if heat is not None else NONE
     time_s, values = (run.time_s, side.innovation) if what == INNOVATION else (side.misfit_time_s, side.misfit)
     return Map.over_time(run.rig.thermometers, *means(time_s, values[:, run.rig.is_thermometer]))
 

@@ -198,8 +198,8 @@ def channel_page(
     rows = rrb.Vertical(*(rrb.Horizontal(*pair) for pair in pairs))
     if rig.is_thermometer.all():
         return rrb.Horizontal(rows, name="Channels")
-    size = {"room": 0.6, "height": 550.0, "width": 300.0}
-    lengths = plot(f"{root}/{paths.DISPLACEMENT}", "Innovations [µm]", span, displacement_um, **size)
+    at, words = f"{root}/{paths.DISPLACEMENT}", "Innovations [µm]"
+    lengths = plot(at, words, span, displacement_um, room=0.6, height=550.0, width=300.0)
     return rrb.Horizontal(rows, lengths, column_shares=[3, 1], name="Channels")
 
 
@@ -212,11 +212,9 @@ def _channels(
     what: str, words: str, root: str, rig: Rig, span: Span, extent: Range | None, unit: str
 ) -> list[rrb.TimeSeriesView]:
     groups = paths.thermometer_groups(rig, what)
-    size = {"room": 0.5, "height": 550.0 / len(groups), "width": 420.0}
-    return [
-        plot(f"{root}/{at}", f"{words} {ends(rig.thermometers[columns])} [{unit}]", span, extent, **size)
-        for at, columns in groups.items()
-    ]
+    high = 550.0 / len(groups)
+    named = {f"{root}/{at}": f"{words} {ends(rig.thermometers[columns])} [{unit}]" for at, columns in groups.items()}
+    return [plot(at, name, span, extent, room=0.5, height=high, width=420.0) for at, name in named.items()]
 
 
 def ends(names: Sequence[str]) -> str:

@@ -45,8 +45,8 @@ def send(at: Entity, axes: Axes, rig: Rig, curves: Sequence[Curve], travel: Rang
     """Log frame and curves, once; `title` says what x is."""
     axes.draw(at / "axes", title, x_pieces=10)
     marks = (("nut's travel", paths.NUT), ("bearings", paths.BOUND))
-    marks = tuple(mark for mark, there in zip(marks, (travel, rig.supports), strict=True) if there)
-    axes.key(at / "key", [*((f"{curve.name} ±2 sd", curve.colour) for curve in curves), *marks])
+    drawn = [mark for mark, there in zip(marks, (travel, rig.supports), strict=True) if there]
+    axes.key(at / "key", [*((f"{curve.name} ±2 sd", curve.colour) for curve in curves), *drawn])
     send_bars(at / "bearings", axes, bearings_mm(rig), paths.BOUND)
     send_bars(at / "travel", axes, [travel] if travel else [], paths.NUT)
     _line(at / "zero", axes, np.array(axes.x), np.zeros(2), paths.BOUND, 0.7)
@@ -59,6 +59,6 @@ def send(at: Entity, axes: Axes, rig: Rig, curves: Sequence[Curve], travel: Rang
         _line(at / "curve" / str(i), axes, curve.x_mm, curve.mean, curve.colour, 1.6)
 
 
-def _line(at: Entity, axes: Axes, x: Array, y: Array, colour: paths.Colour, radius: float) -> None:
+def _line(at: Entity, axes: Axes, x: Array, y: Array, colour: Sequence[int], radius: float) -> None:
     strip = axes.place(x, y).astype(np.float32)
     at.log(rr.LineStrips2D([strip], radii=rr.Radius.ui_points(radius), colors=colour, draw_order=radius))

@@ -30,7 +30,7 @@ def send(at: Entity, glances: Sequence[Glance], since_s: float) -> None:
 def picture(glances: Sequence[Glance]) -> bytes:
     """The values beside each other, as a PNG of few colours."""
     image = Image.new("RGB", (WIDTH, HEIGHT), paths.BACKGROUND)
-    draw, shares, left = ImageDraw.Draw(image), SHARES[-len(glances) :], MARGIN
+    draw, shares, left = ImageDraw.Draw(image), SHARES[-len(glances) :], float(MARGIN)
     for glance, share in zip(glances, shares, strict=True):
         width = (WIDTH - MARGIN) * share / sum(shares)
         faint = paths.TEXT if glance.tone != "stale" else COLOURS["stale"]

@@ -17,7 +17,7 @@ HIGH, LESS_HIGH = 230.0, 110.0  # points, of the axes of elongation and of its e
 def blueprint(runs: Sequence[ReviewedRun]) -> rrb.Blueprint:
     """The layout of a saved file."""
     judged = [run for run in runs if run.is_judged]
-    common = [rrb.Horizontal(views.summary_view(), name="Summary")]
+    common: list[rrb.Container] = [rrb.Horizontal(views.summary_view(), name="Summary")]
     common += [_accuracy(accuracy.figure_of(judged).bounds)] if judged else []
     own = views.by_run([run.name for run in runs], [pages_of(run) for run in runs])
     return views.tabbed([*own, *reversed(common)] if len(runs) == 1 else [*common, *own])

@@ -23,6 +23,7 @@ from viz.figures.map import Map
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.typing import RcKeyType
 
 DOTS = 120  # per inch
 INCHES = 6.4  # width of one map
@@ -109,8 +110,8 @@ def _sheet(path: Path, width: float, height: float) -> Iterator[Figure]:
     from matplotlib.figure import Figure
 
     ink, paper = _part(paths.TEXT), _part(paths.BACKGROUND)
-    inked = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
-    papered = ("figure.facecolor", "axes.facecolor", "savefig.facecolor", "legend.facecolor")
+    inked: Sequence[RcKeyType] = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
+    papered: Sequence[RcKeyType] = ("figure.facecolor", "axes.facecolor", "savefig.facecolor", "legend.facecolor")
     with matplotlib.rc_context({**dict.fromkeys(inked, ink), **dict.fromkeys(papered, paper)}):
         sheet = Figure((width, height), layout="constrained")
         yield sheet

@@ -59,7 +59,7 @@ def ranked(verdict: Verdict) -> list[tuple[str, Hypothesis, Error | None]]:
     listed = [(given, suggestion.as_given), (again, suggestion.again)]
     for h in suggestion.found[:SHOWN]:
         listed.append((f"{h.freed} of another value" if h.freed else f"+ {' + '.join(h.names)}", h))
-    held = [*verdict.held_out] or [None] * len(listed)
+    held: Sequence[Error | None] = verdict.held_out or [None] * len(listed)
     return [(*one, error) for one, error in zip(listed, held, strict=False)]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 STEFAN_BOLTZMANN, KELVIN = 5.67e-8, 273.15
+Array = np.ndarray
 
 
 class Screw(NamedTuple):
@@ -45,7 +46,7 @@ class Nut(NamedTuple):
 class Bearing(NamedTuple):
     """One support: seat (weights of cells under the ring, sum 1), SI units; to_bracket 0: one lump."""
 
-    seat: np.ndarray
+    seat: Array
     load_torque: float
     viscous_torque: float
     load_exponent: float
@@ -65,7 +66,7 @@ class Bearing(NamedTuple):
 class Surface(NamedTuple):
     """Area of each cell that meets the air (m2) and its laws."""
 
-    area: np.ndarray
+    area: Array
     still: float
     growth: float
     rise: float
@@ -89,22 +90,22 @@ class Parts(NamedTuple):
 class Temperatures(NamedTuple):
     """degC: layers of the screw (CELLS,); bodies (7,): nut, housings or rings, grease's freshness, brackets, flange"""
 
-    bore: np.ndarray
-    outer: np.ndarray
-    bodies: np.ndarray
+    bore: Array
+    outer: Array
+    bodies: Array
 
 
 class Around(NamedTuple):
     """Surroundings of one tick: air along the screw (CELLS,), air and base (degC), planted heat (CELLS,) W"""
 
-    along: np.ndarray
+    along: Array
     air: float
     base: float
-    sources: np.ndarray
+    sources: Array
 
 
 @njit(cache=True)
-def advance(parts: Parts, now: Temperatures, omegas: np.ndarray, centres: np.ndarray, around: Around) -> np.ndarray:
+def advance(parts: Parts, now: Temperatures, omegas: Array, centres: Array, around: Around) -> Array:
     """Carry all temperatures over one second in len(omegas) steps; the mean torques of nut and bearings, N m: (2,)"""
     dt = 1.0 / omegas.size
     cover, heat, torque = np.zeros(now.outer.size), np.zeros(now.outer.size), np.zeros(2)
@@ -121,7 +122,7 @@ def advance(parts: Parts, now: Temperatures, omegas: np.ndarray, centres: np.nda
 
 
 @njit(cache=True)
-def spread(screw: Screw, bore: np.ndarray, outer: np.ndarray, heat: np.ndarray, dt: float) -> None:
+def spread(screw: Screw, bore: Array, outer: Array, heat: Array, dt: float) -> None:
     """Carry both layers over a step; `heat` (W per cell) enters the outer one, the ends pass none.
 
     C dT/dt = kA/dx (T_left - 2 T + T_right) + g (T_other - T) + q
@@ -137,7 +138,7 @@ def spread(screw: Screw, bore: np.ndarray, outer: np.ndarray, heat: np.ndarray, 
 
 
 @njit(cache=True)
-def lay(nut: Nut, centre: float, cover: np.ndarray) -> None:
+def lay(nut: Nut, centre: float, cover: Array) -> None:
     """Fill `cover` with the share of each cell that lies under the nut."""
     cover[:] = 0.0
     low, high = centre - nut.length / 2.0, centre + nut.length / 2.0
@@ -146,7 +147,9 @@ def lay(nut: Nut, centre: float, cover: np.ndarray) -> None:
 
 
 @njit(cache=True)
-def rub(nut: Nut, speed: float, omega: float, now: Temperatures, cover, around: Around, heat, dt) -> float:
+def rub(
+    nut: Nut, speed: float, omega: float, now: Temperatures, cover: Array, around: Around, heat: Array, dt: float
+) -> float:
     """One step of the nut's contact; returns its torque, N m
 
     M = M_preload speed^n (1 + churning fresh) exp(-thinning (T_film - T_grease))
@@ -175,7 +178,9 @@ def rub(nut: Nut, speed: float, omega: float, now: Temperatures, cover, around: 
 
 
 @njit(cache=True)
-def turn(bearing: Bearing, speed: float, omega: float, now: Temperatures, body: int, around: Around, heat, dt) -> float:
+def turn(
+    bearing: Bearing, speed: float, omega: float, now: Temperatures, body: int, around: Around, heat: Array, dt: float
+) -> float:
     """One step of a support whose housing is bodies[body]; returns its torque, N m
 
     M = (M1 speed^a + M0 speed^b) speed^n exp(-thinning (T_ring - T_grease)); Palmgren: a = 0, b = 2/3, n = 0
@@ -201,7 +206,7 @@ def turn(bearing: Bearing, speed: float, omega: float, now: Temperatures, body: 
 
 
 @njit(cache=True)
-def cool(surface: Surface, speed: float, outer: np.ndarray, cover: np.ndarray, along: np.ndarray, heat) -> None:
+def cool(surface: Surface, speed: float, outer: Array, cover: Array, along: Array, heat: Array) -> None:
     """q_i = -[h_still + h_rot s^m] A (T - T_air) - eps sigma A (T^4 - T_air^4)   W off the nut; s from a threshold
 
     h_still (|T - T_air| / rise)^growth of each place where still air takes more of what is warmer
@@ -217,7 +222,7 @@ def cool(surface: Surface, speed: float, outer: np.ndarray, cover: np.ndarray, a
 
 
 @njit(cache=True)
-def recall(keep: float, now: float, before: float, x: np.ndarray) -> np.ndarray:
+def recall(keep: float, now: float, before: float, x: Array) -> Array:
     """y[k] = keep y[k - 1] + now x[k] + before x[k - 1], from nothing on: (n,)"""
     y, rest = np.empty_like(x), 0.0
     for k in range(len(x)):

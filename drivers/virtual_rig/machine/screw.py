@@ -88,7 +88,7 @@ class Growths(NamedTuple):
     @classmethod
     def of(cls, anchor_mm: float, free_mm: float, expansion: float, held: float) -> Self:
         """`held`: by how much the free bearing holds the screw, 1: as planted, 0: not at all."""
-        nuts = [nut_centre_mm(at) for at in TABLE_MM]
+        nuts = nut_centre_mm(np.array(TABLE_MM))
         if not held:
             motor = growth_weights(anchor_mm, SPAN_MM[1], expansion)
             free, *table = (growth_weights(place, anchor_mm, expansion) for place in (SPAN_MM[0], *nuts))

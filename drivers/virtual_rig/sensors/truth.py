@@ -1,6 +1,6 @@
 """What really happened on the rig, tick by tick, whether a sensor saw it or not."""
 
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -28,10 +28,10 @@ class Truth(NamedTuple):
     bearing_torque: np.ndarray
 
     @classmethod
-    def of(cls, rows: list[tuple]) -> Self:
+    def of(cls, rows: list[tuple[Any, ...]]) -> Self:
         """Columns from the rows of single ticks."""
-        truth = cls(*(np.array(column) for column in zip(*rows, strict=True)))
-        return truth._replace(environment=Environment(*truth.environment.T))
+        columns = {name: np.array(column) for name, column in zip(cls._fields, zip(*rows, strict=True), strict=True)}
+        return cls(environment=Environment(*columns.pop("environment").T), **columns)
 
     @property
     def elongation_um(self) -> np.ndarray:
