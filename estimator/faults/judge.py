@@ -27,7 +27,7 @@ from estimator.rig import Rig
 TOGETHER_TICKS = 5  # that most thermometers have to be beyond their limits together
 FEWEST = 3  # thermometers, of which one can have left the others
 STAYED = 0.5  # of how far a reading is from the model: it has changed by less, and the model by more
-AT_ONCE = 0.5  # of it at the first tick: another zero is there from one tick to the next
+AT_ONCE = 0.7  # of it at the first tick: another zero is there from one tick to the next
 START_S = 60.0  # within which all that has been known of a run may have been wrong
 LENGTH_READINGS = 3  # of a length beyond its limit, until it has another zero
 SILENT_TICKS = 3  # after which a level has to be learnt again

@@ -1,7 +1,7 @@
 """Readings that leave the model suddenly: further than their own scatter and the model's uncertainty explain.
 
     deviation   innovation - level            level: the innovation's mean over the last 8 ticks
-    limit       6.5 scatter + 0.27 (moved + |level|)
+    limit       6.5 scatter + 0.27 (moved + |level|), no less than 3 sd of what the model takes for a reading's noise
     scatter     sd of a reading by the differences of successive innovations, larger where their predicted sd is; no
                 less than its resolution makes, step / sqrt(12): what reads the same for minutes has a scatter too
     moved       |by what the model alone has left its own mean of the last 16 s|
@@ -25,6 +25,7 @@ SCATTER = 4.0  # so many times as long: its scatter
 MOVED_S = 16.0  # and over which the model alone is looked back upon
 LENGTHS = 4  # readings over which that of a length is: one comes with each stroke
 SCATTERS, SHARE = 6.5, 0.27
+ALLOWED = 3.0  # sd of noise: where it stands for what a model lacks, readings are off by as much for long
 SUDDEN = 0.7  # of the limit, from the last reading that was well: less is no jump, but a model that is wrong
 ASTRAY = 3.0  # times the limit, while heat is in the wrong place
 OUTLYING = 3.0  # a scatter so many times that of the median thermometer is no scatter any more
@@ -52,7 +53,7 @@ class Jumps:
         """noise (m,) sd of a reading, inf: no model; heat (m,) bool, which channels are thermometers; x_mm (m,) their
         places, NaN: beside the screw."""
         self._modelled, self._heat = np.isfinite(noise), heat
-        noise = np.where(self._modelled, noise, 1.0)
+        self._noise = noise = np.where(self._modelled, noise, 1.0)
         self._ticks = np.where(heat, LEVEL_TICKS, LENGTHS)
         self._nearest = _nearest(x_mm)
         self._back = 1.0 / max(LEVEL_TICKS, MOVED_S / tick_s)
@@ -88,6 +89,7 @@ class Jumps:
             SCATTERS * scatter * np.maximum(sd / usual_sd, 1.0) + SHARE * (moved + np.abs(level)),
             unknown,
         )
+        limit = np.maximum(limit, np.where(self._heat, ALLOWED * self._noise, 0.0))
         limit = np.where(self._heat & (read == 0.0), np.maximum(limit, unknown), limit)
         limit = np.where(seen.astray[:, None], ASTRAY * limit, limit)
         value = seen.value - np.where(known, level, 0.0)

@@ -52,7 +52,7 @@ def test_one_step_of_a_coarse_sensor_is_no_jump():
     value = np.zeros((60, CHANNELS)) - 1e-3 * np.arange(60)[:, None] % 0.01
     value[-1] += 0.0625
     heat = well = np.ones(CHANNELS, dtype=bool)
-    told = [Jumps(np.full(CHANNELS, 0.02), heat, 1.0, 100.0 * np.arange(CHANNELS)) for _ in range(2)]
+    told = [Jumps(np.full(CHANNELS, 0.01), heat, 1.0, 100.0 * np.arange(CHANNELS)) for _ in range(2)]
     fine, coarse = (one.compare(seen(value), well, ~well, step) for one, step in zip(told, (FINE, FINE + 0.0625)))
     assert fine.beyond[-1].all()
     assert not coarse.beyond.any()
