@@ -73,6 +73,10 @@ def _span(text: str, recording: Recording, rig: Rig) -> tuple[np.ndarray, float,
     since, until = _time(begin, text, recording), np.inf
     if to:
         until = _time(end, text, recording) if to == "-" else since + _long(end, text)
+    if since > (last := float(recording.time_s[-1])):
+        raise SetupError(
+            f"--mute {text}: {recording.name} ends at {last - float(recording.time_s[0]):.0f} s, before that"
+        )
     if until <= since:
         raise SetupError(f"--mute {text}: it ends ({end}) before it begins ({begin})")
     return _named(_numbered(name, rig), rig), since, until

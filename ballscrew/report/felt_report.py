@@ -11,6 +11,7 @@ from estimator.accuracy.accuracy import Accuracy
 from estimator.missing_effect.felt import Felt, felt
 from estimator.missing_effect.improve import WORSE
 from estimator.model import Model
+from estimator.sensitivity.objective import GOOD_UM
 from estimator.work import Runs
 
 WAYS = {"seen": "thermometers read", "silent": "nothing read since the stop"}
@@ -48,10 +49,10 @@ def felt_section(found: Sequence[AtTheTable]) -> Section:
 
 
 def felt_sentence(found: Sequence[AtTheTable]) -> str:
-    """What an axis that is compensated feels of it, before and after."""
+    """What an axis that is compensated feels of it, before and after: worse is what a good model would not leave."""
     last = found[-1]
     errors = [[most(getattr(each, way)) for each in last.felt] for way in WAYS]
-    worse = any(of[-1] > WORSE * of[0] for of in errors)
+    worse = any(of[-1] > max(WORSE * of[0], GOOD_UM) for of in errors)
     seen, silent = (" -> ".join(map(number, of)) for of in errors)
     return (
         f"At the table the filter is at most {seen} um off in the 60 min after stops while thermometers read, and"

@@ -154,7 +154,7 @@ def _place(wanted: Wanted, rig: Rig) -> str:
 
 def _strength(value: float, unit: str, follows: Follower) -> Param:
     """The parameter that switches the effect off: this much at what the follower gets to."""
-    per = f"({follows.unit})" if re.search(r"\W", follows.unit[1:]) else follows.unit
+    per = f"({follows.unit})" if re.search(r"\W", follows.unit[1:]) else follows.unit.removesuffix("1")
     value = float(f"{value / follows.typical:.1g}")
     most = float(f"{20 * value:.2g}")
     return Param(value, f"{unit}/{per}" if per else unit, -most, most, null=0.0, source="a guess")

@@ -39,7 +39,9 @@ def plan_words(plan: Plan, rig: Rig) -> str:
     """A run FS (0 - 400 mm) at 20 m/min, 10 min of drive and 60 min of stop."""
     drive, stop = f"{plan.drive_s / 60:.0f} min", f"{plan.stop_s / 60:.0f} min"
     if plan.stroke_mm is None:
-        on = " and ".join(f"{name} at {level:g} {rig.inputs[name].unit}" for name, level in plan.levels.items())
+        on = " and ".join(
+            f"{name} at {level:g} {rig.inputs[name].unit}".removesuffix(" 1") for name, level in plan.levels.items()
+        )
         return f"A run with {on}, {drive} on and {stop} off"
     low, high = plan.stroke_mm
     speed = f"{plan.speed_m_min:g} m/min"

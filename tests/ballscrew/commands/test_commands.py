@@ -180,6 +180,7 @@ def test_no_displacement_and_mute_take_readings_away(fs20_log, plain):
         ("telemeter", "--mute telemeter: write NAME:FROM, NAME:FROM-TO or NAME:FROM+TIME, like telemeter:stop1+60min"),
         ("telemeter:stop2", "error: --mute telemeter:stop2: FS-20.log has 1 stops"),
         ("telemeter:soon", "error: --mute telemeter:soon: 'soon' is neither seconds nor stop1, stop2, ..."),
+        ("T07:1e9", "error: --mute T07:1e9: FS-20.log ends at "),
         ("T7:5", "no channel 'T7'; did you mean 'T07'?"),
         ("T07:100+soon", "error: --mute T07:100+soon: 'soon' is no time; write 2h, 90min, 45s or seconds"),
         ("T07:100-50", "error: --mute T07:100-50: it ends (50) before it begins (100)"),
