@@ -1,5 +1,6 @@
 """A first model.toml: the effects of the catalogue that the rig can have, heaters and bodies as effects of its own."""
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -108,7 +109,9 @@ def _heater(guess: Guess, guesses: Sequence[Guess], rig: Rig) -> str:
     """A heater as an effect: at the thermometer that it warms most."""
     channel = rig.channels[max(warmed(guesses)[guess.name].items(), key=lambda one: one[1])[0]]
     place = {"node": channel.node} if channel.node else {"at_mm": channel.at_mm}
-    return effect_text(Wanted(_class_of(guess), known_followers(rig)[guess.name], **place), _longer(rig))
+    follows, name = known_followers(rig)[guess.name], json.dumps(guess.name)
+    on = replace(follows, symbol=f" {guess.name}", formula=f"u[{name}]")  # a recording may begin with it just put on
+    return effect_text(Wanted(_class_of(guess), on, **place), _longer(rig))
 
 
 def _longer(rig: Rig) -> Rig:

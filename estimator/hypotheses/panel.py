@@ -39,7 +39,7 @@ class Explanation:
     weight      independent readings in that mean
     error       open-loop error there;  read_um: likewise, of the displacement's readings themselves, their zero out
     runs        misfit of each recording
-    blocks      (2, runs, blocks): what is left in ten minutes, of temperatures and of the displacement, in shares of
+    blocks      (2, runs, blocks): what is left in each block, of temperatures and of the displacement, in shares of
                 `misfit`; 0 after a recording's end
     """
 

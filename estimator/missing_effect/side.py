@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -88,14 +89,18 @@ class Side:
 
     @cached_property
     def pair(self) -> Hypothesis | None:
-        """Two effects, or one and a wrong input, that explain clearly more than the best alone."""
-        both, best = self._pairs([one.candidate for one in self._few(2 * REFINED)]), self.single
-        if not both or not clearly(best, both[0][1], self.tried):
+        """Two effects, or one and a wrong input, that explain clearly more than the best alone.
+
+        Where none alone is proven, more than the model does: then it is the best of all pairs.
+        """
+        both = self._pairs([one.candidate for one in self._few(2 * REFINED)])
+        best, tried = (self.single, self.tried) if self.missing else (self.plain.judged, math.comb(self.tried, 2))
+        if not both or not clearly(best, both[0][1], tried):
             return None
         effects = [two for two, _ in both if not any(map(is_input, two))][:REFINED]
         wrong = [both[0][0]] if both[0][0] not in effects else []
         fitted = [refined(self.ground, self.trials, two) for two in (*effects, *wrong)]
-        found = [h for h in fitted if material(h, best, self.tried) and not too_small(h)]
+        found = [h for h in fitted if material(h, best, tried) and not too_small(h)]
         return min(found, key=lambda h: h.misfit, default=None)
 
     def _few(self, count: int) -> list[Screened]:
