@@ -13,13 +13,13 @@ import numpy as np
 from estimator.batch.trials import Trials
 from estimator.effect import Effect
 from estimator.hypotheses.candidates import Candidate, candidates
-from estimator.hypotheses.criterion import PROMISE, clearly, material
+from estimator.hypotheses.criterion import PROMISE, clearly, material, most, proven, worth
 from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation, Panel
 from estimator.hypotheses.screening import Screened, screening
 from estimator.hypotheses.slopes import Column
-from estimator.missing_effect.wrong_always import is_input, too_small, wrong_inputs
+from estimator.missing_effect.wrong_always import inputs_in, is_input, too_small, wrong_inputs
 
 REFINED = (
     3  # effects, own parameters and pairs that are fitted in full on each ground; wrong inputs before the last too
@@ -84,8 +84,27 @@ class Side:
     @cached_property
     def missing(self) -> list[Hypothesis]:
         """Effects, absent or of the model, that explain clearly more than the model alone; the best first."""
-        both = sorted([*self.fitted, *self.own], key=lambda h: h.misfit)
-        return [h for h in both if material(h, self.plain.judged, self.tried)]
+        return [h for h in self._likely if proven(self.plain.judged, h.judged, self.tried)]
+
+    @property
+    def _likely(self) -> list[Hypothesis]:
+        """Effects that are worth having, the best first; a wrong input where it is most of what is wrong: set right,
+        recordings are well."""
+        plain, both = self.plain.judged, sorted([*self.fitted, *self.own], key=lambda h: h.misfit)
+        return [h for h in both if worth(h, plain) and (most(plain, h.judged) or not inputs_in(h.names))]
+
+    @cached_property
+    def told(self) -> list[Hypothesis]:
+        """What is missing, and where the best of it is an effect what is of the same likelihood, proven alone or not.
+
+        That something is there is proven by the best: which it is has to be asked of all. But no effect is named beside
+        a parameter of another value that is not proven.
+        """
+        found = self.missing
+        if not found or found[0].freed:
+            return found
+        rest = [h for h in self._likely if h not in found]
+        return [*found, *(h for h in rest if not clearly(h.judged, found[0].judged, 1))]
 
     @cached_property
     def pair(self) -> Hypothesis | None:
