@@ -83,6 +83,9 @@ def test_what_it_lacks_follows_the_other_heater():
         ("body_1", "heater_2"),
         ("body_2", "heater_1"),
     }
+    assert all(
+        each["heat_W"] > 10.0 * each["sd_W"] for each in found["where"]
+    )  # constant for no longer than they forget
     assert not any("rest" in sentence or "stop" in sentence for sentence in found["sentences"])
 
 
