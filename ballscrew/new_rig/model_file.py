@@ -58,9 +58,12 @@ def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> None:
         own = own_effects(folder / EFFECTS)
     for effect in [CATALOGUE[name] for name in of_the_catalogue(rig)] + list(own.values()):
         model = model + effect
-    for path, value in [*_powers(rig, guesses, own), ("thermometers.sd", _scatter_K(guesses))]:
+    guessed = dict(_powers(rig, guesses, own))
+    for path, value in [*guessed.items(), ("thermometers.sd", _scatter_K(guesses))]:
         param = model.param(path)
         model = model.with_values({path: min(max(value, param.lo), param.hi)})
+    unsure = {path: replace(model.values[path], sd=abs(model[path])) for path in guessed}  # by as much as itself
+    model = replace(model, values={**model.values, **unsure})
     model = replace(model, use={effect.name: f"{EFFECTS}:{cls}" for cls, effect in own.items()})
     save_model(model, folder / "model.toml")
 
