@@ -58,9 +58,12 @@ def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> None:
         own = own_effects(folder / EFFECTS)
     for effect in [CATALOGUE[name] for name in of_the_catalogue(rig)] + list(own.values()):
         model = model + effect
-    for path, value in [*_powers(rig, guesses, own), ("thermometers.sd", _scatter_K(guesses))]:
+    guessed = dict(_powers(rig, guesses, own))
+    for path, value in [*guessed.items(), ("thermometers.sd", _scatter_K(guesses))]:
         param = model.param(path)
         model = model.with_values({path: min(max(value, param.lo), param.hi)})
+    unsure = {path: replace(model.values[path], sd=abs(model[path])) for path in guessed}  # by as much as itself
+    model = replace(model, values={**model.values, **unsure})
     model = replace(model, use={effect.name: f"{EFFECTS}:{cls}" for cls, effect in own.items()})
     save_model(model, folder / "model.toml")
 
@@ -109,8 +112,9 @@ def _heater(guess: Guess, guesses: Sequence[Guess], rig: Rig) -> str:
     """A heater as an effect: at the thermometer that it warms most."""
     channel = rig.channels[max(warmed(guesses)[guess.name].items(), key=lambda one: one[1])[0]]
     place = {"node": channel.node} if channel.node else {"at_mm": channel.at_mm}
-    level = replace(known_followers(rig)[guess.name], symbol=f" {guess.name}", formula=f"u[{json.dumps(guess.name)}]")
-    return effect_text(Wanted(_class_of(guess), level, **place), _longer(rig))
+    follows, name = known_followers(rig)[guess.name], json.dumps(guess.name)
+    on = replace(follows, symbol=f" {guess.name}", formula=f"u[{name}]")  # a recording may begin with it just put on
+    return effect_text(Wanted(_class_of(guess), on, **place), _longer(rig))
 
 
 def _longer(rig: Rig) -> Rig:

@@ -27,6 +27,7 @@ from estimator.state.gate import Mute, unmuted
 from estimator.state.run import begin
 from estimator.state.state import State
 
+BLOCK_S = 600.0  # the longest: by then a drive is a stop, or nearly done, and what a model misses is another thing
 FLOATING = 10.0  # a zero so many times less known than one reading has no meaning of its own
 
 
@@ -65,8 +66,9 @@ def with_elongation(system: System, state: State) -> System:
 class Trial:
     """One recording from its first thermometer reading on: inputs, regimes, and what may be fused, whatever the model.
 
-    Two things are asked once, of the model that the trial is made with, or likelihoods could not be compared: which
-    channels are broken when (unless `gated` is off), and how large the lags are by which readings scatter more (`lag`).
+    Three things are asked once, of the model that the trial is made with, or misfits could not be compared: which
+    channels are broken when (unless `gated` is off), how large the lags are by which readings scatter more (`lag`), and
+    how long misfits stay alike.
 
     run           the run as it began;  begin: the first tick after that, with which `rest` begins;  begun: every tick
                   with which it has, for what a run began with may turn out to be no temperatures
@@ -75,6 +77,9 @@ class Trial:
     believed      channels that are heard whatever the judge says of them
     floating      channels whose zero has no meaning: open loop it is the mean of the misfit
     unread_zeros  channels whose unknown zero the first sample did not tell
+    block_s       how long a misfit stays alike, and counts as one reading: as long as the rig remembers heat
+                  (`Forcing.memory_s`); what is forgotten as exp(-t / tau) has a mean square that scatters as one of
+                  so many readings does (Bartlett 1946)
     slopes        how its readings move with parameters at points lately asked for (`hypotheses.slopes`)
     """
 
@@ -114,6 +119,7 @@ class Trial:
         self.unread_zeros = [i for i in np.flatnonzero(readings.zero_sd) if not run.fuse[i]]
         self.lag = np.zeros_like(self.rest.channels)
         self.lag = self.pose(model).run.lag
+        self.block_s = float(np.clip(self._forcing.memory_s, rig.tick_s, BLOCK_S))
         self.fault = np.zeros(self.rest.channels.shape, dtype=np.int8)
         self.since_s, self.jump = np.full(self.fault.shape, np.nan), np.zeros(self.fault.shape)
         self._side = np.zeros(len(rig.names))  # of each channel, the sum by which it is off where it drifts

@@ -63,6 +63,12 @@ def slow_trial(model: Model, rig: Rig, recording: Recording) -> Trial:
     return slowed(Trial(model, rig, recording), model)
 
 
+def beside(other: Trial, trial: Trial) -> Trial:
+    """The trial, its misfits as long alike as those of another, with which they are compared."""
+    trial.block_s = other.block_s
+    return trial
+
+
 def slowed(trial: Trial, model: Model) -> Trial:
     """A trial's recording, without what was refused, at a tick that serves for slow heat."""
     return unjudged(model, trial.rig, trial.heard)

@@ -9,7 +9,8 @@ shrinks while the bar still warms. The reading is direct there; a filter in use 
     d     errors of the model's parameters, and of each thermometer's own gain and lag
     g     how r moves with them, behind the filter (state/doubt.py)
     zero  one of all readings while driving, one of each rest: r and g less their means
-    e     what lasts: s, alike for ten minutes. s is what is left of r, or half of what a good model leaves, if more
+    e     what lasts: s, alike for a block (`Trial.block_s`); it is what is left of r, or half of what a good model
+          leaves, if more
 
 Those that thermometers show keep their values: they are asked for as what else may be wrong.
 """
@@ -28,7 +29,7 @@ from estimator.batch.trials import Trials
 from estimator.inputs.phase import phases
 from estimator.model import EXPANSION, Model
 from estimator.record import Array
-from estimator.sensitivity.objective import BLOCK_S, GOOD_UM
+from estimator.sensitivity.objective import GOOD_UM
 from estimator.state.doubt import Doubt
 
 CHANNEL = "displacement"
@@ -65,7 +66,7 @@ def calibrated(model: Model, trials: Trials, free: Sequence[str]) -> Model:
     if not hidden.any():
         return model
     prior = scipy.linalg.block_diag(model.covariance(paths), np.diag(found[0].own_sd ** 2))
-    best, after = _posterior(found, prior, trials[0].rig.tick_s / BLOCK_S)
+    best, after = _posterior(found, prior, trials[0].rig.tick_s / trials[0].block_s)
     known = prior.copy()
     known[hidden], known[:, hidden] = after[hidden], after[:, hidden]
     params = {path: model.param(path) for path, told in zip(paths, hidden) if told}

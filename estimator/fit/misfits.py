@@ -28,7 +28,7 @@ from estimator.batch.trials import slow_trials_of
 from estimator.fit.bodies import Lumps, body_misfit, body_slope, shown
 from estimator.model import Model
 from estimator.record import Array
-from estimator.sensitivity.objective import BLOCK_S, good, weights
+from estimator.sensitivity.objective import good, weights
 from estimator.sensitivity.sensitivity import nominal_columns
 from estimator.sensitivity.tangent import tangent
 from estimator.work import Runs
@@ -67,10 +67,11 @@ class Misfits:
 
     def __init__(self, model: Model, runs: Runs) -> None:
         self.trials = slow_trials_of(model, runs)
-        tick_s, weight = self.trials[0].rig.tick_s, weights(self.trials[0].rig)
+        rig, block_s = self.trials[0].rig, self.trials[0].block_s
+        weight, quick_s = weights(rig, block_s), max(min(MEMORY_S, block_s), rig.tick_s)
         self._lasting = weight / good(runs.rig) ** 2
-        self._quick = weight * BLOCK_S / max(MEMORY_S, tick_s)  # no reading counts more than one
-        self._steps, heard = BLOCK_S / tick_s, self.trials.each(lambda trial: _heard(trial, model))
+        self._quick = weight * block_s / quick_s  # no reading counts more than one
+        self._steps, heard = block_s / rig.tick_s, self.trials.each(lambda trial: _heard(trial, model))
         self._heard = Heard(*(sum(getattr(each, key) for each in heard) for key in vars(heard[0])))
         self._weight, self._scatter = float(weight @ self._heard.channels), np.ones(len(weight))
         self._lumps = Lumps(self._heard.bodies, 0.0 * self._heard.bodies, self._heard.shown, self._steps)

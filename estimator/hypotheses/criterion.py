@@ -42,7 +42,7 @@ def _nats(weight: float, before: float, after: float) -> float:
 
 
 def behind(a: Explanation, best: Explanation) -> float:
-    """Standard errors by which one leaves more than another: of the difference in each block of ten minutes."""
+    """Standard errors by which one leaves more than another: of the difference in each block (`Trial.block_s`)."""
     if abs(a.misfit - best.misfit) <= ROUNDING * best.misfit:
         return 0.0
     apart = (a.blocks - best.blocks).sum(axis=0)

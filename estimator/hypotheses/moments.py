@@ -23,17 +23,17 @@ from estimator.batch.trials import Trials
 from estimator.hypotheses.slopes import Column, slopes_beside, slopes_of
 from estimator.model import Model
 from estimator.record import Array
-from estimator.sensitivity.objective import BLOCK_S, GOOD_K, GOOD_UM
+from estimator.sensitivity.objective import GOOD_K, GOOD_UM, bodies_read
 
 
 @dataclass(frozen=True)
 class Moments:
-    """Sums of one recording, over blocks of ten minutes: (B, k + 1, k + 1) each.
+    """Sums of one recording, over blocks (`Trial.block_s`): (B, k + 1, k + 1) each.
 
     heats   over thermometers, K2;  lengths: over the displacement, um2
     grows   of the elongation, um2: of the displacement's readings and those at rest, joined (`accuracy.reference`)
     heat_count, length_count, grown_count  readings in them
-    independent  stretches of ten minutes, each as good as one independent reading
+    independent  blocks, each as good as one independent reading of the displacement, and of each of so many bodies
     """
 
     heats: Array
@@ -43,6 +43,7 @@ class Moments:
     length_count: int
     grown_count: int
     independent: float
+    bodies: int = 1
 
     @cached_property
     def heat(self) -> Array:
@@ -73,13 +74,13 @@ class Moments:
     @property
     def units(self) -> tuple[float, float]:
         """What a K2 and a um2 of the sums count in `weighted`."""
-        heat = self.independent / max(self.heat_count, 1) / GOOD_K**2
+        heat = self.independent * self.bodies / max(self.heat_count, 1) / GOOD_K**2
         return heat, self.independent / max(self.length_count, 1) / GOOD_UM**2
 
     @property
     def weight(self) -> float:
         """`weighted` of a misfit that is just good."""
-        return self.independent * ((self.heat_count > 0) + (self.length_count > 0))
+        return self.independent * (self.bodies * (self.heat_count > 0) + (self.length_count > 0))
 
 
 def moments(trials: Trials, model: Model, columns: Sequence[Column], own: Model | None = None) -> list[Moments]:
@@ -98,11 +99,12 @@ def moments_of(trial: Trial, model: Model, columns: Sequence[Column], own: Model
     readings = [*(slope.reading for slope in found), open_loop_misfit(trial, posed)]
     lengths = [*(slope.length[:, None] for slope in found), (grown(trial, posed, model).um - posed.run.grown)[:, None]]
     since, heat = trial.rest.time_s - trial.rest.time_s[0], trial.rig.is_thermometer
-    starts = np.flatnonzero(np.diff(since // BLOCK_S, prepend=-1.0))
+    starts = np.flatnonzero(np.diff(since // trial.block_s, prepend=-1.0))
     (heats, heat_count), (reads, read_count), (grows, grown_count) = (
         _by_block(*rows, starts) for rows in ((readings, heat), (readings, ~heat), (lengths, np.ones(1, dtype=bool)))
     )
-    return Moments(heats, reads, grows, heat_count, read_count, grown_count, max(1.0, float(since[-1]) / BLOCK_S))
+    independent, bodies = max(1.0, float(since[-1]) / trial.block_s), bodies_read(trial.rig)
+    return Moments(heats, reads, grows, heat_count, read_count, grown_count, independent, bodies)
 
 
 def _by_block(columns: Sequence[Array], some: Array, starts: Array) -> tuple[Array, int]:

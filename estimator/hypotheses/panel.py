@@ -33,13 +33,13 @@ class Explanation:
     """A set of parameters and how well they explain the recordings.
 
     change      (k,) of each parameter, from all recordings
-    covariance  (k, k) of it, from how independent the readings are taken to be
+    covariance  (k, k) of it, from how independent the readings are taken to be, and how much they are off
     misfit      mean square of what is left on recordings left out, 1: as good as a good model; and what the priors add
     fitted      the same on the recordings that it was fitted to, all of them
     weight      independent readings in that mean
     error       open-loop error there;  read_um: likewise, of the displacement's readings themselves, their zero out
     runs        misfit of each recording
-    blocks      (2, runs, blocks): what is left in ten minutes, of temperatures and of the displacement, in shares of
+    blocks      (2, runs, blocks): what is left in each block, of temperatures and of the displacement, in shares of
                 `misfit`; 0 after a recording's end
     """
 
@@ -136,21 +136,23 @@ class Panel:
         """Free these parameters, by number; all if None."""
         chosen = np.array(range(len(self.columns)) if parameters is None else parameters, dtype=int)
         whole = self._weighted.sum(axis=0)
-        change, covariance = self._solve(whole, chosen), self._covariance(whole, chosen)
+        change = self._solve(whole, chosen)
+        rest = float(_rest(whole, chosen, change))
+        covariance = self._covariance(whole, chosen, max(rest / self.weight, LEAST))
         several = len(self.found) > 1
         left = [self._solve(whole - own, chosen) if several else change for own in self._weighted]
         runs = np.array([float(_rest(s, chosen, x)) for s, x in zip(self._weighted, left, strict=True)])
 
         def rms(sums: Sequence[Array], counts: Sequence[int]) -> float:
-            rest = sum(float(_rest(s, chosen, x)) for s, x in zip(sums, left, strict=True))
-            return float(np.sqrt(max(rest, 0.0) / sum(counts))) if sum(counts) else float("nan")
+            square = sum(float(_rest(s, chosen, x)) for s, x in zip(sums, left, strict=True))
+            return float(np.sqrt(max(square, 0.0) / sum(counts))) if sum(counts) else float("nan")
 
         heat_K, length_um, grown_um = (
             rms([getattr(m, name) for m in self.found], [getattr(m, f"{name}_count") for m in self.found])
             for name in ("heat", "length", "grown")
         )
         unlikely = self._unlikely(chosen, change)
-        misfit, fitted = ((rest + unlikely) / self.weight for rest in (runs.sum(), _rest(whole, chosen, change)))
+        misfit, fitted = ((square + unlikely) / self.weight for square in (runs.sum(), rest))
         weights = np.array([m.weight for m in self.found])
         return Explanation(
             tuple(chosen), change, covariance, float(misfit), self.weight, Error(heat_K, grown_um), length_um,
@@ -224,13 +226,17 @@ class Panel:
         return np.asarray(change)
 
     @np.errstate(over="ignore")
-    def _covariance(self, sums: Array, chosen: Array) -> Array:
-        """Of what nothing tells of, and no table either, it is infinite."""
+    def _covariance(self, sums: Array, chosen: Array, few: float = 1.0) -> Array:
+        """A^-1 (few S + P) A^-1, A = S + P; of what nothing tells of, and no table either, it is infinite.
+
+        few  the mean square that is left: readings say as much less as they are off more
+        """
         if not len(chosen):
             return np.zeros((0, 0))
         lower, scale, _ = self._factor(sums, chosen)
         inverse = np.linalg.inv(lower) * scale
-        return np.asarray(inverse.T @ inverse)
+        known = inverse @ self._prior[np.ix_(chosen, chosen)] @ inverse.T
+        return np.asarray(inverse.T @ (few * np.eye(len(known)) + (1.0 - few) * known) @ inverse)
 
     def _factor(self, sums: Array, chosen: Array) -> tuple[Array, Array, Array]:
         """Cholesky factor of the scaled curvature, the scale, and the slope."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from estimator.batch.trials import Trials, slow_trial
+from estimator.batch.trials import Trials, beside, slow_trial
 from estimator.events.event import EXCHANGED, GROWING, Event
 from estimator.events.events import events_of
 from estimator.events.taken_out import taken_out
@@ -34,7 +34,7 @@ def begun(ground: Ground, runs: Runs, trials: Trials, odd: int) -> Begun | None:
     found = tuple(event for event in told if event.run == recording.name and _moves(event))
     if not found:
         return None
-    without = slow_trial(model, runs.rig, taken_out(recording, trials[odd], model, found))
+    without = beside(trials[odd], slow_trial(model, runs.rig, taken_out(recording, trials[odd], model, found)))
     columns, known = [Column(model, path) for path in ground.paths], ground.belief(model, ground.paths)
     sums = [moments_of(without if i == odd else trial, model, columns) for i, trial in enumerate(trials)]
     return Begun(found, Panel(columns, sums, known).judge())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -12,13 +13,13 @@ import numpy as np
 from estimator.batch.trials import Trials
 from estimator.effect import Effect
 from estimator.hypotheses.candidates import Candidate, candidates
-from estimator.hypotheses.criterion import PROMISE, clearly, material
+from estimator.hypotheses.criterion import PROMISE, clearly, material, most, proven, worth
 from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation, Panel
 from estimator.hypotheses.screening import Screened, screening
 from estimator.hypotheses.slopes import Column
-from estimator.missing_effect.wrong_always import is_input, too_small, wrong_inputs
+from estimator.missing_effect.wrong_always import inputs_in, is_input, too_small, wrong_inputs
 
 REFINED = (
     3  # effects, own parameters and pairs that are fitted in full on each ground; wrong inputs before the last too
@@ -83,19 +84,42 @@ class Side:
     @cached_property
     def missing(self) -> list[Hypothesis]:
         """Effects, absent or of the model, that explain clearly more than the model alone; the best first."""
-        both = sorted([*self.fitted, *self.own], key=lambda h: h.misfit)
-        return [h for h in both if material(h, self.plain.judged, self.tried)]
+        return [h for h in self._likely if proven(self.plain.judged, h.judged, self.tried)]
+
+    @property
+    def _likely(self) -> list[Hypothesis]:
+        """Effects that are worth having, the best first; a wrong input where it is most of what is wrong: set right,
+        recordings are well."""
+        plain, both = self.plain.judged, sorted([*self.fitted, *self.own], key=lambda h: h.misfit)
+        return [h for h in both if worth(h, plain) and (most(plain, h.judged) or not inputs_in(h.names))]
+
+    @cached_property
+    def told(self) -> list[Hypothesis]:
+        """What is missing, and where the best of it is an effect what is of the same likelihood, proven alone or not.
+
+        That something is there is proven by the best: which it is has to be asked of all. But no effect is named beside
+        a parameter of another value that is not proven.
+        """
+        found = self.missing
+        if not found or found[0].freed:
+            return found
+        rest = [h for h in self._likely if h not in found]
+        return [*found, *(h for h in rest if not clearly(h.judged, found[0].judged, 1))]
 
     @cached_property
     def pair(self) -> Hypothesis | None:
-        """Two effects, or one and a wrong input, that explain clearly more than the best alone."""
-        both, best = self._pairs([one.candidate for one in self._few(2 * REFINED)]), self.single
-        if not both or not clearly(best, both[0][1], self.tried):
+        """Two effects, or one and a wrong input, that explain clearly more than the best alone.
+
+        Where none alone is proven, more than the model does: then it is the best of all pairs.
+        """
+        both = self._pairs([one.candidate for one in self._few(2 * REFINED)])
+        best, tried = (self.single, self.tried) if self.missing else (self.plain.judged, math.comb(self.tried, 2))
+        if not both or not clearly(best, both[0][1], tried):
             return None
         effects = [two for two, _ in both if not any(map(is_input, two))][:REFINED]
         wrong = [both[0][0]] if both[0][0] not in effects else []
         fitted = [refined(self.ground, self.trials, two) for two in (*effects, *wrong)]
-        found = [h for h in fitted if material(h, best, self.tried) and not too_small(h)]
+        found = [h for h in fitted if material(h, best, tried) and not too_small(h)]
         return min(found, key=lambda h: h.misfit, default=None)
 
     def _few(self, count: int) -> list[Screened]:

@@ -226,7 +226,7 @@ class Search:
         return made if beyond_chance and clearly(side.single, left, self._chosen_from(found)) else None
 
     def _verdict(self, unexplained: Unexplained | None) -> Suggestion:
-        side, found = self.side, self.side.missing
+        side, found = self.side, self.side.told
         wrong = self._always(side) if unexplained is None else None
         far = self._far(wrong.judged if wrong else side.plain.judged)
         named = list(

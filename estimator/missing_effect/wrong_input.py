@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 
 from estimator.batch.trial import Trial
-from estimator.batch.trials import Trials, slow_trial, unjudged
+from estimator.batch.trials import Trials, beside, slow_trial, unjudged
 from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.moments import moments_of
 from estimator.hypotheses.panel import Explanation, Panel
@@ -72,7 +72,7 @@ def mislabel(ground: Ground, runs: Runs, trials: Trials, odd: int) -> Mislabel |
     others = [moments_of(trial, model, free) for i, trial in enumerate(trials) if i != odd]
     wrong = list[Mislabel]()
     for signal, size in _likely(model, rig, recording)[:JUDGED]:
-        right = slow_trial(model, rig, corrected(recording, rig, signal, size))
+        right = beside(trials[odd], slow_trial(model, rig, corrected(recording, rig, signal, size)))
         judged = Panel(free, [*others, moments_of(right, model, free)], known).judge()
         wrong.append(_mislabel(recording.name, rig, signal, size, judged))
     return min(wrong, key=lambda m: m.judged.misfit, default=None)

@@ -1,5 +1,5 @@
-"""Stretches of time in which what is missing may be taken as constant: one phase each, ten minutes at most; longer ones
-of a recording of many hours, for the work grows with the cube of their number.
+"""Stretches of time in which what is missing may be taken as constant: one phase each, a block (`Trial.block_s`) at
+most; longer ones of a recording of many hours, for the work grows with the cube of their number.
 """
 
 from __future__ import annotations
@@ -11,12 +11,11 @@ import numpy as np
 from estimator.inputs.phase import phase_of
 from estimator.record import Array, Recording
 
-LONGEST_S = 600.0
 MOST = 24  # such stretches that a recording is cut into were it one phase: one of four hours
-# a block's readings are averaged up to each of these times, and after the last
-BINS_S = {"drive": (60.0, 180.0), "early_stop": (60.0, 180.0), "late_stop": (300.0,)}
+# its readings are averaged up to each of these shares of a block, and after the last
+BINS = {"drive": (0.1, 0.3), "early_stop": (0.1, 0.3), "late_stop": (0.5,)}
 PARTS = 3
-ALIKE_S = 1200.0  # what is missing stays alike for so long
+ALIKE = 2.0  # blocks: what is missing stays alike for so long
 
 
 @dataclass(frozen=True)
@@ -26,6 +25,7 @@ class Blocks:
     of_tick  (T,) block of each tick;  bin_of_tick  (T,)
     phase    (B,) of str;  at_s (B,) mean time;  seconds (B,) that belong to it
     ticks    (bins,) in each bin;  bin_at_s  (bins,) mean time
+    alike_s  how long what is missing stays alike
     """
 
     of_tick: Array
@@ -35,6 +35,7 @@ class Blocks:
     seconds: Array
     ticks: Array
     bin_at_s: Array
+    alike_s: float
 
     def __len__(self) -> int:
         return len(self.phase)
@@ -48,17 +49,17 @@ class Blocks:
         return _mean(column, self.bin_of_tick, len(self.bin_at_s))
 
     def alike(self) -> Array:
-        """Correlation (B, B) of what is smooth in time: exp(-distance / 20 min)."""
-        return np.asarray(np.exp(-np.abs(self.at_s[:, None] - self.at_s) / ALIKE_S))
+        """Correlation (B, B) of what is smooth in time: exp(-distance / alike_s)."""
+        return np.asarray(np.exp(-np.abs(self.at_s[:, None] - self.at_s) / self.alike_s))
 
 
-def blocks(recording: Recording, tick_s: float) -> Blocks:
-    """Cut a recording: each tick joins the open block of its phase, unless that began ten minutes before.
+def blocks(recording: Recording, tick_s: float, block_s: float) -> Blocks:
+    """Cut a recording: each tick joins the open block of its phase, unless that began `block_s` before.
 
     So a long phase is cut, while short drives and stops in turn share two blocks.
     """
     time_s, phases = recording.time_s, phase_of(recording)
-    longest_s = max(LONGEST_S, float(time_s[-1] - time_s[0]) / MOST)
+    longest_s = max(block_s, float(time_s[-1] - time_s[0]) / MOST)
     opened: dict[str, int] = {}
     began: list[float] = []
     of_tick, since = np.empty(len(time_s), dtype=int), np.empty(len(time_s))
@@ -69,14 +70,14 @@ def blocks(recording: Recording, tick_s: float) -> Blocks:
         of_tick[k] = opened[phase]
         since[k] = time - began[of_tick[k]]
     part = of_tick * PARTS
-    for phase, ends in BINS_S.items():
-        part += np.where(phases == phase, np.searchsorted(ends, since, "right"), 0)
+    for phase, ends in BINS.items():
+        part += np.where(phases == phase, np.searchsorted(ends, since / block_s, "right"), 0)
     _, bin_of_tick = np.unique(part, return_inverse=True)
     count, ticks = np.bincount(of_tick), np.bincount(bin_of_tick)
     return Blocks(
         of_tick, bin_of_tick, phases[np.unique(of_tick, return_index=True)[1]],
         np.bincount(of_tick, time_s) / count, count * tick_s,
-        ticks, np.bincount(bin_of_tick, time_s) / ticks,
+        ticks, np.bincount(bin_of_tick, time_s) / ticks, ALIKE * block_s,
     )  # fmt: skip
 
 

@@ -55,7 +55,7 @@ class Misfit:
 def misfit(model: Model, trial: Trial) -> Misfit:
     """Run the model alone beside a recording, at a tick that serves for slow heat."""
     posed, tick_s = trial.pose(model), trial.rig.tick_s
-    cut = blocks(trial.rest, tick_s)
+    cut = blocks(trial.rest, tick_s, trial.block_s)
     rest = open_loop_misfit(trial, posed)
     m = rest.shape[1]
     cell = cut.bin_of_tick[:, None] * m + np.arange(m)

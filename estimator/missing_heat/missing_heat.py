@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.missing_heat.blocks import ALIKE_S, Blocks
+from estimator.missing_heat.blocks import Blocks
 from estimator.missing_heat.causes import Averages, Cause, Inverted, inverted, most_likely
 from estimator.missing_heat.misfit import Misfit
 from estimator.missing_heat.zones import Zone, alike
@@ -29,6 +29,7 @@ HEATS = ("heat", "heat while driving", "changing heat", "changing heat while dri
 ALL = "thermometers"  # an error that they share
 FIRST_W_M, LEAST_W_M = 5.0, 1e-3
 KINDS = ("drift", "offset", "lag")
+DRIFT_S = 1200.0  # a reading that drifts stays alike for so long, however soon the rig forgets
 FIRST = {"drift": 0.01, "offset": 0.01, "lag": 1.0}  # K, K, s; of a length in 5 um
 LEAST = {"drift": 0.01, "offset": 0.01, "lag": 0.01}
 PER_K = 5.0  # um that stand for 1 K
@@ -132,7 +133,7 @@ def _errors(found: Misfit, name: str, rows: Array, kinds: Sequence[str]) -> dict
     bins = found.bin[rows]
     at_s = found.blocks.bin_at_s[bins]
     shapes = {"offset": moved(found)[bins], "lag": -found.rate[rows]}
-    wander = np.exp(-np.abs(at_s[:, None] - at_s) / ALIKE_S)
+    wander = np.exp(-np.abs(at_s[:, None] - at_s) / DRIFT_S)
     covariances = {kind: wander if kind == "drift" else np.outer(shapes[kind], shapes[kind]) for kind in kinds}
     return {f"{kind} {name}": Cause(rows, covariance) for kind, covariance in covariances.items()}
 

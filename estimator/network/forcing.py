@@ -154,6 +154,16 @@ class Forcing:
         return [name for name, terms in said.items() if any(isinstance(term, OF_READINGS) for term in terms)]
 
     @property
+    def memory_s(self) -> float:
+        """How long a rig that stands, and is as warm everywhere, takes to lose its heat at the rate at which it begins.
+
+        1'M 1 / 1'G 1, capacities over conductances to what is outside, s; inf where it loses none
+        """
+        network = assemble.network_of(self.terms, self.place, 1)
+        stored, lost = float(network.mass.sum()), float(network.conductance.sum())
+        return stored / lost if lost > 0.0 else float("inf")
+
+    @property
     def regimes(self) -> int:
         """How many have been met so far."""
         return len(self._regimes.met)

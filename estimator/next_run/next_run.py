@@ -17,7 +17,7 @@ from itertools import combinations
 import numpy as np
 
 from estimator.batch.trial import Trial
-from estimator.batch.trials import Trials, slow_trials_of
+from estimator.batch.trials import Trials, beside, slow_trials_of
 from estimator.hypotheses.hypothesis import Hypothesis
 from estimator.hypotheses.moments import Moments, moments_of
 from estimator.hypotheses.panel import Panel
@@ -80,7 +80,7 @@ class _Asker:
 
     def __init__(self, open_: Question, runs: Runs, trials: Trials) -> None:
         rig, recordings = runs.rig, runs.recordings
-        self._open, self._laws = open_, learned(recordings, rig)
+        self._open, self._laws, self._trials = open_, learned(recordings, rig), trials
         self._rig = replace(rig, tick_s=TICK_S)
         self._level = float(np.median([mean_temperature(r, rig)[0] for r in recordings]))
         self._known = {name: panel_of(h, trials) for name, h in open_.rivals}
@@ -105,7 +105,7 @@ class _Asker:
         rises = foretold(self._laws, self._mean_rise(truth, plan), run.omega, TICK_S)
         run = replace(run, inputs={**run.inputs, **{signal: self._level + rise for signal, rise in rises.items()}})
         trial = Trial(h.model, self._rig, lived(truth, run, self._rig, self._level), gated=False)
-        return moments_of(trial, h.model, self._known[name].columns)
+        return moments_of(beside(self._trials[0], trial), h.model, self._known[name].columns)
 
     def warmest(self, plan: Plan) -> float:
         """The most that thermometers rise by on the mean, K, as the best hypothesis foretells it."""

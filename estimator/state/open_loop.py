@@ -57,6 +57,6 @@ def lag_filter(tau: Array, tick_s: float) -> tuple[Array, Array]:
 
     keep = e^(-dt / tau);   ramp = 1 - (1 - keep) tau / dt
     """
-    tau = np.where(np.real(tau) > 1e-9, tau, 1e-9)
+    tau = tau + np.maximum(1e-9 - np.real(tau), 0.0)  # and moves with tau from none on, where an effect is looked for
     keep = np.exp(-tick_s / tau)
     return keep, 1.0 - (1.0 - keep) * tau / tick_s

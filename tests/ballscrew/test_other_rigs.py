@@ -83,6 +83,9 @@ def test_what_it_lacks_follows_the_other_heater():
         ("body_1", "heater_2"),
         ("body_2", "heater_1"),
     }
+    assert all(
+        each["heat_W"] > 10.0 * each["sd_W"] for each in found["where"]
+    )  # constant for no longer than they forget
     assert not any("rest" in sentence or "stop" in sentence for sentence in found["sentences"])
 
 
@@ -92,6 +95,17 @@ def test_with_the_coupling_nothing_is_missing(coupled):
     status, out, _ = ballscrew("compare", coupled)
     assert status == 0
     assert "nan" not in out
+
+
+def test_a_lag_of_which_no_thermometer_has_any_is_found_beside_the_coupling(tmp_path):
+    """Three minutes each of two runs prove both together, and neither alone."""
+    rig = copied(TWO, tmp_path / "rig", "second.csv", "steps.csv", rows=50)
+    without(rig, "sensor_lag")
+    found = told("improve", rig, "-o", rig / "better.toml", "--report", rig / "better.md")
+    assert [step["added"] for step in found["steps"]] == [None, "coupling + sensor_lag"]
+    report = (rig / "better.md").read_text()
+    assert "warm each other through the board" in report
+    assert "more slowly" in report
 
 
 def test_since_healthy_recordings_nothing_has_changed(coupled):
@@ -114,17 +128,18 @@ def test_an_effect_in_no_file_is_a_body_and_an_input_and_can_be_begun(tmp_path, 
     text = (rig / "effects.py").read_text()
     (rig / "effects.py").write_text(re.sub(r"class Coupling.*?(?=\nclass )", "", text, flags=re.DOTALL))
     before = (rig / "effects.py").read_text()
-    found = told("suggest", rig, "--compose", rig / "effects.py")
-    assert found["verdict"] == "nothing_in_catalogue"
+    by_one, found = (told("suggest", runs, "--compose", rig / "effects.py") for runs in (rig / "both.csv", rig))
+    assert {found["verdict"], by_one["verdict"]} == {"nothing_in_catalogue"}
     assert (found["where"]["node"], found["where"]["follows"]) in {("body_1", "heater_2"), ("body_2", "heater_1")}
-    assert found["composed"] is None, "half of the misfit is no more than chance takes off three short recordings"
-    assert (rig / "effects.py").read_text() == before
-    line = found["sentence"].partition("ballscrew ")[2].split()
+    assert by_one["composed"] is None
+    assert (rig / "effects.py").read_text() == f"{before}\n\n{found['composed']['text']}"
+    line = by_one["sentence"].partition("ballscrew ")[2].split()
     monkeypatch.chdir(rig)
     for words in (
+        ["effects", "effects.py", "--check"],
         line,
-        ["effects", "effects.py:MyHeat", "--check"],
-        ["add", "effects.py:MyHeat", "model.toml", "-o", "m"],
+        ["effects", "effects.py:MyReading", "--check"],
+        ["add", "effects.py:MyReading", "model.toml", "-o", "m"],
     ):
         status, _, err = ballscrew(*words)
         assert status == 0, err

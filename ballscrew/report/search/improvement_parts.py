@@ -96,8 +96,8 @@ def _effects(out: Outcome) -> Section:
     """What each effect that was added says, and its rivals."""
     rows = [
         [new, out.after.effects[new].sentence(), ", ".join(step.tie)]
-        for new, step in zip(added(out.improvement.kept), out.improvement.kept, strict=True)
-        if new
+        for names, step in zip(added(out.improvement.kept), out.improvement.kept, strict=True)
+        for new in filter(None, names.split(" + "))
     ]
     if not rows:
         return Section("Effects added", ["none"])

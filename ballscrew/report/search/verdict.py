@@ -180,19 +180,18 @@ def _new_effect(unknown: Unknown) -> str:
 
 
 def _nothing(suggestion: Suggestion) -> str:
-    left = _left(suggestion)
+    left, best = _left(suggestion), suggestion.found[0] if suggestion.changed else suggestion.before
+    well = best.misfit <= GOOD
+    head, more = ("Nothing is missing", "") if well else ("Nothing is proven", ", more than a good model")
     if suggestion.changed:
-        best = suggestion.found[0]
         value, unit = best.own()[suggestion.changed], best.model.param(suggestion.changed).unit
         here = f"{suggestion.changed} is {with_sd(value, unit)} here"
         was = suggestion.as_given.ground.model[suggestion.changed]
-        return f"Nothing is missing, but {here}, not {was:.3g}: {_gain(suggestion.before, best)}."
+        return f"{head}, but {here}, not {was:.3g}: {_gain(suggestion.before, best)}{more}."
     if suggestion.before.refit and suggestion.as_given.misfit > max(GOOD, 1.2 * suggestion.before.misfit):
         fixed = f", of the fixed ones {', '.join(moved)}" if (moved := suggestion.loosened) else ""
         free = ", these free" if moved else ""
-        return f"Nothing is missing, but the parameters are off{fixed}: fit the model again{free}, which leaves {left}."
-    well = suggestion.before.misfit <= GOOD
-    head, more = ("Nothing is missing", "") if well else ("Nothing is proven", ", more than a good model")
+        return f"{head}, but the parameters are off{fixed}: fit the model again{free}, which leaves {left}{more}."
     return f"{head}: the model alone leaves {left}{more}, and no effect makes that clearly less."
 
 

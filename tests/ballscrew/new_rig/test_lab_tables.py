@@ -37,6 +37,10 @@ def test_two_thermometers_are_on_two_bodies_and_begin_as_they_warmed(tmp_path):
     for mine, theirs in (("heater1.power", "heater_power.first"), ("bodies.g", "loss_to_air.g")):
         ratio = model[mine] / model["bodies.capacity"] / (known[theirs] / known["bodies.capacity"])
         assert 0.3 < ratio < 2.0
+        assert model.values[mine].sd == pytest.approx(model[mine])  # nobody has fitted it: a search may move it
+    assert "q = P heater_1, into" in (tmp_path / "two" / "effects.py").read_text(), (
+        "though it was on at the first sample"
+    )
     assert ballscrew("review", tmp_path / "two")[0] == 0
 
 

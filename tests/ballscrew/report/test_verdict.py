@@ -7,6 +7,7 @@ import pytest
 
 from ballscrew.report.search.verdict import _beside, _sentence, seated, thermometer_of
 from estimator.missing_effect.suggestion import Suggestion
+from estimator.model import Value
 
 N = "nut_friction.n"
 
@@ -78,3 +79,19 @@ def test_a_model_that_leaves_much_is_not_said_to_lack_nothing(misfit, said):
     before = SimpleNamespace(names=(), judged=judged, refit=False, misfit=misfit)
     found = Suggestion("nothing_missing", (), (), before, before, before, ())
     assert _sentence(SimpleNamespace(suggestion=found), None).startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("misfit", "head", "end"),
+    [(0.6, "missing", "on recordings left out."), (3.0, "proven", "left out, more than a good model.")],
+)
+def test_nor_is_one_that_leaves_much_with_a_parameter_of_another_value(misfit, head, end, every):
+    judged = SimpleNamespace(error=SimpleNamespace(temperature_K=0.21, elongation_um=0.5), runs=[0.0, 0.0])
+    path, ground = "nut_friction.power", SimpleNamespace(model=every)
+    before = SimpleNamespace(judged=judged, misfit=4.0, ground=ground)
+    h = SimpleNamespace(judged=judged, misfit=misfit, model=every, own=lambda: {path: Value(72.0, 2.0)})
+    said = _sentence(
+        SimpleNamespace(suggestion=Suggestion("nothing_missing", (h,), (), before, before, before, (), path)), None
+    )
+    assert said.startswith(f"Nothing is {head}, but {path} is 72 +- 2 W here, not ")
+    assert said.endswith(end)

@@ -5,11 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drivers.recordings import read_recording
 from estimator.batch.open_loop import open_loop_misfit
+from estimator.batch.trial import BLOCK_S
+from estimator.batch.trials import slow_trial
 from estimator.fit.misfits import MEMORY_S, Misfits, _quick
 from estimator.fit.open_loop_fit import follow
+from estimator.hypotheses.moments import moments_of
+from estimator.inputs.start import Start
+from estimator.network.forcing import Forcing
+from estimator.rig_folder.model_toml import load_model
+from estimator.rig_folder.rig_folder import load_rig
+from estimator.sensitivity.objective import weights
 from estimator.work import Runs
+from tests.conftest import PAPER
 
+TWO = PAPER.parent / "examples" / "two_heaters"
 TAU, POWER = "thermometers.tau", "nut_friction.power"
 
 
@@ -35,6 +46,18 @@ def test_slopes_are_those_of_the_misfits(misfits, full):
             assert of_square == pytest.approx(2 * products[0, k], rel=1e-3, abs=1e-3 * np.sqrt(products[k, k]))
             curvature = (far[0, 0] - 2 * products[0, 0] + near[0, 0]) / step**2
             assert curvature == pytest.approx(2 * products[k, k], rel=0.05, abs=1e-6), path
+
+
+def test_misfits_stay_alike_as_long_as_the_rig_remembers(full, misfits):
+    """Two bodies that forget in C / g s, and in how little heat each misses; the paper's rig, which takes longer than
+    a drive does."""
+    rig = load_rig(TWO)
+    model = load_model(TWO / "model.toml")
+    trial = slow_trial(model, rig, read_recording(TWO / "both.csv", rig))
+    assert trial.block_s == pytest.approx(model["bodies.capacity"] / model["loss_to_air.g"])
+    assert weights(rig, trial.block_s) == pytest.approx(rig.tick_s / trial.block_s)
+    assert moments_of(trial, model, []).weight == pytest.approx(2.0 * np.ptp(trial.rest.time_s) / trial.block_s)
+    assert misfits.trials[0].block_s == BLOCK_S < Forcing(full, misfits.trials[0].rig, Start(22.0, 0.0, {})).memory_s
 
 
 def test_what_is_quick_is_what_a_mean_of_older_misfits_leaves(misfits, full):

@@ -57,6 +57,17 @@ def test_left_out_misfit_is_what_the_others_predict(panel):
     )
 
 
+def test_readings_say_as_much_less_of_a_value_as_they_are_off_more(panel):
+    """A^-1 (few S + P) A^-1 with few the mean square that is left, as in a fit."""
+    chosen, whole = [0, 1], sum(m.weighted for m in panel.found)
+    S, P, judged = whole[np.ix_(chosen, chosen)], np.diag(prior_of(panel)[chosen]), panel.judge(chosen)
+    d = np.append(-judged.change, 1.0)
+    few = d @ whole[np.ix_([*chosen, -1], [*chosen, -1])] @ d / sum(m.weight for m in panel.found)
+    assert 0.25 < few < 0.8
+    bread = np.linalg.inv(S + P)
+    np.testing.assert_allclose(judged.covariance, bread @ (few * S + P) @ bread, rtol=1e-5)
+
+
 def test_gains_are_what_a_fit_takes_off(panel):
     whole, prior = sum(m.weighted for m in panel.found), prior_of(panel)
     for beside in ([], [0, 1]):

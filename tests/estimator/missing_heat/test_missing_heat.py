@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from estimator.batch.coarse import coarse
+from estimator.batch.trial import BLOCK_S
 from estimator.batch.trials import slow_trial
 from estimator.effect import Effect, Param
-from estimator.missing_heat.blocks import LONGEST_S, blocks
+from estimator.missing_heat.blocks import blocks
 from estimator.missing_heat.misfit import misfit
 from estimator.missing_heat.missing_heat import ALL, missing_heat
 from estimator.missing_heat.where import by_phase
@@ -69,9 +70,9 @@ def judged(model, rig, *recordings):
 
 def test_blocks_share_the_ticks_out_and_none_is_long(drive):
     run, rig = drive
-    found = blocks(run, rig.tick_s)
+    found = blocks(run, rig.tick_s, BLOCK_S)
     assert found.seconds.sum() == len(run) * TICK_S
-    assert found.seconds.max() <= LONGEST_S
+    assert found.seconds.max() <= BLOCK_S
     assert list(found.phase[:3]) == ["late_stop", "drive", "drive"]
     assert len({*zip(found.bin_of_tick.tolist(), found.of_tick.tolist(), strict=True)}) == len(found.ticks)
     assert found.mean(run.time_s) == pytest.approx(found.at_s)
@@ -80,7 +81,7 @@ def test_blocks_share_the_ticks_out_and_none_is_long(drive):
 def test_short_drives_and_stops_share_blocks(small, driven):
     run = driven(small, 1200, (0, 1200))
     often = replace(run, omega=np.where(run.time_s // 20 % 2 == 0, run.omega, 0.0))
-    assert len(blocks(often, 1.0)) <= 5
+    assert len(blocks(often, 1.0, BLOCK_S)) <= 5
 
 
 def test_columns_are_what_heat_does(drive, small_model, lived):

@@ -6,7 +6,7 @@ import pytest
 from estimator.batch.nominal import open_loop
 from estimator.inputs.start import Start
 from estimator.network.forcing import Forcing
-from estimator.state.open_loop import OpenLoop
+from estimator.state.open_loop import OpenLoop, lag_filter
 
 START_C = 22.0
 
@@ -54,3 +54,10 @@ def test_a_late_reading_is_what_was_there_when_it_was_taken(run, spots, age_s):
     whole = open_loop(forcing, drive, start, ages_s) - ticks.offset
     np.testing.assert_allclose(whole, expected, rtol=0, atol=1e-9)
     assert (np.abs(expected - spots[1][1:]).max() > 1e-3) == (age_s > 0)
+
+
+def test_a_lag_shows_where_there_is_none_yet():
+    """A reading without a lag moves with one as the spot rises: by -dT/dt, a tick's change over its length."""
+    keep, ramp = lag_filter(np.array([0.0 + 1e-20j]), 4.0)
+    assert (keep[0], ramp[0].real) == (0.0, pytest.approx(1.0))
+    assert ramp[0].imag / 1e-20 == pytest.approx(-1.0 / 4.0)
