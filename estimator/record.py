@@ -38,8 +38,8 @@ class Sample:
               proportion to speed is less by it
     apart_s  longest time from one reading of the speed to the next, of those that ended in the tick, s; 0: short beside
              a tick, inf: too long to know what was between, NaN: none was read
-    pace     how far the position moved as a share of what the speed says, below 0: against it; NaN: it did not turn,
-             or was not read
+    pace     how far the position moved as a share of what the speed says, below 0: against it; inf: it moved though
+             the speed was 0; NaN: it did not turn, or was not read
     slip_mm   by how much the position jumped from one frame to the next, 0: not; NaN: frames are too few to tell
     stay      (cells,) the coverage by time alone, waits at the ends of strokes included: where the nut conducts and
               keeps the air off; None: the same

@@ -79,7 +79,7 @@ class DriveCondenser:
         idle = np.divide(still, time, out=np.zeros(rows), where=angle > 0.0)
         omega = np.divide(angle, time, out=np.abs(speed[latest]), where=time > 0)
         uneven = np.divide(squares * time, angle**2, out=np.ones(rows), where=angle > 0)
-        pace = self._pace(position, speed, joined, turned, into, rows)
+        pace = self._pace(position, speed, joined, (turned, passed), into, rows)
         slip_mm = self._slip(np.array([now, position, speed]), row, rows)
         if self.nut:
             weight = np.where(angle[into] > 0, turned, passed)
@@ -89,19 +89,26 @@ class DriveCondenser:
         self._last, self._row = (float(now[-1]), float(position[-1]), float(speed[-1])), int(row[-1]) - rows
         return Drive(omega, cover, uneven, apart, pace, slip_mm, stay, idle)
 
-    def _pace(self, position: Array, speed: Array, joined: Index, turned: Array, row: Index, rows: int) -> Array:
+    def _pace(
+        self, position: Array, speed: Array, joined: Index, stretch: tuple[Array, Array], row: Index, rows: int
+    ) -> Array:
         """How far the position moves as a share of what the speed says, where that does not turn, (rows,).
 
-        Below 0 where it falls while the speed is positive; NaN where the position is told more seldom than the speed:
-        then it may have turned between two.
+        Below 0 where it falls while the speed is positive; inf where it moves while the speed is 0, told so often that
+        no stroke is missed; NaN where the position is told more seldom than the speed: then it may have turned between
+        two. Of each `stretch` what turned, rad, and what passed, s.
         """
-        moved = position[joined + 1] - position[joined]
-        known = np.isfinite(moved) & (speed[joined] * speed[joined + 1] > 0)
+        moved, (turned, passed) = position[joined + 1] - position[joined], stretch
+        read = np.isfinite(moved)
+        known = read & (speed[joined] * speed[joined + 1] > 0)
+        stands = (np.bincount(row[known], minlength=rows) == 0)[row]  # by the speed alone
+        known |= read & stands & (speed[joined] == 0) & (speed[joined + 1] == 0) & (passed <= QUICK_S)
         sums = (np.abs(moved), moved * np.sign(speed[joined]), self._lead * turned)
         way, along, path = (np.bincount(row[known], amount[known], rows) for amount in sums)
         told, of = (np.bincount(row[some], minlength=rows) for some in (known & (moved != 0), known))
-        sure = (path > 0) & (of >= SOME) & (told > TOLD * of)
-        return np.divide(np.copysign(way, along), path, out=np.full(rows, np.nan), where=sure)
+        sure = np.where(path > 0, told > TOLD * of, (told >= SOME) & (way > SLIP_MM)) & (of >= SOME)
+        with np.errstate(divide="ignore"):
+            return np.divide(np.copysign(way, along), path, out=np.full(rows, np.nan), where=sure)
 
     def _slip(self, frames: Array, row: Index, rows: int) -> Array:
         """By how much the position jumps from one frame to the next, beside what the speed says, (rows,) mm; 0: not.

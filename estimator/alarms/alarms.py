@@ -24,8 +24,8 @@ LACKS_K, STILL_LACKS_K = 0.2, 0.1  # of heat that no effect stands for
 class Alarm:
     """What is wrong, with which channel ("": all of them), and since when, s since the first frame.
 
-    kind    "bias", "nis", "rejected", "silent", "may drift", "heat", "machine", "position", or the word of a Fault of a
-            channel or an input
+    kind    "bias", "nis", "scatter", "rejected", "silent", "may drift", "heat", "machine", "position", or the word of a
+            Fault of a channel or an input
     over_s  of a test, how long the readings were looked at; 0: as they come
     """
 

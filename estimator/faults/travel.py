@@ -112,14 +112,14 @@ class Travel:
     @property
     def why(self) -> str:
         """What is wrong; a jump stays so until the position is back where it must be."""
+        if self._moves >= FEW or math.isinf(self._pace):
+            return "the position moves though the speed says that the screw stands"
         if self._slips >= IN_A_ROW:
             return "the position moves further than the speed says"
         if self._untold >= IN_A_ROW:
             return "the position is not told though the screw turns"
         if self._stands >= IN_A_ROW:
             return "the position stands still though the speed says that the screw turns"
-        if self._moves >= FEW:
-            return "the position moves though the speed says that the screw stands"
         if self._pace:
             return (
                 f"the position moves {self._pace:.2g} times as far as the speed says: check units, scales and lead_mm"
@@ -152,7 +152,7 @@ class Travel:
 
     def _follow(self, sample: Sample | Motion) -> None:
         """What position and speed say."""
-        if math.isfinite(sample.pace) and sample.apart_s < QUICK / 2 * self._tick_s:
+        if not math.isnan(sample.pace) and sample.apart_s < QUICK / 2 * self._tick_s:
             self._keep_pace(sample)
         if not self._given or math.isnan(sample.apart_s):
             return

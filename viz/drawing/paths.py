@@ -72,7 +72,7 @@ LANES: dict[str, Colour] = {  # by how a state begins; what makes the estimate i
     "not read": (39, 46, 46), "refused": (191, 90, 166), "no estimate yet": NOTHING, "not": NOTHING,
 }  # fmt: skip
 KINDS: dict[str, Colour] = {  # alarms of channels
-    "silent": LANES["silent"], **dict.fromkeys(("may_drift", "bias", "nis", "rejected"), UNSURE)
+    "silent": LANES["silent"], **dict.fromkeys(("may_drift", "bias", "nis", "scatter", "rejected"), UNSURE)
 }  # fmt: skip
 BEFORE = POLYLINE
 AFTER = FILTER

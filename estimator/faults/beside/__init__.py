@@ -1,4 +1,4 @@
 """What the thermometers along the screw say of each other.
 
-In the order to read them: local_heat, change, windows, neighbours.
+In the order to read them: local_heat, change, scatter, windows, neighbours.
 """

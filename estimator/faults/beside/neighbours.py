@@ -17,8 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.faults.beside.change import AS_IT_IS, Change, Tested
+from estimator.faults.beside.scatter import Scatter
 from estimator.faults.beside.windows import BLOCK_S, USUAL, WINDOWS, Departure, Means, Windows
-from estimator.faults.fault import Seen
+from estimator.faults.fault import FORGOTTEN_S, Seen
 from estimator.faults.machine import Known, Machine
 from estimator.record import Array
 from estimator.rig import Rig
@@ -73,6 +74,7 @@ class Neighbours:
         self._length = max(1, round(BLOCK_S / rig.tick_s))
         self._windows = Windows(rig.x_mm, noise**2 / (MEAN * self._length), known, rig.screw)
         self._machine = Machine(known, self._heat, rig.tick_s)
+        self._noise, self._scatter = noise, Scatter(self._heat & np.isfinite(noise))
         self._last: deque[tuple[Array, Array]] = deque(maxlen=MEAN)
         self._past: deque[Means] = deque(maxlen=WINDOWS[-1] + 1)
         self._alone, self._rough_K = np.full(m, np.nan), np.zeros(m)  # of the last block; so far
@@ -101,6 +103,7 @@ class Neighbours:
             block.difference += difference[some].sum(axis=0)
             block.alone += seen.alone[some].sum(axis=0)
             block.doubt += seen.doubt[some].sum(axis=0)
+            self._scatter.hear(difference[some])
             self._machine.hear(seen, some, used[some] & (self.may_drift_K == 0.0))
             self._astray |= bool(astray and seen.astray[some].any())
             self._tell(told, some)
@@ -163,6 +166,7 @@ class Neighbours:
         self._windows.known, self._windows.departs_K = known, np.zeros(len(self._alone))
         self._past.clear()
         self._last.clear()
+        self._scatter.begin()
         self._block = Block()
         for i in list(self._lacked):
             self._lacks_no_more(i)
@@ -172,6 +176,8 @@ class Neighbours:
     def _close(self, block: Block, now_s: float) -> int | None:
         """The end of a block: which channel has failed often enough."""
         self._machine.block(block.ticks)
+        self._windows.noisier = self._scatter.times(self._noise**2)
+        self._scatter.fade(np.exp(-block.ticks * self._tick_s / FORGOTTEN_S))
         self._windows.share, self._windows.place_mm = self._machine.share, self._machine.place_mm
         if self._astray or self.elsewhere:
             self._astray = False

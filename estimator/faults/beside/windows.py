@@ -70,13 +70,14 @@ class Windows:
     known, share  how well its parameters are known, and by which share of their values they are off nevertheless
     place_mm      by how much the nut's heat may stand elsewhere than the position says
     departs_K     (m,) by how much each departs most from the others in ten minutes; models may lack as much
+    noisier       by how many times as large a variance thermometers scatter as the model says, at least 1
     warm          (m,) bool, where there has been heat that the model lacks, which may go on, or have ended, as well
     """
 
     def __init__(self, x_mm: Array, variance: Array, known: Known, screw: Screw | None) -> None:
         """x_mm (m,) places along the screw, NaN: a channel without neighbours; variance (m,) of a mean, K^2."""
         self.known, self.share, self.place_mm = known, 0.0, 0.0
-        self._x, self._scatter = x_mm, COMMON_K**2 + np.diag(2.0 * variance)
+        self._x, self._variance, self.noisier = x_mm, variance, 1.0
         self._order = np.argsort(x_mm)
         self._alike = np.exp(-0.5 * ((x_mm[:, None] - x_mm) / ALIKE_MM) ** 2)
         self._unknown = SMOOTH_K**2 * self._alike + SINGLE_K**2 * np.eye(len(x_mm))  # in two minutes
@@ -84,6 +85,11 @@ class Windows:
         self._beside_neighbours = cache(self._neighbours_of)
         self._heats = lru_cache(WARMED)(lambda blocks: local_heats(x_mm, screw, blocks * BLOCK_S))
         self._beside, self._scale = np.zeros((len(WINDOWS), len(x_mm))), np.ones(len(WINDOWS))
+
+    @property
+    def _scatter(self) -> Array:
+        """What all changes have in common, and scatter, (m, m) K^2."""
+        return np.asarray(COMMON_K**2 + np.diag(2.0 * self.noisier * self._variance))
 
     def rough(self, change: Array) -> Array:
         """How far the model alone has changed beside what it says of the neighbours, (m,) K."""

@@ -32,11 +32,15 @@ def step_of(rig: Rig, k: int, innovation: np.ndarray, nis: float, measured: np.n
     )  # fmt: skip
 
 
-def lived(rig: Rig, ticks: int, bias_sd: float = 0.0, spread: float = 1.0, seed: int = 1, false_s: float = 3600.0):
-    """Alarms of a rig whose innovations are off by so much: (tick, begun, over)."""
-    dice, alarms = np.random.default_rng(seed), Alarms(rig, false_s)
+def lived(
+    rig: Rig, ticks: int, bias_sd: float = 0.0, spread: float = 1.0, seed: int = 1, false_s: float = 3600.0,
+    lasts: float = 0.0,
+):  # fmt: skip
+    """Alarms of a rig whose innovations are off by so much, a part of which lasts: (tick, begun, over)."""
+    dice, alarms, own = np.random.default_rng(seed), Alarms(rig, false_s), np.zeros(len(rig.names))
     for k in range(ticks):
-        scaled = spread * dice.standard_normal(len(rig.names)) + bias_sd
+        own = lasts * own + np.sqrt(1.0 - lasts**2) * dice.standard_normal(len(rig.names))
+        scaled = spread * own + bias_sd
         begun, over = alarms.step(step_of(rig, k, SD * scaled, float((scaled**2).sum())))
         yield k, begun, over
 
@@ -83,11 +87,19 @@ def test_a_bias_is_found_named_and_passes(small):
 
 
 def test_innovations_twice_too_large_are_found(small):
-    found = [(k, a) for k, begun, _ in lived(small, 200, spread=2.0, false_s=30 * 86400.0) for a in begun]
+    found = [(k, a) for k, begun, _ in lived(small, 200, spread=2.0, false_s=30 * 86400.0, lasts=0.9) for a in begun]
     k, alarm = next((k, a) for k, a in found if a.kind == "nis")
     assert k == 59
-    assert alarm.text == "the innovations are 1.9 times as large as they should be"
+    assert alarm.text == "the innovations are 1.8 times as large as they should be"
     assert alarm.since_s == 0.0
+
+
+@pytest.mark.parametrize(("spread", "kind"), [(2.0, "scatter"), (5.0, "nis")])
+def test_sensors_that_scatter_twice_as_much_are_told_and_no_reason_to_distrust_and_five_times_are(spread, kind, small):
+    told = [alarm for _, begun, _ in lived(small, 700, spread=spread, false_s=30 * 86400.0) for alarm in begun]
+    assert {alarm.kind for alarm in told} == {kind}
+    if kind == "scatter":
+        assert told[0].text == "the thermometers scatter 1.8 times as much as the model says: ballscrew tune"
 
 
 def test_a_machine_that_is_not_the_models_is_told_until_it_is_again(small):

@@ -77,12 +77,13 @@ def test_a_position_that_stands_and_a_speed_that_is_dead(rig, drive):
     assert told(rig, position, running)[145] == "the position stands still though the speed says that the screw turns"
 
 
-def paced(rig, times, mm_s=40.0, signed=True, every=1):
+def paced(rig, times, mm_s=40.0, signed=True, every=1, turns=1.0):
     """What is said at each tick of speeds ten a second, of a position, with every so many of them, that moves so many
-    times as far from 200 s to 400 s."""
+    times as far from 200 s to 400 s, and of a speed that is so many times as high."""
     position, speed = strokes(mm_s, 0.1, 3)
     moved = np.diff(position, prepend=position[0])
     moved[2000:4000] *= times
+    speed[2000:4000] *= turns
     now = 0.1 * np.arange(len(position))
     row, rpm = (now + 0.05).astype(int), speed / rig.the_screw().lead_mm * 60.0
     read = {"position": np.cumsum(moved), "speed": rpm if signed else abs(rpm)}
@@ -118,6 +119,15 @@ def test_the_pace_of_a_drive_that_turns_often_is_right(mm_s, signed, every, rig)
 
 def test_a_speed_without_a_sign_still_tells_of_inches(rig):
     assert any(why.endswith("lead_mm") for why in paced(rig, 1 / 25.4, signed=False)[0])
+
+
+@pytest.mark.parametrize("mm_s", [6.0, 40.0, 330.0])
+def test_a_speed_that_is_dead_is_said_however_often_the_table_turns(mm_s, rig):
+    whys, _ = paced(rig, 1.0, mm_s, turns=0.0)
+    said = [k for k, why in enumerate(whys) if why == "the position moves though the speed says that the screw stands"]
+    assert 200 < said[0] < 215
+    assert 395 < said[-1] < 410
+    assert "" not in whys[said[0] : said[-1]]
 
 
 RAMP_MM_S2 = 2000.0

@@ -62,6 +62,14 @@ def test_of_healthy_thermometers_none_is_suspected(usual):
     assert not usual.may_drift_K.any()
 
 
+def test_of_healthy_thermometers_that_scatter_more_than_the_model_says_none_is_suspected(healthy, paper):
+    """Another machine's may be others; what they scatter by is seen, and no drift."""
+    rig, model = paper
+    noise = np.random.default_rng(8).normal(0.0, 0.04, healthy.channels.shape)
+    noisy = replace(healthy, channels=healthy.channels + np.where(rig.is_thermometer, noise, 0.0))
+    assert not replay(model, rig, noisy).may_drift_K.any()
+
+
 def test_a_drift_is_suspected_and_used_before_it_is_accused(found):
     track = found(6.0)[1].track
     first, accused = suspected(track)[0], np.flatnonzero(track.fault[:, ONE] == Fault.DRIFTING)[0]
