@@ -13,7 +13,7 @@ import numpy as np
 from estimator.batch.trials import Trials
 from estimator.effect import Effect
 from estimator.hypotheses.candidates import Candidate, candidates
-from estimator.hypotheses.criterion import PROMISE, clearly, material, most, proven, worth
+from estimator.hypotheses.criterion import GOOD, PROMISE, clearly, material, most, proven, worth
 from estimator.hypotheses.ground import Ground
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation, Panel
@@ -114,13 +114,23 @@ class Side:
         """
         both = self._pairs([one.candidate for one in self._few(2 * REFINED)])
         best, tried = (self.single, self.tried) if self.missing else (self.plain.judged, math.comb(self.tried, 2))
-        if not both or not clearly(best, both[0][1], tried):
-            return None
-        effects = [two for two, _ in both if not any(map(is_input, two))][:REFINED]
-        wrong = [both[0][0]] if both[0][0] not in effects else []
-        fitted = [refined(self.ground, self.trials, two) for two in (*effects, *wrong)]
+        fitted = [refined(self.ground, self.trials, two) for two in self._to_fit(both, best, tried)]
         found = [h for h in fitted if material(h, best, tried) and not too_small(h)]
         return min(found, key=lambda h: h.misfit, default=None)
+
+    def _to_fit(
+        self, both: Sequence[tuple[list[Candidate], Explanation]], best: Explanation, tried: int
+    ) -> list[list[Candidate]]:
+        """Pairs, best first, that are fitted in full: those that the screen promises, with what is best of all.
+
+        Of what stores heat slopes tell little: while much is left, such pairs are fitted whatever the screen says.
+        """
+        promising = bool(both) and clearly(best, both[0][1], tried)
+        sound = [two for two, _ in both if not any(map(is_input, two))]
+        few = sound[:REFINED] if promising else []
+        if best.misfit > GOOD:
+            few += [two for two in sound[len(few) :] if any(one.body for one in two)][:REFINED]
+        return [*few, both[0][0]] if promising and both[0][0] not in few else few
 
     def _few(self, count: int) -> list[Screened]:
         """The best effects of the screen, so many, and each wrong input that promises more than the last of them."""
