@@ -22,7 +22,8 @@ THERMOMETER = "thermometer"
 def temperatures(seen: Sequence[Seen]) -> list[Guess]:
     """All temperatures among these signals: the thermometers first, in the order of their numbers.
 
-    Thermometers are the largest family of names that differ in a number only; without one, all that no other place is
+    Thermometers are the largest family of names that differ in a number only, of those called temperatures where there
+    are such; without one, all that no other place is
     known of by their names. None is an InputError that says what there is.
     """
     found = {one.source: unit for one in seen if (unit := unit_of(one, seen))}
@@ -47,7 +48,10 @@ def _on_it(warm: Sequence[Seen]) -> tuple[list[Seen], str]:
     plain = [one for one in warm if not words.role_of(one.label) and not words.says(one.label, words.WANTED)]
     for group in (plain, warm):
         counts = Counter(words.family(one.label) for one in group if words.number_in(one.label))
-        name, most = counts.most_common(1)[0] if counts else ("", 0)
+        called = Counter(
+            {name: n for name, n in counts.items() if n >= _FAMILY and words.says(name, words.TEMPERATURE)}
+        )
+        name, most = (called or counts).most_common(1)[0] if counts else ("", 0)
         if most >= _FAMILY:
             alike = [one for one in group if words.family(one.label) == name]
             return sorted(alike, key=lambda one: words.number_in(one.label)), f"{most} named {name}"

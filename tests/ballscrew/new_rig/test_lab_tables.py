@@ -74,6 +74,16 @@ def test_a_heater_that_is_on_or_off_heats_and_stamps_of_each_thermometer_are_non
     assert 'u["heater_on"]' in (tmp_path / "box" / "effects.py").read_text()
 
 
+def test_of_volts_and_what_they_mean_the_temperatures_are_the_thermometers(tmp_path):
+    """A logger writes what it read beside what it made of it."""
+    rows = [
+        ",".join([str(5 * k), *(f"{0.2 + 0.001 * k},{20 + 0.1 * k + place}" for place in range(4))]) for k in range(90)
+    ]
+    (tmp_path / "rod.csv").write_text("\n".join(["time,V1,T1,V2,T2,V3,T3,V4,T4", *rows, ""]))
+    told = roles(made(tmp_path / "rod.csv", "-o", tmp_path / "rod"))
+    assert [name for name, role in told.items() if role == "thermometer"] == ["T1", "T2", "T3", "T4"]
+
+
 def test_a_csv_without_names_is_told_to_get_some(tmp_path):
     bare = tmp_path / "bare.csv"
     bare.write_text("0,0,299.5\n" * 60)  # two columns of one name, if these were names
