@@ -25,6 +25,7 @@ ROOM_MM = 2000.0
 CAPACITY = 50.0  # of a body, J/K: what else is fitted is in proportion to it
 MEDIAN = 0.6745  # of what is spread normally, of the absolute values, in sd
 ROUNDING_K = 1e-6
+OF_BODIES = {**VOCABULARY, "Store": "estimator.terms", "combinations": "itertools"}
 _PARTS = 100  # of a recording, over which a heater warms what is beside it
 _BODIES = '''class Bodies(Effect):
     """The bodies store heat, and lose it to the air.
@@ -33,7 +34,7 @@ _BODIES = '''class Bodies(Effect):
     """
 
     capacity = Param(50.0, "J/K", lo=0.1, hi=1e5, fixed=True, source="guessed: weigh them; 450 J/K for a kg of steel")
-    g = Param(0.2, "W/K", lo=0.0, hi=100.0, null=0.0, source="guessed: 10 W/(m2 K) on 0.02 m2; a fit finds it")
+    g = Param(0.2, "W/K", lo=0.0, hi=100.0, source="guessed: 10 W/(m2 K) on 0.02 m2; a fit finds it")
     noise = Param(0.1, "W/sqrt(Hz)", lo=1e-5, hi=100.0, fixed=True, source="guessed: draughts")
 
     def terms(self, p, u, rig):
@@ -41,6 +42,34 @@ _BODIES = '''class Bodies(Effect):
             yield Store(body, p.capacity, p.noise)
             yield Link(body, "ambient", p.g)
 '''
+_UNUSED = {  # classes that no model has yet, and how many bodies they need: `suggest` tries what stands in the file
+    """class Coupling(Effect):
+    \"\"\"The bodies warm each other. In no model yet: `ballscrew suggest` tries it.
+
+    q = g (T_one - T_other), of any two
+    \"\"\"
+
+    g = Param(0.02, "W/K", lo=0.0, hi=100.0, null=0.0, source="guessed: air and what they stand on between them")
+
+    def terms(self, p, u, rig):
+        for one, other in combinations(rig.bodies, 2):
+            yield Link(one, other, p.g)
+""": 2,
+    """class Inside(Effect):
+    \"\"\"Something in each body, or beside it, stores heat too. In no model yet: `ballscrew suggest` tries it.
+
+    C dT/dt = g (T_body - T)
+    \"\"\"
+
+    capacity = Param(20.0, "J/K", lo=0.1, hi=1e5, source="guessed: less than the body")
+    g = Param(0.1, "W/K", lo=0.0, hi=100.0, null=0.0, source="guessed: a fit finds it")
+
+    def terms(self, p, u, rig):
+        for body in rig.bodies:
+            yield Store(f"in_{body}", p.capacity, 1e-6)
+            yield Link(body, f"in_{body}", p.g)
+""": 1,
+}
 
 
 def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> None:
@@ -48,7 +77,7 @@ def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> None:
     model = Model({}, {}, name="model.toml", folder=folder)
     text = HEAD
     if not rig.screw:
-        text = with_class(text, _BODIES, {**VOCABULARY, "Store": "estimator.terms"}, folder / EFFECTS)
+        text = with_class(text, _BODIES, OF_BODIES, folder / EFFECTS)
     for guess in guesses:
         if guess.role == "heater":
             text = with_class(text, _heater(guess, guesses, rig), VOCABULARY, folder / EFFECTS)
@@ -56,6 +85,7 @@ def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> None:
     if text != HEAD:
         (folder / EFFECTS).write_text(text, encoding="utf-8")
         own = own_effects(folder / EFFECTS)
+        _write_unused(rig, text, folder / EFFECTS)
     for effect in [CATALOGUE[name] for name in of_the_catalogue(rig)] + list(own.values()):
         model = model + effect
     guessed = dict(_powers(rig, guesses, own))
@@ -66,6 +96,14 @@ def write_model(rig: Rig, guesses: Sequence[Guess], folder: Path) -> None:
     model = replace(model, values={**model.values, **unsure})
     model = replace(model, use={effect.name: f"{EFFECTS}:{cls}" for cls, effect in own.items()})
     save_model(model, folder / "model.toml")
+
+
+def _write_unused(rig: Rig, text: str, path: Path) -> None:
+    """Write what the bodies may lack below what the model has."""
+    for added, bodies in _UNUSED.items():
+        if not rig.screw and len(rig.bodies) >= bodies:
+            text = with_class(text, added, OF_BODIES, path)
+    path.write_text(text, encoding="utf-8")
 
 
 def of_the_catalogue(rig: Rig) -> Iterator[str]:
@@ -126,7 +164,7 @@ def _longer(rig: Rig) -> Rig:
 def _class_of(guess: Guess) -> str:
     """The name of its effect's class, which no other has."""
     cls = "".join(word[:1].upper() + word[1:] for word in guess.name.split("_"))
-    taken = {*VOCABULARY, "Bodies", "Store", *(effect.__name__ for effect in CATALOGUE.values())}
+    taken = {*OF_BODIES, "Bodies", "Coupling", "Inside", *(effect.__name__ for effect in CATALOGUE.values())}
     return f"{cls}Power" if cls in taken else cls
 
 

@@ -86,8 +86,8 @@ def tokens(name: str) -> list[str]:
 def plain_name(name: str) -> str:
     """A name for rig.toml: words and numbers, without the unit."""
     bare = _BRACKETS.sub("", name).strip()
-    found = tokens(bare)[: -1 if unit_in_tail(bare) else None]
-    return "_".join([*found, *map(str, number_in(bare))]) or name
+    bare = bare.removesuffix(unit_in_tail(bare))
+    return "_".join([*tokens(bare), *map(str, number_in(bare))]) or name
 
 
 def says(name: str, words: str) -> bool:

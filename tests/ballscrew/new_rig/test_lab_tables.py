@@ -1,5 +1,6 @@
 """`ballscrew init` from lab CSVs: a rod, two bodies, a screw whose columns are named in German."""
 
+import json
 import re
 from pathlib import Path
 
@@ -72,6 +73,19 @@ def test_a_heater_that_is_on_or_off_heats_and_stamps_of_each_thermometer_are_non
     assert load_rig(tmp_path / "box").inputs["heater_on"].unit == "1"
     assert load_model(tmp_path / "box" / "model.toml")["heater_on.power"] == pytest.approx(50.0 * 0.033, rel=0.5)
     assert 'u["heater_on"]' in (tmp_path / "box" / "effects.py").read_text()
+
+
+def test_what_two_bodies_may_lack_stands_beside_and_is_found(tmp_path):
+    """In no model, in effects.py: two heaters that warm each other, of columns that end in a unit."""
+    for path in sorted(TWO.parent.glob("*.csv")):
+        (tmp_path / path.name).write_text(path.read_text().replace("heater_1,heater_2", "heater_1_%,heater_2_%", 1))
+    made(*sorted(tmp_path.glob("*.csv")), "-o", tmp_path / "rig")
+    assert [*load_model(tmp_path / "rig" / "model.toml").effects] == ["thermometers", "bodies", "heater1", "heater2"]
+    assert ballscrew("effects", tmp_path / "rig" / "effects.py", "--check")[0] == 0
+    fitted = tmp_path / "rig" / "fitted.toml"
+    assert ballscrew("fit", tmp_path / "rig", "-o", fitted)[0] == 0
+    said = json.loads(ballscrew("suggest", tmp_path / "rig", "--model", fitted, "--json", "--quiet")[1])
+    assert "coupling" in (said["pair"] or [said["effects"][0]["name"]])
 
 
 def test_of_volts_and_what_they_mean_the_temperatures_are_the_thermometers(tmp_path):
