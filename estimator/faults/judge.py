@@ -126,9 +126,10 @@ class Judge:
     def _loosen(self, share: float) -> Array | None:
         """By how much more channels may have drifted than was said of them before, (m,).
 
-        None where the model is off by a share: then what it misses is as likely heat, which only readings tell of
+        None where the model is off by more than the least share: then what it misses is as likely heat, which only
+        readings tell of
         """
-        own = (self.fault == Fault.NONE) & (share < SHARES[1])
+        own = (self.fault == Fault.NONE) & (share < SHARES[2])
         may_K = np.where(own, np.abs(self._neighbours.may_drift_K), 0.0)
         more = np.sqrt(np.maximum(may_K**2 - self._loose_K**2, 0.0))
         self._loose_K = np.where(may_K > 0.0, np.maximum(may_K, self._loose_K), 0.0)

@@ -11,7 +11,7 @@ which they may be off beside what a fit has left open:
 Each share has the weight that it began with times its likelihood, and the root of their mean square is that of the run.
 As many filters again take the position of the table for told with another zero: d has one element more, of 100 mm,
 which moves readings only since the screw has turned. The thermometer that the likeliest of them explains worst is not
-heard: one may be broken.
+heard, nor the one that departs most from the others (beside/windows.py): one may be broken.
 """
 
 from __future__ import annotations

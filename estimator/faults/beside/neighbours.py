@@ -104,7 +104,7 @@ class Neighbours:
             block.alone += seen.alone[some].sum(axis=0)
             block.doubt += seen.doubt[some].sum(axis=0)
             self._scatter.hear(difference[some])
-            self._machine.hear(seen, some, used[some] & (self.may_drift_K == 0.0))
+            self._machine.hear(seen, some, used[some] & (self.may_drift_K == 0.0) & ~self._windows.furthest)
             self._astray |= bool(astray and seen.astray[some].any())
             self._tell(told, some)
             block.ticks, k, before = block.ticks + some.stop - k, some.stop, self._state

@@ -87,6 +87,14 @@ class Windows:
         self._beside, self._scale = np.zeros((len(WINDOWS), len(x_mm))), np.ones(len(WINDOWS))
 
     @property
+    def furthest(self) -> Array:
+        """The thermometer that departs most, if any does, (m,) bool: it may drift, and is no witness of the model.
+
+        Where that is another machine's, the others are enough to tell.
+        """
+        return np.asarray((self.departs_K > 0.0) & (self.departs_K == self.departs_K.max()))
+
+    @property
     def _scatter(self) -> Array:
         """What all changes have in common, and scatter, (m, m) K^2."""
         return np.asarray(COMMON_K**2 + np.diag(2.0 * self.noisier * self._variance))
