@@ -53,6 +53,8 @@ def worse(fit: Fit) -> list[str]:
 
 def _cautions(fit: Fit) -> list[str]:
     said = [f"{a} and {b} cannot be told apart well: their errors correlate by {rho:+.3f}" for a, b, rho in fit.alike]
+    if fit.scatter > 1.0:
+        said.append(f"thermometers' noise x {fit.scatter:.2f}: successive readings differ by more than it said")
     if fit.raised.others >= WORTH_SAYING:
         said.append(
             f"process noise x {fit.raised.others:.2f}: ten minutes without readings ended further off than it said"
@@ -79,6 +81,7 @@ def as_json(fit: Fit) -> dict[str, object]:
     return {
         "recordings": recordings_json(fit.uses),
         "parameters": parameters, **errors, "process_noise_raised": vars(fit.raised),
+        "thermometer_noise_raised": fit.scatter,
         "correlated": [{"parameters": [a, b], "correlation": rho} for a, b, rho in fit.alike],
         "converged": fit.converged, "stopped": fit.stopped, "steps": fit.steps,
     }  # fmt: skip

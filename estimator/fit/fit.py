@@ -1,12 +1,13 @@
 """Fit a model's free parameters to recordings.
 
 Least squares on the open-loop run, priors included (`follow`), then what only the displacement shows by the filter
-(`calibrated`), then noise levels that are free by likelihood, all else
-held (`likely`). A likelihood judges each second's prediction: what no effect explains, small but lasting, pulls its
-parameters away from those that predict best; so it finds noise alone.
+(`calibrated`), then noise levels that are free by likelihood, all else held (`likely`). A likelihood judges each
+second's prediction: what no effect explains, small but lasting, pulls its parameters away from those that predict best;
+so it finds noise alone.
 
-A filter must not trust a model more than its errors allow: where ten blind minutes end further off than the process
-noise says, or thermometers that it does not see, it is raised (`tune`), and never lowered.
+A filter must not trust readings more than they scatter, nor a model more than its errors allow: where successive
+readings differ by more than their noise says, that is raised (`scattered`); and where ten blind minutes end further off
+than the process noise says, or thermometers that it does not see, this is (`tune`). Neither is lowered.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from estimator.errors import InputError, SetupError
 from estimator.faults.use import Use
 from estimator.fit.calibration import calibrated
 from estimator.fit.likelihood import Likelihood, Likely, likely
-from estimator.fit.noise import noise_levels
+from estimator.fit.noise import noise_levels, scattered
 from estimator.fit.open_loop_fit import Followed, follow
 from estimator.fit.tune import Factors, scaled
 from estimator.model import Model
@@ -60,7 +61,8 @@ class Fitted:
 class Fit:
     """A fit's outcome.
 
-    raised         factors by which the process noise had to be raised, 1: not at all
+    scatter        factor by which the thermometers' noise had to be raised, 1: not at all
+    raised         factors by which the process noise had to be, likewise
     alike          pairs of parameters whose errors correlate by more than 0.95, with the correlation
     before, after  errors by horizon of the model as it came and as it left
     converged      whether the search came to its end; `stopped`: by the user;  steps: open-loop runs it took
@@ -69,6 +71,7 @@ class Fit:
 
     model: Model
     parameters: tuple[Fitted, ...]
+    scatter: float
     raised: Factors
     alike: tuple[tuple[str, str, float], ...]
     before: dict[str, Error]
@@ -114,9 +117,11 @@ def _outcome(model: Model, found: Likely, followed: Followed, trials: Trials, ru
     for path, like in followed.left.items():
         fitted[path] = Fitted(path, model[path], model[path], model.param(path).unit, like=like)
     about = {"rig": runs.rig.fingerprint(), "fitted_on": {r.name: r.fingerprint for r in runs.recordings}}
-    better, raised = _raised(replace(better, about={**better.about, **about}), trials)
+    better, scatter = scattered(replace(better, about={**better.about, **about}), trials)
+    better, raised = _raised(better, trials)
+    told = tuple(fitted[path] for path in model.values if path in fitted)
     return Fit(
-        better, tuple(fitted[path] for path in model.values if path in fitted), raised, alike(paths, covariance),
+        better, told, scatter, raised, alike(paths, covariance),
         errors(trials, model), errors(trials, better), followed.converged and found.converged,
         followed.stopped or found.stopped, followed.runs, trials.uses,
     )  # fmt: skip

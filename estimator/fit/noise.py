@@ -8,12 +8,15 @@ from dataclasses import astuple, dataclass
 import numpy as np
 
 from estimator.accuracy.quality import ChannelQuality
+from estimator.batch.open_loop import open_loop_misfit
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials
+from estimator.faults.beside.scatter import Scatter
 from estimator.model import Model
 from estimator.sensitivity.tangent import tangent
 
 COLOURED = 0.15  # an autocorrelation beyond that of chance from which on innovations are not white
+ENOUGH = 1.1  # noise is not raised for less
 CHANCE = 2.0  # times 1 / sqrt(readings): about the largest of many autocorrelations of white innovations
 
 
@@ -60,6 +63,25 @@ def of_places(paths: Sequence[str], model: Model, trial: Trial) -> list[str]:
     """Those process noises that are independent from place to place: the screw's own, not a heat's or a body's."""
     posed = trial.pose(model)
     return [path for path in paths if np.linalg.matrix_rank(tangent(trial, posed, model, path).network.noise[0]) > 1]
+
+
+def scattered(model: Model, trials: Trials) -> tuple[Model, float]:
+    """The model with its thermometers' noise raised to what successive readings differ by, and the factor; 1: it was
+    enough. What a model lacks lasts, and is not in it."""
+    rig, trial = trials[0].rig, trials[0]
+
+    def times(trial: Trial) -> float:
+        posed, heard = trial.pose(model), Scatter(trial.rig.is_thermometer)
+        heard.hear(open_loop_misfit(trial, posed))
+        return heard.times(posed.forcing.readings.sd**2)
+
+    factor = float(np.sqrt(np.median(trials.each(times))))
+    if factor < ENOUGH:
+        return model, 1.0
+    levels = noise_levels(model, trials)["measurement"]
+    theirs = [path for path in levels if {*channels_of(path, model, trial)} & {*rig.thermometers}]
+    found = {path: min(factor * model[path], model.param(path).hi) for path in theirs}
+    return model.with_values(found), factor if found else 1.0
 
 
 def coloured(channels: Sequence[ChannelQuality]) -> bool:

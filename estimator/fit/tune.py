@@ -31,7 +31,7 @@ from estimator.batch.trials import Trials, slowed, trials_of
 from estimator.errors import SetupError
 from estimator.faults.use import Use
 from estimator.fit.likelihood import likely
-from estimator.fit.noise import channels_of, coloured, noise_levels, of_places
+from estimator.fit.noise import ENOUGH, channels_of, coloured, noise_levels, of_places
 from estimator.fit.unseen import unseen
 from estimator.model import Model
 from estimator.work import Progress, Runs, one_thread, silent
@@ -39,8 +39,7 @@ from estimator.work import Progress, Runs, one_thread, silent
 WIDEST = np.log(30.0)  # the factor on process noise is sought between 1/30 and 30
 STEP = 0.5  # of its logarithm, from which the search begins: there may be several peaks
 KNOWN = 1.0  # sd of that logarithm before anything was seen
-CLOSE = 0.1  # to which the logarithm of a factor is sought, ...
-ENOUGH = 1.1  # ... so that noise is not raised for less
+CLOSE = 0.1  # to which the logarithm of a factor is sought
 
 
 @dataclass(frozen=True)

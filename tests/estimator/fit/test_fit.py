@@ -99,6 +99,17 @@ def test_a_model_that_misses_an_effect_is_trusted_less(rig, full, driven, live):
     assert left.model["conduction.noise"] == pytest.approx(left.raised.places * full["conduction.noise"])
 
 
+@pytest.mark.parametrize("times", [1.0, 2.0])
+def test_thermometers_scatter_as_they_were_read(times, rig, full, driven, live):
+    """Their noise is raised to it, and no other noise in its place; what is right stays to the last digit."""
+    scattering = full.with_values({**TRUE, "thermometers.sd": times * full["thermometers.sd"]})
+    lived = live(scattering, rig, driven(rig, 1500, (0, 700)), seed=6).recording
+    found = fit(only(full.with_values(TRUE), "nut_friction.power"), Runs(rig, [lived]))
+    assert found.scatter == pytest.approx(times, rel=0.05)
+    assert found.model["thermometers.sd"] == pytest.approx(found.scatter * full["thermometers.sd"])
+    assert found.raised.others == 1.0
+
+
 def test_the_fitted_model_knows_what_it_was_fitted_to(found, rig, lived, full):
     assert found.model.about["rig"] == rig.fingerprint()
     assert found.model.about["fitted_on"] == {"driven": lived.fingerprint}
