@@ -69,8 +69,8 @@ def test_fit_says_in_a_table_what_changed_and_as_json_all_it_knows(rig_folder):
             f"{fitted['sd']:.2g}", "W",
         ]  # fmt: skip
     assert set(told) == {
-        "parameters", "one_step", "ahead", "open_loop", "process_noise_raised", "thermometer_noise_raised", "correlated",
-        "converged", "stopped", "steps", "recordings",
+        "parameters", "one_step", "ahead", "open_loop", "process_noise_raised", "thermometer_noise_raised",
+        "correlated", "converged", "stopped", "steps", "recordings",
     }  # fmt: skip
     assert told["ahead"]["after"]["temperature_K"] is None  # seven minutes
     assert f"model: {out}" in text
