@@ -1,8 +1,8 @@
 """The judge: which channels are fused at a tick, and which are broken, how, and since when.
 
 A thermometer that leaves the model alone is held, and after ten seconds it is left out for a fault of its own; where
-most leave together, the telemeter has other zeros, or the run began with what were no temperatures. Where most leave and
-have not moved as far themselves, or went there step by step, the model has left them, and they are believed; so are
+most leave together, the telemeter has other zeros, or the run began with what were no temperatures. Where most leave
+and have not moved as far themselves, or went there step by step, the model has left them, and they are believed; so are
 fewer than three, of which none is the others' witness. A length has no neighbours: where it jumps it has another zero,
 and where it departs slowly the model is wrong, and it is believed, until it has led the estimate further from what
 thermometers alone say than these and the model allow.
