@@ -5,6 +5,7 @@ import pytest
 
 from drivers.recordings import read_recording
 from estimator.accuracy.review import review
+from estimator.filter import Filter
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from tests.boxes import box, run
@@ -18,7 +19,10 @@ def test_what_a_model_lacks_is_no_fault_of_few_thermometers_and_what_jumps_is(tm
     rig, heater = load_rig(box(tmp_path)), (TICKS % 400 < 60) & (TICKS > 20)
     recording = read_recording(run(tmp_path / "run.csv", heater, lid=range(900, 940), jump_K=(1100, jump_K)), rig)
     assert {*recording.inputs["heater"]} == {0.0, 1.0}
-    use = review(recording, rig, load_model(tmp_path / "model.toml")).use
+    model = load_model(tmp_path / "model.toml")
+    found, live = review(recording, rig, model), Filter(model, rig)
+    use = found.use
     assert [one.spells[-1].fault.word if one.spells else "" for one in use.channels] == broken
     assert not use.again
     assert not use.jumps
+    np.testing.assert_array_equal([live.step(sample).fault for sample in recording], found.track.fault)
