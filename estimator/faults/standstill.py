@@ -31,9 +31,8 @@ class Standstill:
     The resolution is the smallest change ever seen. A coarse sensor, whose readings change by one step or not at all,
     may well stand still: of it nothing can be said. What a thermometer's own noise is shows where a change goes back
     on the one before, in the smaller of the two: a temperature may rise by many steps a tick, and then rest within
-    one. A length has seldom a
-    reading: all its changes count, and it counts as many repeats by chance are unlikely, n ln(mean change /
-    resolution), and no more than its readings have stood before are so.
+    one. A length has seldom a reading: all its changes count, and it counts as many repeats by chance are unlikely,
+    n ln(mean change / resolution), and no more than its readings have stood before are so.
     """
 
     def __init__(self, heat: Array) -> None:

@@ -14,9 +14,7 @@ from estimator.hypotheses.panel import Explanation, Panel
 from estimator.hypotheses.slopes import Column
 from estimator.work import Runs
 
-LEAST_GAIN = (
-    20.0  # twice the log-likelihood of an event that is tried: whether it counts, the recording without it tells
-)
+LEAST_GAIN = 20.0  # twice the log-likelihood of an event that is tried; the recording without it tells if it counts
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,7 @@ from estimator.hypotheses.screening import Screened, screening
 from estimator.hypotheses.slopes import Column
 from estimator.missing_effect.wrong_always import inputs_in, is_input, too_small, wrong_inputs
 
-REFINED = (
-    3  # effects, own parameters and pairs that are fitted in full on each ground; wrong inputs before the last too
-)
+REFINED = 3  # effects, own parameters, pairs that are fitted in full on each ground; wrong inputs before the last too
 
 
 class Side:
