@@ -22,6 +22,7 @@ from estimator.record import Recording
 from estimator.rig import Rig, Signal
 
 _SAMPLE = 5000  # rows that tell the decimal mark
+SWITCHED = ("1", "")  # units of what may be on or off; none: nobody has said one yet
 _COARSEST_S = 90.0  # of a clock of hours and minutes
 
 
@@ -48,8 +49,11 @@ class Table:
         self.columns: dict[str, Array] = {}
         self.never: dict[str, str] = {}
         for name in cells:
-            warm = name in signals and signals[name].unit in ("degC", "K")  # of which "off" tells nothing
-            values = None if warm else switched(cells[name])
+            bare = (
+                name in signals and signals[name].unit in SWITCHED
+            )  # an "off" thermometer or heater in W says no number
+            values = switched(cells[name]) if bare else None
+            self.said += [f"{name} on and off as 1 and 0"] if values is not None else []
             values = self._measured(cells[name], name) if values is None else values
             self.columns[name] = to_the_unit(values, sheet, found, name, signals[name]) if name in signals else values
         self.time, local = self._timed(texts, sheet, found)

@@ -136,6 +136,7 @@ def test_thermometers_alone_in_degrees_fahrenheit_are_asked_about(tmp_path: Path
 @pytest.mark.parametrize(("words", "unit", "read"), [
     (("True", "FALSE", "true"), "1", [1.0, 0.0, 1.0]), (("ein", "", "aus"), "1", [1.0, np.nan, 0.0]),
     (("on", "off", "0.5"), "1", [np.nan, np.nan, 0.5]), (("on", "off", "on"), "degC", [np.nan] * 3),
+    (("off", "on", "off"), "W", [np.nan] * 3),
 ])  # fmt: skip
 def test_a_column_of_on_and_off_is_1_and_0_but_no_temperature(tmp_path, words, unit, read):
     (tmp_path / "rig.toml").write_text(ROD + f'switch = {{ unit = "{unit}", lo = 0.0, hi = 100.0 }}\n')
@@ -143,5 +144,6 @@ def test_a_column_of_on_and_off_is_1_and_0_but_no_temperature(tmp_path, words, u
     (tmp_path / "a.csv").write_text("\n".join(["t,left,B,switch", *rows, ""]))
     record = read_recording(tmp_path / "a.csv", load_rig(tmp_path))
     np.testing.assert_array_equal(record.inputs["switch"], read)
-    hint = "switch is 'on' in line 2, no number; an input that is on or off has unit = \"1\" in rig.toml"
-    assert (hint in record.notes) == (unit == "degC")
+    hint = f"switch is '{words[0]}' in line 2, no number; an input that is on or off has unit = \"1\" in rig.toml"
+    assert (hint in record.notes) == (unit != "1")
+    assert any("switch on and off as 1 and 0" in note for note in record.notes) == (unit == "1" and words[2] != "0.5")
