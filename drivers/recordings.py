@@ -10,7 +10,7 @@ import numpy as np
 from drivers.budget import Budget
 from drivers.decode.addresses import addressed
 from drivers.decode.buses import chosen, in_order, of_the_rig, on_one_clock, together, told_once
-from drivers.decode.clock import RigClock
+from drivers.decode.clock import RigClock, date_of
 from drivers.decode.decode import Decoder
 from drivers.decode.ticks import Ticks, at_the_pace, split, told_step
 from drivers.frames import Array, Frames, Tally
@@ -24,8 +24,6 @@ from drivers.silences import silences
 from estimator.errors import InputError
 from estimator.record import Recording
 from estimator.rig import Rig
-
-A_DATE = 1e8  # s: a log's clock that is so far on counts from 1970, and not from the start of the logger
 
 
 def find_recordings(paths: Iterable[Path]) -> list[Path]:
@@ -105,9 +103,8 @@ def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tal
     what, closes = f"{name}: {len(frames)} frames", decoder.closings(frames)[0]
     row, date = split(what, now, closes, ticks, budget.ticks, tally)
     told_step(date, rig.tick_s, tally)
-    began_s = float(frames.time[0]) if len(frames) and frames.time[0] > A_DATE else None
     rows = decoder.whole(frames.take(slice(len(row))), now[: len(row)], row, date)
-    return replace(rows, frames=len(frames), began_s=began_s)
+    return replace(rows, frames=len(frames), began_s=date_of(frames.time))
 
 
 def _on_the_rigs_clock(

@@ -23,6 +23,12 @@ from drivers.frames import Array, Index, Mask, Tally, Whole
 _MOST_WAITING = 100_000  # frames whose stamps stand still after a jump
 _YEAR_S = 3.15e7
 _UNCONFIRMED = 60.0  # ticks of silence that are believed of the last frames of a log
+A_DATE = 1e8  # s: a log's clock that is so far on counts from 1970, and not from the start of the logger
+
+
+def date_of(time: Array) -> float | None:
+    """When stamps (n,) begin, s since 1970; None where they tell no date."""
+    return float(time[0]) if len(time) and time[0] > A_DATE else None
 
 
 class RigClock:

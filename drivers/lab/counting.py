@@ -64,6 +64,11 @@ def dated(low: float, high: float) -> Iterator[tuple[str, float, float]]:
             yield said, zero, size
 
 
+def zoneless(said: str) -> bool:
+    """Whether what was recognised counts days of a place, as a spreadsheet does, and not of the world."""
+    return "days of" in said or "days since" in said
+
+
 def unit_in_name(name: str) -> str | None:
     """The unit at the end of a column's name, such as t_ms or "time min"."""
     _, *end = re.split(r"[\s_]+", name.strip())

@@ -3,12 +3,14 @@
 What was recognised by itself is said in one note: "';' between cells, ',' as decimal mark, names in line 5".
 """
 
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 
 from drivers.budget import Budget
-from drivers.decode.clock import RigClock
+from drivers.decode.clock import RigClock, date_of
 from drivers.decode.condense import Condenser, Readings
 from drivers.decode.ticks import Ticks, split
 from drivers.frames import Array, Index, Tally
@@ -29,7 +31,7 @@ _COARSEST_S = 90.0  # of a clock of hours and minutes
 class Table:
     """The rows of a lab CSV: `time` (n,) s, `line` (n,) line numbers, `columns` (n,) per channel or input.
 
-    units  of them, as far as the file says them
+    units  of them, as far as the file says them;   local  whether times are of a day in no zone
     """
 
     def __init__(self, path: Path, rig: Rig, tally: Tally, budget: Budget) -> None:
@@ -56,9 +58,9 @@ class Table:
             self.said += [f"{name} on and off as 1 and 0"] if values is not None else []
             values = self._measured(cells[name], name) if values is None else values
             self.columns[name] = to_the_unit(values, sheet, found, name, signals[name]) if name in signals else values
-        self.time, local = self._timed(texts, sheet, found)
+        self.time, self.local = self._timed(texts, sheet, found)
         self._only_timed(texts)
-        self._put_in_order(local)
+        self._put_in_order()
 
     def _measured(self, cells: list[str], name: str) -> Array:
         values = numbers(cells, self.mark)
@@ -86,7 +88,7 @@ class Table:
             place = f"{self.path}: '{name}'"
             time, said = counting.seconds(count, self.rig.tick_s, rule.time_unit, of_file, place)
             self.said += [said] if said else []
-            return time, False
+            return time, counting.zoneless(said)
         read = stamps.stamps(texts, rule.time_format, self.rig.tick_s, lambda k: f"{self.path}: line {self.line[k]}")
         self.said += [read.said] if read.said else []
         return read.time, read.local
@@ -108,14 +110,14 @@ class Table:
         self.time, self.line = self.time[rows], self.line[rows]
         self.columns = {name: column[rows] for name, column in self.columns.items()}
 
-    def _put_in_order(self, local: bool) -> None:
+    def _put_in_order(self) -> None:
         sort = self.rig.log.csv.sort
         if sort is not False and order.shuffled(self.time):
             self._sort()
         if sort is not False and order.newest_first(self.time):
             self._take(np.arange(len(self.time))[::-1])
             self.said.append("newest row first, turned round")
-        if local:
+        if self.local:
             self.time, changes = order.summer_time(self.time)
             for row, to in changes:
                 self.tally.note(f"the clock was put {to} an hour at line {self.line[row]}: no time passes there")
@@ -193,7 +195,10 @@ def ticks_of(table: Table, budget: Budget) -> Recording:
     admit(path, rig, table.columns, table.never, readings)
     hot(rig, readings, tally)
     held = max(2, int(np.ceil(1.5 * step / rig.tick_s)))
-    rows = Condenser(rig, tally, held).whole(readings, date)
+    began_s = date_of(table.time[kept])
+    if began_s is not None and table.local:
+        began_s = datetime.fromtimestamp(began_s, UTC).replace(tzinfo=None).timestamp()
+    rows = replace(Condenser(rig, tally, held).whole(readings, date), began_s=began_s)
     for column in rows.inputs.values():
         _hold(column, held if step > rig.tick_s else 0)
     return rows

@@ -15,14 +15,15 @@ from estimator.model import Model
 from estimator.record import Array
 from estimator.sensitivity.sensitivity import pushed
 from estimator.sensitivity.tangent import tangent
-from estimator.terms import Chain, Store
+from estimator.terms import Chain, Link, Store
 
 
 @dataclass(frozen=True)
 class Carrier:
     """Something that heats, at size 1: 1 W in a zone, or once more all that an effect of the model does.
 
-    push  (T, n) K that each tick adds to the states;   heat_W  (T,) W in all
+    push   (T, n) K that each tick adds to the states;   heat_W  (T,) W in all
+    loses  whether all that it does is to exchange heat with what is measured: the air, a base
     """
 
     kind: str
@@ -30,6 +31,7 @@ class Carrier:
     zone: Zone | None
     push: Array
     heat_W: Array
+    loses: bool = False
 
 
 def carriers(trial: Trial, posed: Posed, model: Model) -> list[Carrier]:
@@ -55,7 +57,8 @@ def _parts(trial: Trial, posed: Posed, model: Model) -> Iterator[Carrier]:
     """
     u = nothing(trial.rig)
     for name, effect in model.effects.items():
-        if any(isinstance(term, (Store, Chain)) for term in model.terms_of(name, u, trial.rig)):
+        terms = list(model.terms_of(name, u, trial.rig))
+        if any(isinstance(term, (Store, Chain)) for term in terms):
             continue
         paths = [f"{name}.{key}" for key, param in effect.params.items() if param.unit.startswith("W")]
         push = np.zeros_like(posed.heat)
@@ -64,7 +67,8 @@ def _parts(trial: Trial, posed: Posed, model: Model) -> Iterator[Carrier]:
             if moved.moves_states and np.ndim(model[path]) == 0:
                 push += model[path] * pushed(posed, [moved])[0]
         if push.any():
-            yield Carrier(PART, name, None, push, _watts(push, posed))
+            loses = all(isinstance(term, Link) and term.b in trial.rig.inputs for term in terms)
+            yield Carrier(PART, name, None, push, _watts(push, posed), loses)
 
 
 def _watts(push: Array, posed: Posed) -> Array:

@@ -13,21 +13,19 @@ import numpy as np
 
 from estimator.batch.trials import Trials, slow_trials_of
 from estimator.events.event import LOOSE, Event
-from estimator.events.exchanged import exchanged
 from estimator.events.growing import growing
 from estimator.events.kinds import told
-from estimator.events.onset import Onset, Solver, best_onset, steps
-from estimator.events.pattern import FIRST, pattern
-from estimator.events.readings import of_readings
+from estimator.events.onset import Onset, Solver, best_onset, steps, worth
+from estimator.events.pattern import pattern, sized
+from estimator.events.readings import exchanged, of_readings
+from estimator.events.short import short_heats
 from estimator.events.signature import Signature, as_read, signature
-from estimator.missing_heat.causes import Averages, most_likely
+from estimator.missing_heat.causes import Averages
 from estimator.model import Model
 from estimator.rig import Rig
-from estimator.sensitivity.objective import GOOD_K, GOOD_UM
 from estimator.work import Runs, Workers, one_thread
 
 LEAST_GAIN = 50.0  # 43 was the most in 51 recordings of nine machines with nothing planted, all by machine 0's model
-SHOWS = 2.0  # times what a good model leaves, by which an event moves readings: less is not worth a person's look
 MOST = 3  # in one recording
 APART_SD = 2.0  # standard deviations between times that are told apart
 TOGETHER_S = 900.0  # what begins so soon after another belongs to it
@@ -43,8 +41,9 @@ def events(model: Model, runs: Runs) -> list[Event]:
 def events_of(model: Model, trials: Trials, runs: Runs, least: float = LEAST_GAIN) -> list[Event]:
     """The same of recordings that have been made ready for open-loop runs: by recording, and then by time."""
     seen = [each for each in trials.each(lambda trial: signature(model, trial)) if len(each.y) >= FEWEST]
-    found = _found(seen, trials.workers, least) if seen else []
-    rig = runs.rig
+    short, rig = short_heats(model, trials, least), runs.rig
+    stays = _found(seen, trials.workers, least) if seen else []
+    found = short + [event for event in stays if not _beside(event, short)]
     reads = runs.each(lambda one: as_read(model, rig, one))
     by_name = {read.recording.name: read for read in reads}
     wrong = [event for use in trials.uses for event in of_readings(use, by_name[use.name])]
@@ -55,6 +54,13 @@ def events_of(model: Model, trials: Trials, runs: Runs, least: float = LEAST_GAI
     found = [event for event in heard if (event.run, event.channel) not in plugs] + pairs
     order = {trial.recording.name: i for i, trial in enumerate(trials)}
     return sorted(found, key=lambda event: (order[event.run], event.since_s))
+
+
+def _beside(event: Event, short: Sequence[Event]) -> bool:
+    """Whether something seems to begin with what comes and goes."""
+    return any(
+        each.run == event.run and abs(each.since_s - event.since_s) <= TOGETHER_S for each in short
+    )  # fmt: skip
 
 
 def _shown_by(event: Event, loose: Collection[str], rig: Rig) -> bool:
@@ -76,18 +82,6 @@ def _found(seen: Sequence[Signature], workers: Workers, least: float) -> list[Ev
         for one in some
     ]
     return single(begun, len(seen)) + grown
-
-
-def worth(onset: Onset, seen: Signature) -> bool:
-    """Whether it moves the thermometers, or the displacement, by more than a good model leaves, rms over the run.
-
-    Of what is wrong with one thermometer that one alone counts.
-    """
-    moved = onset.size * onset.column
-    heat = seen.trial.rig.is_thermometer[seen.channel]
-    shown = heat if onset.step.carrier is not None else heat & (moved != 0)
-    families = ((shown, GOOD_K), (~heat, GOOD_UM))
-    return any(rows.any() and (moved[rows] ** 2).mean() > (SHOWS * good) ** 2 for rows, good in families)
 
 
 def single(begun: Sequence[Event], recordings: int) -> list[Event]:
@@ -164,7 +158,4 @@ class Search:
 
     def _sized(self) -> dict[str, float]:
         """Sizes of the pattern, common to all recordings."""
-        measured = [self._measured(i) for i in range(len(self._seen))]
-        names = {name for each in measured for name in each.causes}
-        first, least = ({name: FIRST[name][k] for name in sorted(names)} for k in (0, 1))
-        return most_likely(measured, first, least, self._workers)
+        return sized([self._measured(i) for i in range(len(self._seen))], self._workers)

@@ -13,9 +13,14 @@ from estimator.events.readings import loose_words
 from estimator.events.signature import Signature
 from estimator.faults.sentences import place_of
 
-LOSSES = ("still_air", "rotating_convection", "radiation")
+MANY = 3.0  # times more, from which on a share is not told in %
+AIR = ("still_air", "rotating_convection", "radiation")  # of the screw
 HEATS = "something heats there since then: look for chips, a cover that rubs, what was switched on"
 COOLS = "something cools there since then: look for coolant or air that reaches the screw"
+HEATED, COOLED = (
+    "something heated there",
+    "something cooled there: look for a lid or a door that was open, a fan, coolant",
+)
 
 
 def told(onset: Onset, seen: Signature) -> Event:
@@ -34,7 +39,7 @@ def told(onset: Onset, seen: Signature) -> Event:
         what = _reading(event, seen)
     else:
         event = _with_heat(event, step.carrier, onset, seen)
-        what = _part(event) if step.kind == PART else _heat(event)
+        what = _part(event, step.carrier.loses) if step.kind == PART else _heat(event)
     return replace(event, what=what)
 
 
@@ -59,16 +64,20 @@ def _heat(event: Event) -> str:
     place = f"in {event.name}" if event.name else f"at {((event.from_mm or 0.0) + (event.to_mm or 0.0)) / 2:.0f} mm"
     when = " while the screw turns" if event.kind == DRIVING else ""
     amount = f"{abs(heat):.2g} W +- {event.sd_W:.1g} too {'little' if heat > 0 else 'much'} {place}{when}"
-    lasts = "for the rest of the run" if event.until_s is None else "and no more after that"
-    return f"the model has {amount}, {lasts}; {HEATS if heat > 0 else COOLS}"
+    if event.until_s is None:
+        return f"the model has {amount}, for the rest of the run; {HEATS if heat > 0 else COOLS}"
+    return f"the model has {amount}, and no more after that; {HEATED if heat > 0 else COOLED}"
 
 
-def _part(event: Event) -> str:
+def _part(event: Event, loses: bool) -> str:
     share = event.share or 0.0
-    more, percent = ("more" if share > 0 else "less"), f"{abs(100 * share):.0f} %"
-    if event.name in LOSSES:
+    more = "more" if share > 0 else "less"
+    percent = f"{abs(share):.2g} times" if share > MANY else f"{abs(100 * share):.0f} %"
+    if event.name in AIR or loses:
+        what = f"the screw loses {percent} {more} heat to the air ({event.name})"
+        what = what if event.name in AIR else f"{event.name} takes {percent} {more} heat away"
         why = ("opened" if share > 0 else "closed") + (" meanwhile" if event.until_s else "")
-        return f"the screw loses {percent} {more} heat to the air ({event.name}): a door or a lid was {why}"
+        return f"{what}: a door or a lid was {why}"
     if event.name and event.name.endswith("friction"):
         what = event.name.removesuffix("_friction")
         return f"the {what} rubs {percent} {more} ({event.name}): greased, or its preload is another since then"

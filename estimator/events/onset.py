@@ -19,8 +19,9 @@ from estimator.events.event import DRIVING, HOT, LOOSE, READING
 from estimator.events.readings import LEAST
 from estimator.events.signature import Signature, without_zeros
 from estimator.events.spans import Spans
-from estimator.missing_heat.causes import Averages
+from estimator.missing_heat.causes import Averages, covariance
 from estimator.record import Array
+from estimator.sensitivity.objective import GOOD_K, GOOD_UM
 
 FINER = 5  # onsets that are tried within a span
 READS_WORSE = 1.5  # times the gain of any heat, from which on a reading is called wrong
@@ -28,7 +29,8 @@ NEARLY = 0.9  # of the largest gain
 LASTS_S = 600.0  # at least; and so far from a start or a stop what begins or ends does not go with it
 ENDS = 50.0  # by how much more likely an end makes it: as much as an onset has to add
 LEAST_SEEN, LEAST_SHARE = 1e-9, 1e-3  # curvature of what moves no reading; of a step's, of what begins and ends at once
-SLACK_S = 100.0  # sd of the sharpest onset: on simulated machines these were off by 70 s (rms), up to 280 s
+SHOWS = 2.0  # times what a good model leaves, by which an event moves readings: less is not worth a person's look
+SLACK = 1 / 6  # of the least that it lasts, sd of the sharpest onset: simulated ones were off by 70 s (rms), up to 280
 
 
 @dataclass(frozen=True)
@@ -94,14 +96,26 @@ def best_onset(seen: Signature, measured: Averages, sizes: Mapping[str, float], 
     return solver.onset(seen, best[1]) if best and best[0] > 0.0 else None
 
 
-class Solver:
-    """A recording's averages under a pattern."""
+def worth(onset: Onset, seen: Signature) -> bool:
+    """Whether it moves the thermometers, or the displacement, by more than a good model leaves, rms over the run.
 
-    def __init__(self, measured: Averages, sizes: Mapping[str, float]) -> None:
-        S = measured.known.copy()
-        for name, cause in measured.causes.items():
-            S[np.ix_(cause.rows, cause.rows)] += sizes[name] ** 2 * cause.covariance
-        self._factor = scipy.linalg.cho_factor(S)
+    Of what is wrong with one thermometer that one alone counts.
+    """
+    moved = onset.size * onset.column
+    heat = seen.trial.rig.is_thermometer[seen.channel]
+    shown = heat if onset.step.carrier is not None else heat & (moved != 0)
+    families = ((shown, GOOD_K), (~heat, GOOD_UM))
+    return any(rows.any() and (moved[rows] ** 2).mean() > (SHOWS * good) ** 2 for rows, good in families)
+
+
+class Solver:
+    """A recording's averages under a pattern; lasts_s: what ends again lasts so long, at least and at most."""
+
+    def __init__(
+        self, measured: Averages, sizes: Mapping[str, float], lasts_s: tuple[float, float] = (LASTS_S, np.inf)
+    ) -> None:
+        self._lasts_s = lasts_s
+        self._factor = scipy.linalg.cho_factor(covariance(measured, sizes))
         self._pull = scipy.linalg.cho_solve(self._factor, measured.y)
 
     def gain(self, seen: Signature, step: Step) -> float:
@@ -122,7 +136,7 @@ class Solver:
             may &= (slope < -LEAST * own) & (slope >= -own)
         once = np.where(may, _over(slope, own), 0.0)
         apart, both = slope[:, None] - slope, own[:, None] + own - 2.0 * K
-        ends = may[:, None] & _may_end(seen.spans) & (step.carrier is not None and step.acts.all())
+        ends = may[:, None] & _may_end(seen.spans, *self._lasts_s) & (step.carrier is not None and step.acts.all())
         return once, np.where(ends & (both > LEAST_SHARE * own[:, None]), _over(apart, both), 0.0)
 
     def onset(self, seen: Signature, step: Step) -> Onset:
@@ -135,14 +149,23 @@ class Solver:
         best, from_s = likely(by_span, step), seen.spans.from_s
         weight = np.exp((by_span - by_span[best]) / 2.0)
         spread = np.sqrt(weight @ (from_s - weight @ from_s / weight.sum()) ** 2 / weight.sum())
-        after = step.columns[:, end] if end is not None else 0.0
-        since_s, column = self._finest(*_finer(seen, step, best), -after)
-        until_s = None
-        if end is not None:
-            until_s, column = self._finest(*_finer(seen, step, end), -(column + after), -1.0)
+        since_s, until_s, column = self._finely(seen, step, best, end)
         _, size, sd = (float(values[0]) for values in self.judged(column[:, None]))
-        sd_s, gain = float(np.hypot(spread, SLACK_S)), float(by_span[best])
+        sd_s, gain = float(np.hypot(spread, SLACK * self._lasts_s[0])), float(by_span[best])
         return Onset(step, since_s, sd_s, size, sd, gain, column, until_s)
+
+    def _finely(self, seen: Signature, step: Step, best: int, end: int | None) -> tuple[float, float | None, Array]:
+        """When it began and ended, to a part of the spans, at least half as long after as it has to last."""
+        times, columns = _finer(seen, step, best)
+        if end is None:
+            since_s, column = self._finest(times, columns, 0.0)
+            return since_s, None, column
+        soon, after = times <= seen.spans.from_s[end] - self._lasts_s[0] / 2, step.columns[:, end]
+        since_s, column = self._finest(times[soon], columns[:, soon], -after)
+        times, columns = _finer(seen, step, end)
+        late = times >= since_s + self._lasts_s[0] / 2
+        until_s, column = self._finest(times[late], columns[:, late], -(column + after), -1.0)
+        return since_s, until_s, column
 
     def _finest(self, times: Array, columns: Array, beside: Array | float, sign: float = 1.0) -> tuple[float, Array]:
         """The time at which a step adds most, beside what began or ended at another; and sign times both."""
@@ -162,14 +185,15 @@ class Solver:
         return columns.T @ self._pull, columns.T @ scipy.linalg.cho_solve(self._factor, columns)
 
 
-def _may_end(spans: Spans) -> Array:
+def _may_end(spans: Spans, least_s: float, most_s: float) -> Array:
     """What may begin with a span and end with another, (B, B): it lasts, and does not go with the motion.
 
     Heat from some start to some stop is the model's.
     """
     from_s, turned = spans.from_s, spans.from_s[1:][np.diff(spans.drive)]
-    near = np.array([np.abs(turned - at).min(initial=np.inf) < LASTS_S for at in from_s])
-    return np.asarray((from_s - from_s[:, None] >= LASTS_S) & ~(near & near[:, None]))
+    near = np.array([np.abs(turned - at).min(initial=np.inf) < least_s for at in from_s])
+    lasts_s = from_s - from_s[:, None]
+    return np.asarray((lasts_s >= least_s) & (lasts_s <= most_s) & ~(near & near[:, None]))
 
 
 def _over(slope: Array, curvature: Array) -> Array:

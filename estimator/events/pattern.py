@@ -15,10 +15,11 @@ import numpy as np
 
 from estimator.events.event import HOT
 from estimator.events.signature import Signature
-from estimator.missing_heat.causes import Averages, Cause
+from estimator.missing_heat.causes import Averages, Cause, most_likely
 from estimator.missing_heat.missing_heat import HEATS, ZERO_UM
 from estimator.missing_heat.zones import alike
 from estimator.record import Array
+from estimator.work import Workers
 
 WANDERS_S = 1200.0
 ANY = 1e6  # K^2, variance of what may be of any size
@@ -43,6 +44,13 @@ def pattern(seen: Signature, found: Sequence[Array] = ()) -> Averages:
         columns = np.stack(list(seen.by_parameter.values()), axis=1)
         causes["parameters"] = Cause(np.arange(len(seen.y)), columns @ columns.T)
     return Averages(seen.y, known, causes)
+
+
+def sized(measured: Sequence[Averages], workers: Workers) -> dict[str, float]:
+    """Sizes of the causes, common to all recordings."""
+    names = sorted({name for each in measured for name in each.causes})
+    first, least = ({name: FIRST[name][k] for name in names} for k in (0, 1))
+    return most_likely(measured, first, least, workers)
 
 
 def _heats(seen: Signature) -> dict[str, Cause]:

@@ -50,9 +50,9 @@ class Signature:
     rate: Array
 
 
-def signature(model: Model, trial: Trial) -> Signature:
-    """Run the model alone beside a recording at a tick that serves for slow heat."""
-    posed, cut = trial.pose(model), spans(trial.rest)
+def signature(model: Model, trial: Trial, most_s: float | None = None) -> Signature:
+    """Run the model alone beside a recording at a tick that serves for slow heat; most_s: of a span."""
+    posed, cut = trial.pose(model), spans(trial.rest, most_s)
     rest = open_loop_misfit(trial, posed)
     m, run = rest.shape[1], posed.run
     cell = cut.of_tick[:, None] * m + np.arange(m)

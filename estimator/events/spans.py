@@ -32,11 +32,12 @@ class Spans:
         return bool(self.drive[span]), at_s - float(self.from_s[others[-1] + 1 if len(others) else 0])
 
 
-def spans(recording: Recording) -> Spans:
-    """Cut a recording at every start and stop, and at least every five minutes; in more or fewer if it is no day's."""
+def spans(recording: Recording, most_s: float | None = None) -> Spans:
+    """Cut a recording at every start and stop, and at least every so often, as a rule every five minutes; in more or
+    fewer if it is no day's."""
     time_s, drive = recording.time_s, phase_of(recording) == "drive"
     lasts = float(time_s[-1] - time_s[0])
-    most_s = max(min(SPAN_S, lasts / FEWEST), lasts / MOST)
+    most_s = most_s or max(min(SPAN_S, lasts / FEWEST), lasts / MOST)
     turned = np.flatnonzero(np.diff(drive, prepend=not drive[0]))
     stretch = np.searchsorted(turned, np.arange(len(time_s)), "right") - 1
     part = np.floor((time_s - time_s[turned[stretch]]) / most_s + 1e-9).astype(int)

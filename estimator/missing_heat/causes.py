@@ -49,14 +49,20 @@ class Inverted:
     pull: Array
 
 
-def inverted(measured: Averages, sizes: Mapping[str, float]) -> Inverted:
-    """Invert the covariance that these sizes give."""
+def covariance(measured: Averages, sizes: Mapping[str, float]) -> Array:
+    """S (N, N) of what was measured."""
     S = measured.known.copy()
     for name, cause in measured.causes.items():
         if len(cause.rows) == len(S):
             S += sizes[name] ** 2 * cause.covariance
         else:
             S[np.ix_(cause.rows, cause.rows)] += sizes[name] ** 2 * cause.covariance
+    return S
+
+
+def inverted(measured: Averages, sizes: Mapping[str, float]) -> Inverted:
+    """Invert the covariance that these sizes give."""
+    S = covariance(measured, sizes)
     upper, fault = scipy.linalg.lapack.dpotrf(S.T, overwrite_a=True)  # in the place of S: that of a day is large
     if fault:
         raise np.linalg.LinAlgError("the covariance of the misfits is not positive definite")

@@ -27,6 +27,25 @@ def zone(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Ite
     time.tzset()
 
 
+@pytest.mark.parametrize(
+    ("time", "local"),
+    [
+        (lambda t: t.isoformat(" "), True),
+        (lambda t: f"{t.isoformat()}Z", False),
+        (lambda t: f"{t.replace(tzinfo=UTC).timestamp() * 1e9:.0f}", False),
+        (lambda t: f"{(t - datetime(1899, 12, 30)) / timedelta(days=1):.8f}", True),
+        (lambda t: f"{t:%H:%M:%S}", None),
+    ],
+)
+def test_the_date_of_a_recording(tmp_path: Path, rod: Rig, zone: None, time, local: bool | None) -> None:
+    """Where a time says no zone it is the clock on the wall; where it says no day nothing is known."""
+    began = datetime(2026, 3, 1, 12)
+    cells = [f"{time(began + timedelta(seconds=k))},{20 + k},30,0.1,21,x" for k in range(30)]
+    (tmp_path / "a.csv").write_text("\n".join(["t,left,B,P/kW,ambient,remark", *cells, ""]))
+    expected = (began if local else began.replace(tzinfo=UTC)).timestamp() if local is not None else None
+    assert read_recording(tmp_path / "a.csv", rod).began_s == pytest.approx(expected, abs=0.01)
+
+
 def table(path: Path, step: float, rows: int, iso: bool = False) -> Path:
     begin = datetime(2026, 3, 1, 12, tzinfo=UTC)
     times = [begin + timedelta(seconds=k * step) if iso else 100 + k * step for k in range(rows)]

@@ -10,9 +10,8 @@ from estimator.batch.trials import Trials, unjudged
 from estimator.effect import Effect, Param
 from estimator.events.event import Event
 from estimator.events.events import events, events_of, single
-from estimator.events.exchanged import _pairs
 from estimator.events.onset import Step, likely
-from estimator.events.readings import share_lost
+from estimator.events.readings import _pairs, share_lost
 from estimator.events.signature import AsRead
 from estimator.events.spans import spans
 from estimator.rig import Signal

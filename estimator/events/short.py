@@ -1,0 +1,77 @@
+"""Heat that comes and goes within minutes, on bodies: a lid that is opened, a fan that somebody turns towards them.
+
+It lasts a few spans, which are finer than for what stays. Such spans would make the pattern of what is always wrong
+with the model as large as themselves; it is sized without those that stand out of it:
+
+    e = L^-1 y,    S = L L',    e^2 > 25 median(e^2) / 0.455
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from estimator.batch.trial import Trial
+from estimator.batch.trials import Trials
+from estimator.events.event import Event
+from estimator.events.kinds import told
+from estimator.events.onset import ENDS, Onset, Solver, steps, worth
+from estimator.events.pattern import pattern, sized
+from estimator.events.signature import Signature, signature
+from estimator.missing_heat.causes import Averages, covariance
+from estimator.model import Model
+
+AVERAGES, TICKS = 640, 10  # of all channels together; and in a span at least
+FEWEST = 40  # averages, below which nothing is told
+MOST = 10  # in one recording
+SPANS = 5.0  # that it lasts at most
+OUTLYING = 25.0  # squares of a standard deviation, as the median of all tells it
+MEDIAN = 0.455  # of the square of what is normal with sd 1
+ROUNDS = 2  # what stands out shows better when the worst of it is gone
+UNHEARD_K2 = 1e6  # variance of averages that are not to count
+
+
+def short_heats(model: Model, trials: Trials, least: float) -> list[Event]:
+    """What came and went; least: twice the log-likelihood that its beginning and its end add, each."""
+    if any(trial.rig.screw is not None for trial in trials):
+        return []  # a screw is too slow to show any
+    seen = [each for each in trials.each(lambda trial: _finely(model, trial)) if len(each.y) >= FEWEST]
+    heard = [pattern(each) for each in seen]
+    sizes = sized(heard, trials.workers)
+    for _ in range(ROUNDS):
+        heard = [without_outlying(*each, sizes) for each in zip(seen, heard, strict=True)]
+        sizes = sized(heard, trials.workers)
+    found = trials.workers(lambda one: _found(one, sizes, least), seen)
+    return [told(onset, one) for one, some in zip(seen, found, strict=True) for onset in some]
+
+
+def _finely(model: Model, trial: Trial) -> Signature:
+    lasts_s = float(trial.rest.time_s[-1] - trial.rest.time_s[0])
+    return signature(model, trial, max(lasts_s * len(trial.rig.names) / AVERAGES, TICKS * trial.rig.tick_s))
+
+
+def without_outlying(seen: Signature, measured: Averages, sizes: Mapping[str, float]) -> Averages:
+    """Averages of which those spans do not count that stand out, by their innovations in the order of time."""
+    factor = np.linalg.cholesky(covariance(measured, sizes))
+    square = solve_triangular(factor, measured.y, lower=True) ** 2
+    usual = np.median(square[np.diag(measured.known) < UNHEARD_K2]) / MEDIAN
+    outlying = np.isin(seen.span, seen.span[square > OUTLYING * usual])
+    return replace(measured, known=measured.known + np.diag(UNHEARD_K2 * outlying))
+
+
+def _found(seen: Signature, sizes: Mapping[str, float], least: float) -> list[Onset]:
+    """Of one recording, the most likely first."""
+    heats = [step for step in steps(seen) if step.carrier is not None and step.acts.all()]
+    span_s = float(np.median(np.diff(seen.spans.from_s)))
+    found: list[Onset] = []
+    while heats and len(found) < MOST:
+        solver = Solver(pattern(seen, [onset.column for onset in found]), sizes, (0.9 * span_s, (SPANS + 0.1) * span_s))
+        best = max(heats, key=lambda step: float(solver.gains(seen, step)[1].max()))
+        onset = solver.onset(seen, best)
+        if onset.until_s is None or onset.gain <= least + ENDS or not worth(onset, seen):
+            break
+        found.append(onset)
+    return found
