@@ -26,7 +26,7 @@ import numpy as np
 from estimator.accuracy.noise_floor import noise_floor
 from estimator.batch.trials import Trials, slow_trials_of
 from estimator.effect import Effect
-from estimator.hypotheses.criterion import GOOD, alike, clearly, most, nats, proven
+from estimator.hypotheses.criterion import APART_SE, GOOD, alike, behind, clearly, most, nats, proven
 from estimator.hypotheses.ground import as_given, of_tables, seen
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation
@@ -205,7 +205,7 @@ class Search:
         heard = slow_trials_of(self.model, self.runs, believed=names)
         plain = refined(self.side.ground, heard, [])
         found = best_stand_in(self.side.ground, heard, channels=names)
-        if found is None or not proven(plain.judged, found.judged, 1):  # its jumps have told that there is something
+        if found is None or behind(plain.judged, found.judged) < APART_SE:  # that there is something its jumps have told
             return said
         made = composed(found, plain.judged, heard, [*self.model.effects, *self._taken])
         said = replace(said, verdict="nothing_in_catalogue", before=plain, unexplained=found, composed=made)
