@@ -255,11 +255,16 @@ def ballscrew(*words: object) -> tuple[int, str, str]:
     return status.value.code or 0, out.getvalue(), err.getvalue()
 
 
+def ended(status: int, *words: object) -> tuple[str, str]:
+    """stdout and stderr of `ballscrew WORDS`, which must end with this status."""
+    found, out, err = ballscrew(*words)
+    assert found == status, err
+    return out, err
+
+
 def json_of(*words: object) -> Any:
     """What `ballscrew WORDS --json`, which must succeed, prints as JSON."""
-    status, out, err = ballscrew(*words, "--json")
-    assert status == 0, err
-    return json.loads(out)
+    return json.loads(ended(0, *words, "--json")[0])
 
 
 @pytest.fixture(scope="session")

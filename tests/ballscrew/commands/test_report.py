@@ -8,7 +8,7 @@ import pytest
 
 from tests.ballscrew.page.test_section import sound
 from tests.conftest import ballscrew as run
-from tests.conftest import json_of
+from tests.conftest import ended, json_of
 
 NAME = "<b onload=x> um & co.log"
 
@@ -81,15 +81,13 @@ def test_the_drift_is_told_to_programs_too(made):
     ],
 )
 def test_wrong_words_end_before_the_work(words, said, fs20_log):
-    status, _, err = run("report", fs20_log, *words)
-    assert status == 2
+    _, err = ended(2, "report", fs20_log, *words)
     assert said in err
 
 
 def test_a_rig_without_a_screw_has_a_page_and_no_drift(tmp_path):
     csv = "examples/heated_rod/slow.csv"
-    status, out, err = run("report", csv, "-o", tmp_path / "rod.html")
-    assert status == 0, err
+    out, err = ended(0, "report", csv, "-o", tmp_path / "rod.html")
     text = (tmp_path / "rod.html").read_text()
     sound(text)
     assert "No reference: how far the elongation is off is not known." in out

@@ -24,7 +24,7 @@ from drivers.recordings import read_recording
 from estimator.batch.replay import replay
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
-from tests.conftest import ballscrew
+from tests.conftest import ended
 from tests.hub_fake import hub_running
 from tests.live_fake import DRIVE, Frames, dropped, rig_frames, since
 from tests.processes import PATIENCE_S, started, until
@@ -175,8 +175,7 @@ def memory_kB(pid: int) -> int:
 def refused(port: int, folder: Path, first: subprocess.Popen[str]) -> None:
     """A second instance that would record into the same folder names the first, and ends."""
     bus = ["--interface", "socketcand", "--channel", "can0", "--bus-kwargs", "host=127.0.0.1", f"port={port}"]
-    status, _, err = ballscrew("live", *bus, "--rig", RECORDINGS, "--record", folder / "rec")
-    assert status == 2
+    _, err = ended(2, "live", *bus, "--rig", RECORDINGS, "--record", folder / "rec")
     assert f"process {first.pid} already records there" in err
 
 
@@ -214,8 +213,7 @@ def _nudged(port: int) -> bool:
     ],
 )
 def test_wrong_usage_is_one_line(options, says):
-    status, _, err = ballscrew("live", *options)
-    assert status == 2
+    _, err = ended(2, "live", *options)
     assert says in err
     assert "Traceback" not in err
 
@@ -250,6 +248,5 @@ def test_what_was_recorded_is_asked_for_unless_it_is_to_begin_anew(tmp_path, mon
     monkeypatch.setattr("ballscrew.commands.live.earlier", lambda folder, *_: asked.append(folder) or [])
     for words in ([], ["--fresh"], ["--speed-up", 2.0]):
         bus = ["--interface", "virtual", "--channel", "fresh", "--record", tmp_path / "rec", "--seconds", 0.01]
-        status, _, err = ballscrew("live", *bus, *words)
-        assert status == 0, err
+        ended(0, "live", *bus, *words)
     assert asked == [tmp_path / "rec"]

@@ -7,8 +7,7 @@ import pytest
 
 from estimator.effects import CATALOGUE, HEAT, MOUNTING, READING, STRUCTURE
 from tests.ballscrew.commands.conftest import OWN, SECOND, done, refused
-from tests.conftest import PAPER
-from tests.conftest import ballscrew as run
+from tests.conftest import PAPER, ended
 
 ROOT = Path(__file__).parents[4]
 
@@ -62,8 +61,7 @@ def test_a_file_is_all_that_is_written_in_it(own_effects):
 
 def test_an_effect_that_fails_ends_with_1_and_names_the_check(own_effects):
     (own_effects / "effects.py").write_text(OWN + SECOND)
-    status, out, err = run("effects", "effects.py", "--check", "--json")
-    assert status == 1
+    out, err = ended(1, "effects", "effects.py", "--check", "--json")
     assert "error: effects.py:Rubbing fails: derivative (power: the complex step of q of term 1 is not its slope" in err
     assert "coolant_jet" not in err.split("error:")[1]
     told = json.loads(out)
@@ -75,12 +73,10 @@ def test_the_rig_and_its_model_are_the_nearest_or_those_named(own_effects):
     rod = ROOT / "examples" / "heated_rod"
     out = done("effects", rod / "effects.py", "--check")
     assert out.count("passes all checks on heated rod") == 2
-    status, out, err = run("effects", rod / "effects.py:Heater", "--check", "--rig", PAPER)
-    assert status == 1
+    out, err = ended(1, "effects", rod / "effects.py:Heater", "--check", "--rig", PAPER)
     assert "needs the input 'heater', which rig.toml has not in [inputs]" in err
     assert "has not in [inputs]" in " ".join(out.split())
-    status, _, err = run("effects", "churning", "--check", "--rig", rod)
-    assert status == 1
+    _, err = ended(1, "effects", "churning", "--check", "--rig", rod)
     assert "fits the rig (model.toml: churning: needs the effect 'nut_friction', which the model has not" in err
 
 
