@@ -8,8 +8,6 @@ a line in benchmarks/trends.jsonl.
 python -m benchmarks trends [0-5] [dev]
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator, Sequence

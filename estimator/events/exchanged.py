@@ -3,8 +3,6 @@
 A model whose heat is in the wrong place makes two thermometers at either end of it look so too, but not only these.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import chain, combinations
 

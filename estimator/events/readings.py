@@ -4,8 +4,6 @@ One that shows a share less of its rise drifts from its neighbours in a drive an
 come loose. None shows less than nothing of it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

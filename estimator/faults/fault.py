@@ -1,7 +1,5 @@
 """What can be wrong with a channel, what is seen of the channels, and what is made of it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
@@ -71,7 +69,7 @@ class Led:
     minute: Array
     worse: Array
 
-    def __getitem__(self, some: slice) -> Led:
+    def __getitem__(self, some: slice) -> "Led":
         """Some of the ticks."""
         return Led(*(getattr(self, field.name)[some] for field in fields(self)))
 
@@ -95,17 +93,17 @@ class Led:
         return minute, times
 
     @classmethod
-    def nowhere(cls, ticks: int, p: int) -> Led:
+    def nowhere(cls, ticks: int, p: int) -> "Led":
         """Nothing has been led yet, or there is no length."""
         none, usual = np.zeros(ticks), np.ones(ticks)
         return cls(none, none, np.zeros((ticks, p)), usual, usual)
 
-    def later(self, before: Led) -> Led:
+    def later(self, before: "Led") -> "Led":
         """Of ticks after these, the tick before each, which `before` is of the first: (K,)."""
         return Led.joined(before, self)[: len(self)]
 
     @classmethod
-    def joined(cls, first: Led, then: Led) -> Led:
+    def joined(cls, first: "Led", then: "Led") -> "Led":
         """Ticks that follow each other, as one."""
         return cls(*(np.concatenate([getattr(one, field.name) for one in (first, then)]) for field in fields(cls)))
 
@@ -136,7 +134,7 @@ class Seen:
     astray: Array
     driven: Array
 
-    def first(self, ticks: int) -> Seen:
+    def first(self, ticks: int) -> "Seen":
         """The first of the ticks."""
         return Seen(*(getattr(self, field.name)[:ticks] for field in fields(self)))
 

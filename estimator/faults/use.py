@@ -1,8 +1,6 @@
 """How far the readings of a recording were used: of each channel how many, why the others were not, and when it was
 broken."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -46,7 +44,7 @@ class Told:
     shift_mm: Array
 
     @classmethod
-    def by(cls, track: Track) -> Told:
+    def by(cls, track: Track) -> "Told":
         """What a track tells."""
         modelled = np.asarray(np.isfinite(track.innovation_sd).any(axis=0))
         names = (field.name for field in fields(cls) if field.name != "modelled")
