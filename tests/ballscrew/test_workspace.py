@@ -10,8 +10,7 @@ import pytest
 
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests import log_fake
-from tests.conftest import ballscrew as run
-from tests.conftest import ended, json_of
+from tests.conftest import ballscrew as run, ended, json_of
 
 PAPER = Path(__file__).parents[2] / "recordings"
 

@@ -13,8 +13,7 @@ import pytest
 from ballscrew.cli import COMMANDS
 from ballscrew.muting import muted
 from ballscrew.options import all_named
-from tests.conftest import ballscrew as run
-from tests.conftest import ended, json_of
+from tests.conftest import ballscrew as run, ended, json_of
 from tests.processes import PATIENCE_S, started
 
 ESTIMATES = ["filter", "smoothed", "open_loop", "polyline", "polyline_7", "polyline_joined", "last_reading"]

@@ -16,8 +16,7 @@ from drivers.logs.every_frame import every_frame
 from drivers.received import Received
 from drivers.recordings import read_recording
 from tests import log_fake
-from tests.conftest import ballscrew as run
-from tests.conftest import ended
+from tests.conftest import ballscrew as run, ended
 from tests.drivers.decode.test_ticks import RIG
 from tests.drivers.logs.test_outside import endless
 

@@ -13,8 +13,7 @@ import pytest
 from ballscrew.terminal import Terminal
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests.ballscrew.conftest import FREE
-from tests.conftest import PAPER, ended, json_of
-from tests.conftest import ballscrew as run
+from tests.conftest import PAPER, ballscrew as run, ended, json_of
 
 
 def test_fit_writes_a_model_that_review_calls_fitted(rig_folder):

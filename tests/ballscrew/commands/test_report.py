@@ -7,8 +7,7 @@ import shutil
 import pytest
 
 from tests.ballscrew.page.test_section import sound
-from tests.conftest import ballscrew as run
-from tests.conftest import ended, json_of
+from tests.conftest import ballscrew as run, ended, json_of
 
 NAME = "<b onload=x> um & co.log"
 

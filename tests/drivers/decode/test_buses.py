@@ -7,8 +7,7 @@ from pathlib import Path
 import can
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from drivers.decode.buses import on_one_clock
 from drivers.frames import FRAME, Frames, Tally

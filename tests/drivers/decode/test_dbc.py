@@ -5,8 +5,7 @@ from pathlib import Path
 import cantools
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from drivers.decode.dbc import load_dbc
 from drivers.recordings import read_recording

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.recordings import read_recording
-from estimator import filter as filtering
-from estimator import step as steps
+from estimator import filter as filtering, step as steps
 from estimator.batch import replay as module
 from estimator.batch.replay import Replay, replay
 from estimator.cover import Cover
