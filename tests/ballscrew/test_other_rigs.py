@@ -12,10 +12,7 @@ import pytest
 from estimator.missing_effect.wrong_input import signals
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
-from tests.conftest import ballscrew, ended, json_of as told
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
-TWO, ROD = EXAMPLES / "two_heaters", EXAMPLES / "heated_rod"
+from tests.conftest import ROD, TWO, ballscrew, ended, json_of as told
 
 
 def copied(rig: Path, to: Path, *but: str, rows: int | None = None) -> Path:

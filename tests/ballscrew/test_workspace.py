@@ -3,19 +3,13 @@
 import json
 import re
 import shutil
-from pathlib import Path
 from unittest import mock
 
 import pytest
 
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests import log_fake
-from tests.conftest import ballscrew as run, ended, json_of
-
-PAPER = Path(__file__).parents[2] / "recordings"
-
-ROOT = Path(__file__).parents[2]
-ROD = ROOT / "examples" / "heated_rod"
+from tests.conftest import PAPER, ROD, ROOT, ballscrew as run, ended, json_of
 
 
 def test_without_a_rig_file_above_the_built_in_rig_is_used_and_named(short_log):

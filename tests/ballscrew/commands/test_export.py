@@ -16,8 +16,7 @@ from drivers.logs.every_frame import every_frame
 from drivers.received import Received
 from drivers.recordings import read_recording
 from tests import log_fake
-from tests.conftest import ballscrew as run, ended
-from tests.drivers.decode.test_ticks import RIG
+from tests.conftest import RIG, ballscrew as run, ended
 from tests.drivers.logs.test_outside import endless
 
 START = 1_700_000_000.005  # python-can's ASC writer would make half a second of these 5 ms

@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import ended, json_of
+from tests.conftest import ROD, ended, json_of
 from tests.viz_read import fixed, rows
 
-ROD = Path(__file__).parents[3] / "examples" / "heated_rod"
 FROM, TO, END, TICK_S = 300, 340, 480, 5  # rows
 ALL = [f"TC{i}" for i in range(1, 9)]
 

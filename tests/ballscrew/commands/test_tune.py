@@ -14,8 +14,7 @@ from estimator.accuracy.quality import ChannelQuality, innovations, overall
 from estimator.batch.trial import Trial
 from estimator.fit.tune import Factors, Level, Tuned
 from estimator.rig_folder.model_toml import load_model, save_model
-from tests.ballscrew.test_workspace import ROD
-from tests.conftest import PAPER, ballscrew as run, ended, json_of
+from tests.conftest import PAPER, ROD, ballscrew as run, ended, json_of
 from tests.viz_read import fixed, rows, view_names
 
 ROWS = 16

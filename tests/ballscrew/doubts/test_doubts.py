@@ -8,10 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import PAPER, ballscrew, ended, json_of
-
-ROOT = PAPER.parent
-ROD, TWO = ROOT / "examples" / "heated_rod", ROOT / "examples" / "two_heaters"
+from tests.conftest import PAPER, ROD, ROOT, TWO, ballscrew, ended, json_of
 
 
 def doubts(*words: object) -> list[dict]:

@@ -10,10 +10,8 @@ import pytest
 from ballscrew.fleet.workers import LOST, shared
 from ballscrew.workers.by_value import MOST_LOST
 from tests.ballscrew.fleet.killing import killed
-from tests.conftest import PAPER, ballscrew, ended
+from tests.conftest import EXAMPLES, ballscrew, ended
 from tests.viz_read import fixed
-
-EXAMPLES = PAPER.parent / "examples"
 
 
 @pytest.fixture(scope="module")

@@ -13,9 +13,7 @@ from pyarrow import csv, parquet
 
 import ballscrew as face
 from drivers.recordings import find_recordings
-from tests.conftest import PAPER, ballscrew, ended, json_of
-
-ROD = PAPER.parent / "examples" / "heated_rod"
+from tests.conftest import PAPER, ROD, ballscrew, ended, json_of
 
 
 @pytest.fixture(scope="module")

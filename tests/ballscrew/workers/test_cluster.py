@@ -22,9 +22,7 @@ from estimator.errors import EffectError, InputError, SetupError
 from estimator.hypotheses.moments import moments_of
 from estimator.hypotheses.slopes import Column
 from estimator.work import Runs, Workers
-from tests.conftest import PAPER, ballscrew, ended
-
-ROD = PAPER.parent / "examples" / "heated_rod"
+from tests.conftest import ROD, ballscrew, ended
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +10,8 @@ from estimator.accuracy.compare import compare
 from estimator.accuracy.horizon import horizons
 from estimator.batch.trial import Trial
 from estimator.work import Runs
-from tests.conftest import ballscrew, ended
+from tests.conftest import PAPER, ballscrew, ended
 
-PAPER = Path(__file__).parents[3] / "recordings"
 TRUE = {"anchor_friction.power": 24.0}
 
 

@@ -1,15 +1,12 @@
 """`ballscrew effects`: the catalogue, and the battery on one's own."""
 
 import json
-from pathlib import Path
 
 import pytest
 
 from estimator.effects import CATALOGUE, HEAT, MOUNTING, READING, STRUCTURE
 from tests.ballscrew.commands.conftest import OWN, SECOND, done, refused
-from tests.conftest import PAPER, ended
-
-ROOT = Path(__file__).parents[4]
+from tests.conftest import PAPER, ROOT, ended
 
 
 def test_the_catalogue_is_printed_by_kind():
