@@ -92,9 +92,15 @@ def terms_of(name: str, rig: Rig, u: Inputs, **values: float) -> list[Term]:
 
 
 @pytest.fixture(scope="session")
-def paper() -> tuple[Rig, Model]:
+def shipped() -> Model:
+    """The model that ships with it."""
+    return load_model(PAPER / "model.toml")
+
+
+@pytest.fixture(scope="session")
+def paper(shipped) -> tuple[Rig, Model]:
     """The paper's rig with the model that ships with it."""
-    return RIG, load_model(PAPER / "model.toml")
+    return RIG, shipped
 
 
 @pytest.fixture
