@@ -214,7 +214,7 @@ class Suspicion:
 def spells(fault: Array, since_s: Array, time_s: Array) -> tuple[Spell, ...]:
     """When something was broken, by its faults (K,); what was only held for a while was not."""
     found = []
-    for first, end in _runs(fault != Fault.NONE):
+    for first, end in spans(fault != Fault.NONE):
         broken = fault[first:end][fault[first:end] > Fault.JUDGED]
         if len(broken):
             most = Fault(int(np.bincount(broken).argmax()))
@@ -228,11 +228,11 @@ def suspicions(may_drift_K: Array, fault: Array, time_s: Array) -> tuple[Suspici
     ends, broken = np.append(time_s, np.nan), fault > Fault.JUDGED
     return tuple(
         Suspicion(float(max(may_drift_K[first:end], key=abs)), float(time_s[first]), float(ends[end]))
-        for first, end in _runs(may_drift_K != 0)
+        for first, end in spans(may_drift_K != 0)
         if not broken[end : end + 1].any()
     )
 
 
-def _runs(so: Array) -> Array:
-    """First tick and end of each time in which something is so, (runs, 2)."""
+def spans(so: Array) -> Array:
+    """First tick and end of each time in which something is so, (spans, 2)."""
     return np.flatnonzero(np.diff(np.concatenate([[0], so, [0]]))).reshape(-1, 2)

@@ -71,37 +71,31 @@ def test_help_of_each_command_names_its_options(name, options):
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["simulate", "FS-20"], "say where to: -o FILE for a recording, or --interface for a bus"),
-        (["simulate", "FS-20", "-o", "a.log", "--date", "0001-01-01"], "--date is of a recording, from 1980 to 2099"),
-        (["simulate", "FS-20", "--interface", "virtual", "--date", "2026-11-03"], "frames on a bus are of now"),
-        (["simulate", "FX-20", "-o", "a.log"], "error: unknown experiment 'FX-20'; did you mean 'FS-20'?"),
-        (["simulate", "FS-20", "-o", "a.log", "--plant", "motor_heat=x"], "'x' is no number; write motor_heat=0.5"),
-        (["simulate", "FS-20", "-o", "a.log", "--max-drive", "2d"], "'2d' is no time; write 2h, 90min, 45s or seconds"),
-        (["simulate", "FS-20", "-o", "a.xyz", "--seconds", "2"], "error: a.xyz: "),
-        (
-            ["simulate", "FS-20", "-o", "a.txt"],
-            "error: a.txt: cannot write '.txt'; known: .asc, .blf, .log, .mf4, .trc",
-        ),
-        (["simulate", "FS-20", "-o", "a.log", "--seconds", "-3"], "-3.0 is not in the range x>0.0"),
-        (["simulate", "FS-20", "-o", "a.log", "--machine", "-1"], "-1 is not in the range x>=0"),
-        (["simulate", "FS-20", "-o", "a.log", "--cycles", "0"], "0 is not in the range x>=1"),
-        (["simulate", "FS-20", "--interface", "virtual", "--speed-up", "0"], "0.0 is not in the range x>0.0"),
-        (
-            ["simulate", "FS-20", "-o", "a.log", "--interface", "virtual"],
-            "either -o FILE for a recording, or --interface",
-        ),
-        (["review", "a.log", "--save", "a.csv"], "error: --save a.csv: views are written as .rrd"),
-        (["reviw"], "No such command 'reviw'"),
-        (["review"], "Missing argument 'LOG...'"),
-        (["review", "a.log", "--colour"], "No such option '--colour'"),
-        (["fit", "a.log"], "Missing option '-o'"),
-        (["tune", "a.log"], "Missing option '-o'"),
-        (["show", "none.toml"], "error: none.toml: no such file"),
+        ("simulate FS-20", "say where to: -o FILE for a recording, or --interface for a bus"),
+        ("simulate FS-20 -o a.log --date 0001-01-01", "--date is of a recording, from 1980 to 2099"),
+        ("simulate FS-20 --interface virtual --date 2026-11-03", "frames on a bus are of now"),
+        ("simulate FX-20 -o a.log", "error: unknown experiment 'FX-20'; did you mean 'FS-20'?"),
+        ("simulate FS-20 -o a.log --plant motor_heat=x", "'x' is no number; write motor_heat=0.5"),
+        ("simulate FS-20 -o a.log --max-drive 2d", "'2d' is no time; write 2h, 90min, 45s or seconds"),
+        ("simulate FS-20 -o a.xyz --seconds 2", "error: a.xyz: "),
+        ("simulate FS-20 -o a.txt", "error: a.txt: cannot write '.txt'; known: .asc, .blf, .log, .mf4, .trc"),
+        ("simulate FS-20 -o a.log --seconds -3", "-3.0 is not in the range x>0.0"),
+        ("simulate FS-20 -o a.log --machine -1", "-1 is not in the range x>=0"),
+        ("simulate FS-20 -o a.log --cycles 0", "0 is not in the range x>=1"),
+        ("simulate FS-20 --interface virtual --speed-up 0", "0.0 is not in the range x>0.0"),
+        ("simulate FS-20 -o a.log --interface virtual", "either -o FILE for a recording, or --interface"),
+        ("review a.log --save a.csv", "error: --save a.csv: views are written as .rrd"),
+        ("reviw", "No such command 'reviw'"),
+        ("review", "Missing argument 'LOG...'"),
+        ("review a.log --colour", "No such option '--colour'"),
+        ("fit a.log", "Missing option '-o'"),
+        ("tune a.log", "Missing option '-o'"),
+        ("show none.toml", "error: none.toml: no such file"),
     ],
 )
 def test_wrong_usage_is_said_in_a_line_and_ends_with_2(words, text, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    _, err = ended(2, *words)
+    _, err = ended(2, *words.split())
     assert text in err
     assert "Traceback" not in err
 

@@ -50,26 +50,23 @@ def test_an_effect_of_ones_own_is_kept_as_seen_from_the_new_model(own_effects):
     ("words", "text"),
     [
         (
-            ["nut_body", "model.toml", "-o", "x.toml"],
+            "nut_body model.toml -o x.toml",
             "model.toml has the effect 'nut_body' already; change its values in the file, or fit them",
         ),
-        (["curning", "model.toml", "-o", "x.toml"], "no effect 'curning' in the catalogue; did you mean 'churning'?"),
+        ("curning model.toml -o x.toml", "no effect 'curning' in the catalogue; did you mean 'churning'?"),
         (
-            ["churning", "bare.toml", "-o", "x.toml"],
+            "churning bare.toml -o x.toml",
             "bare.toml: churning: needs the effect 'nut_friction', which the model has not; add it first",
         ),
-        (["churning", "none.toml", "-o", "x.toml"], "none.toml: no such file"),
-        (["churning", "model.toml", "-o", "none/x.toml"], "none/x.toml: there is no folder none"),
-        (
-            ["two.py", "model.toml", "-o", "x.toml"],
-            "two.py has 2 effects; name one of them: two.py:CoolantJet, two.py:Rubbing",
-        ),
+        ("churning none.toml -o x.toml", "none.toml: no such file"),
+        ("churning model.toml -o none/x.toml", "none/x.toml: there is no folder none"),
+        ("two.py model.toml -o x.toml", "two.py has 2 effects; name one of them: two.py:CoolantJet, two.py:Rubbing"),
     ],
 )
 def test_what_cannot_be_added_is_said_in_a_line(words, text, own_effects):
     (own_effects / "bare.toml").write_text("[conduction]\n[still_air]\n[thermometers]\n")
     (own_effects / "two.py").write_text(OWN + SECOND)
-    assert refused("add", *words).startswith(text)
+    assert refused("add", *words.split()).startswith(text)
     assert not (own_effects / "x.toml").exists()
 
 

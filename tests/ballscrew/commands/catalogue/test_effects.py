@@ -80,19 +80,19 @@ def test_the_rig_and_its_model_are_the_nearest_or_those_named(own_effects):
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["nut_fiction"], "no effect 'nut_fiction' in the catalogue; did you mean 'nut_friction'?"),
-        (["none.py"], "none.py: no such effect file"),
-        (["none.py:Jet"], "none.py: no such effect file"),
-        (["effects.py:CoolantJett"], "effects.py has no effect 'CoolantJett'; did you mean 'CoolantJet'?"),
-        (["--check"], "--check: of which effect? Name it: ballscrew effects NAME --check"),
-        (["empty.py"], "empty.py: no effect in it; write a class that is an Effect, or ballscrew new-effect NAME"),
-        (["torn.py"], "torn.py: SyntaxError: '(' was never closed (torn.py, line 1)"),
+        ("nut_fiction", "no effect 'nut_fiction' in the catalogue; did you mean 'nut_friction'?"),
+        ("none.py", "none.py: no such effect file"),
+        ("none.py:Jet", "none.py: no such effect file"),
+        ("effects.py:CoolantJett", "effects.py has no effect 'CoolantJett'; did you mean 'CoolantJet'?"),
+        ("--check", "--check: of which effect? Name it: ballscrew effects NAME --check"),
+        ("empty.py", "empty.py: no effect in it; write a class that is an Effect, or ballscrew new-effect NAME"),
+        ("torn.py", "torn.py: SyntaxError: '(' was never closed (torn.py, line 1)"),
     ],
 )
 def test_an_effect_that_is_not_there_is_said_in_a_line(words, text, own_effects):
     (own_effects / "empty.py").write_text("from estimator.effects.local import LocalHeat\n")
     (own_effects / "torn.py").write_text("print(\n")
-    assert refused("effects", *words) == text
+    assert refused("effects", *words.split()) == text
 
 
 def test_a_file_that_is_not_named_does_not_run(own_effects):
