@@ -18,7 +18,7 @@ from estimator.record import collect
 from estimator.step import Mode
 from estimator.terms import SCREW, Heat, Link, Read, Store
 from tests.ballscrew.monitor.conftest import Clock, Receiver
-from tests.live_fake import Frames, lived, rig_frames
+from tests.live_fake import lived
 
 END_S, FAILS_S = 90.0, 60.0
 
@@ -62,11 +62,6 @@ def sent(rig, step, trust) -> list[dict]:
     dbc = cantools.database.load_file(Path(publishing.__file__).parents[1] / "rig.dbc")
     frames = Publisher(rig, lambda: None).frames(step, trust, step.position_mm)
     return [dbc.decode_message(f.arbitration_id, f.data, decode_choices=False) for f in frames]
-
-
-@pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(END_S)
 
 
 @pytest.fixture(scope="module")

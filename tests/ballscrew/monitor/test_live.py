@@ -29,12 +29,7 @@ from tests.hub_fake import hub_running
 from tests.live_fake import DRIVE, Frames, dropped, rig_frames, since
 from tests.processes import PATIENCE_S, started, until
 
-SPEED_UP = 60
-
-
-@pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(90.0)
+SPEED_UP, END_S = 60, 90.0
 
 
 @contextmanager

@@ -17,17 +17,12 @@ from drivers.virtual_rig import simulate, write
 from estimator.batch.replay import replay
 from estimator.screw import Bed
 from estimator.step import Mode
-from tests.live_fake import DRIVE, STATUS, TELEMETERS, Frames, changed, channel, dropped, rig_frames, since
+from tests.live_fake import DRIVE, STATUS, TELEMETERS, Frames, changed, channel, dropped, since
 
 ENVIRONMENT = 0x240
 FAULT_S, SOON_S, END_S = 119.0, 145.0, 175.0  # the fault is there for half a minute, or a whole window of the tests
 
 Run = Callable[[Frames], tuple[Monitor, list[Moment]]]
-
-
-@pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(END_S)
 
 
 @pytest.fixture(scope="module")

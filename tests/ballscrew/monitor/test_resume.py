@@ -12,15 +12,10 @@ from drivers.recorder.recorder import Recorder
 from drivers.recordings import read_joined
 from estimator.batch.replay import replay
 from tests.ballscrew.monitor.test_left_out import sent
-from tests.live_fake import Frames, lived, rig_frames, since
+from tests.live_fake import Frames, lived, since
 
 END_S = 130.0
 AFTER_S = 30.0  # that a monitor is followed for once it has been started again
-
-
-@pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(END_S)
 
 
 @pytest.fixture(scope="module")
