@@ -9,7 +9,7 @@ from benchmarks import handed_over, paper_rig
 from benchmarks.injected import drifting
 from benchmarks.measure import say, section
 from estimator.batch.replay import replay
-from estimator.faults.fault import Fault
+from estimator.faults.fault import Fault, spans
 from estimator.record import Array
 
 RATES = (3.0, 1.0, 0.5, 0.25)  # K/h
@@ -62,8 +62,7 @@ def found(run: str, at_s: float, seed: int, channel: str, K_per_h: float) -> Fou
 
 def longest(so: Array) -> int:
     """For how many ticks at most something is so."""
-    ends = np.flatnonzero(np.diff(np.concatenate([[0], so, [0]]).astype(int)))
-    return int(np.max(ends[1::2] - ends[::2], initial=0))
+    return int(np.diff(spans(so)).max(initial=0))
 
 
 def table(when: dict[str, tuple[str, float]], seed: int) -> str:

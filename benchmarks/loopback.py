@@ -1,7 +1,5 @@
 """Processes on a loopback bus: a hub, the monitor, and somebody who sends as the rig does."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -85,7 +83,7 @@ class Viewer:
         times = [each.current_time for each in self._client.get_state().recordings if each.current_time is not None]
         return max(times, default=float("nan")) / 1e9
 
-    def __enter__(self) -> Viewer:
+    def __enter__(self) -> "Viewer":
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -4,8 +4,6 @@ A shaft in cells with a nut and two bearings on it, the air around, an error of 
 the unknown zero of the displacement, last because it does not move. Six speeds make six regimes.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -63,7 +61,7 @@ class Problem:
             R=np.broadcast_to(self.R, self.y.shape), x0=self.x0, P0=self.P0,
         )  # fmt: skip
 
-    def other(self, factor: float) -> Problem:
+    def other(self, factor: float) -> "Problem":
         """Other parameters on the same readings: heat that spreads and is made faster by a factor."""
         return replace(self, F=transitions(len(self.x0), factor), B=self.B * factor, R=self.R * factor)
 

@@ -21,6 +21,7 @@ from estimator.fit.fit import fit
 from estimator.model import Model
 from estimator.record import Array, Recording
 from estimator.rig import Rig
+from estimator.state.doubt import root
 from estimator.work import Runs
 
 SEEDS = 100
@@ -65,7 +66,7 @@ def lived(model: Model, rig: Rig, run: Recording, dice: np.random.Generator) -> 
     """What the channels read of this run, drawn from the model as the filter takes it."""
     system = Trial(model, rig, run, gated=False).pose(model).system
     x, readings = dice.multivariate_normal(system.x0, system.P0, method="eigh"), np.empty_like(system.y)
-    shake = [_root(Q) for Q in system.Q]
+    shake = [root(Q) for Q in system.Q]
     d = system.F.shape[1]
     for t, regime in enumerate(system.regime):
         x = np.append(system.F[regime] @ x[:d], x[d:]) + system.b[t] + shake[regime] @ dice.standard_normal(len(x))
@@ -76,12 +77,6 @@ def lived(model: Model, rig: Rig, run: Recording, dice: np.random.Generator) -> 
     unread = np.arange(len(channels)) % READ_EVERY > 0
     channels[np.ix_(unread, system.spans > 0)] = np.nan
     return replace(run, channels=channels)
-
-
-def _root(Q: Array) -> Array:
-    """A matrix A with A A' = Q, also where Q has no variance."""
-    rates, ways = np.linalg.eigh(Q)
-    return ways * np.sqrt(np.maximum(rates, 0.0))
 
 
 def _rows(system: System, t: int) -> Array:

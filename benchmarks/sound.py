@@ -1,17 +1,12 @@
 """Runs in which nothing fails: of the machine that the model is of, by a model that is wrong, of other machines."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from benchmarks import paper_rig
+from benchmarks.failed import Outcome
 from benchmarks.measure import Row, table
-
-if TYPE_CHECKING:
-    from benchmarks.failed import Outcome
 
 ROWS = ("healthy", "wrong model", "another machine")
 WRONG = 0.2  # by which share every physical parameter is off

@@ -8,11 +8,7 @@ a line in benchmarks/trends.jsonl.
 python -m benchmarks trends [0-5] [dev]
 """
 
-from __future__ import annotations
-
-import json
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from time import process_time
@@ -22,7 +18,8 @@ from benchmarks import paper_rig
 from benchmarks.handed_over import simulated
 from benchmarks.hidden.models import healthy_model
 from benchmarks.hidden.tables import interval
-from benchmarks.measure import commit, say, section
+from benchmarks.kept import known, outcomes
+from benchmarks.measure import numbers, section
 from drivers.virtual_rig.dice import dice
 from estimator.record import Recording
 from estimator.trend.trend import trend
@@ -78,22 +75,13 @@ class Case(NamedTuple):
 
 def markdown(*words: str) -> str:
     """Run the cases that words ask for; the table."""
-    ranges = [found for word in words if (found := re.fullmatch(r"(\d+)(?:-(\d+))?", word))]
-    numbers = [n for found in ranges for n in range(int(found[1]), int(found[2] or found[1]) + 1)] or range(FEW)
-    cases = [Case(n, "dev" in words) for n in numbers]
-    return "\n".join(_tables(dict(_outcomes(cases))))
+    cases = [Case(n, "dev" in words) for n in [n for word in words for n in numbers(word)] or range(FEW)]
+    found = {Case(*case): out for case, out in known(LINES)}
+    return "\n".join(_tables(outcomes(LINES, cases, found, _followed, _told)))
 
 
-def _outcomes(cases: Sequence[Case]) -> Iterator[tuple[Case, dict[str, Any]]]:
-    lines = [json.loads(line) for line in LINES.read_text().splitlines()] if LINES.exists() else []
-    old = {Case(*line["case"]): line["out"] for line in lines if line["commit"] == commit()}
-    for case in cases:
-        if case not in old:
-            old[case] = _followed(case)
-            with LINES.open("a") as file:
-                file.write(json.dumps({"commit": commit(), "case": case, "out": old[case]}) + "\n")
-        say(f"{'right' if _right(case, old[case]) else 'WRONG'} machine {case.machine}: {case.wears}; {old[case]}")
-        yield case, old[case]
+def _told(case: Case, out: dict[str, Any]) -> str:
+    return f"{'right' if _right(case, out) else 'WRONG'} machine {case.machine}: {case.wears}; {out}"
 
 
 def _followed(case: Case) -> dict[str, Any]:

@@ -4,8 +4,6 @@ As somebody sees them who looks on after the second stop; between the stops a th
 of a while after the rig has ended. `make pictures` runs it: some five minutes.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

@@ -1,7 +1,5 @@
 """Frames of a log as arrays, and the account of everything that was not used."""
 
-from __future__ import annotations
-
 import struct
 from collections import Counter
 from collections.abc import Sequence
@@ -115,14 +113,14 @@ class Frames:
         """Id and kind in one number, (n,)."""
         return self.id.astype(np.int64) << 1 | self.extended
 
-    def take(self, which: Mask | Index | slice) -> Frames:
+    def take(self, which: Mask | Index | slice) -> "Frames":
         """The frames at these indices, or where a mask is true; if that is all of them, themselves and no copy."""
         if not isinstance(which, slice) and len(which) == len(self) and _is_all(which):
             return self
         columns = {name: getattr(self, name)[which] for name in _COLUMNS}
         return Frames(**columns, unit=self.unit, buses=self.buses)
 
-    def on_clock(self, time: Array) -> Frames:
+    def on_clock(self, time: Array) -> "Frames":
         """The same frames with other stamps, (n,) s."""
         return self if time is self.time else replace(self, time=time)
 
@@ -131,13 +129,13 @@ class Frames:
         return f"{self.unit} {int(self.number[index])}"
 
     @classmethod
-    def of(cls, tables: Sequence[NDArray[np.void]], unit: str, buses: Sequence[str] = ("can0",)) -> Frames:
+    def of(cls, tables: Sequence[NDArray[np.void]], unit: str, buses: Sequence[str] = ("can0",)) -> "Frames":
         """From tables of dtype FRAME, one behind the other."""
         columns = {name: np.concatenate([table[name] for table in tables]) for name in _COLUMNS}
         return cls(**columns, unit=unit, buses=tuple(buses))
 
     @classmethod
-    def joined(cls, parts: Sequence[Frames]) -> Frames:
+    def joined(cls, parts: "Sequence[Frames]") -> "Frames":
         """One log behind the other."""
         named = [[name.partition(" = ")[0] for name in part.buses] for part in parts]
         buses = tuple(dict.fromkeys(name for names in named for name in names))

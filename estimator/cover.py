@@ -1,7 +1,5 @@
 """Where the nut was, tick by tick, in a tenth of the memory: what is 0 is not kept, nor is what stays as it was."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -32,7 +30,7 @@ class Cover(NDArrayOperatorsMixin):
         self.shape, self.dtype = (len(at), cells), values.dtype
 
     @classmethod
-    def of(cls, numbers: Array) -> Cover:
+    def of(cls, numbers: Array) -> "Cover":
         """From numbers (K, cells); a tick that is not known is a row of NaN."""
         bits = np.ascontiguousarray(numbers).view(f"u{numbers.itemsize}")  # as numbers, no NaN is like another
         new = np.append(True, (bits[1:] != bits[:-1]).any(axis=1))[: len(numbers)]
@@ -46,7 +44,7 @@ class Cover(NDArrayOperatorsMixin):
         return cls((np.cumsum(new) - 1).astype(np.int32), first.astype(np.int32), ends, values, cells)
 
     @classmethod
-    def joined(cls, parts: Sequence[Cover]) -> Cover:
+    def joined(cls, parts: "Sequence[Cover]") -> "Cover":
         """Some ticks behind others."""
         rows = np.cumsum([0, *(len(part._first) for part in parts)])
         values = np.cumsum([0, *(len(part._values) for part in parts)])

@@ -1,7 +1,5 @@
 """An effect: one physical sentence that can be absent, with its equation, its parameters and its terms."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Iterator

@@ -8,8 +8,6 @@
 Anything else that reaches the command line is a bug and keeps its traceback.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from difflib import get_close_matches
 
@@ -39,7 +37,7 @@ class EffectError(SetupError):
         super().__init__(message)
         self.effect = effect
 
-    def __reduce__(self) -> tuple[type[EffectError], tuple[str, str]]:
+    def __reduce__(self) -> "tuple[type[EffectError], tuple[str, str]]":
         return EffectError, (self.effect, str(self))  # as it travels between processes
 
 

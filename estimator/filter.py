@@ -10,8 +10,6 @@ as the open-loop run has it, and what a reading taken before the tick's close ha
 whole recordings.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cached_property
 from typing import Any

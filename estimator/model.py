@@ -1,7 +1,5 @@
 """A model: a list of effects with the values of their parameters; composed with + and -, kept as TOML."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -95,7 +93,7 @@ class Model:
         values = [f"    {key} = {self.values[f'{name}.{key}']} {param.unit}" for key, param in effect.params.items()]
         return "\n".join(["", f"{name}: {effect.sentence()}", indent(effect.equation(), "    "), *values])
 
-    def __add__(self, effect: type[Effect]) -> Model:
+    def __add__(self, effect: type[Effect]) -> "Model":
         """The model with one more effect, at its defaults."""
         return replace(
             self,
@@ -103,7 +101,7 @@ class Model:
             values={**self.values, **_defaults(effect)},
         )
 
-    def __sub__(self, name: str) -> Model:
+    def __sub__(self, name: str) -> "Model":
         """The model without an effect."""
         self._known(name)
         return replace(
@@ -125,7 +123,7 @@ class Model:
         """Paths of the parameters that a fit may change."""
         return [path for path, value in self.values.items() if not value.fixed]
 
-    def with_values(self, values: Mapping[str, Any]) -> Model:
+    def with_values(self, values: Mapping[str, Any]) -> "Model":
         """The same model with other values, numbers or Value records, at "effect.param"."""
         merged = dict(self.values)
         for path, value in values.items():
@@ -175,7 +173,7 @@ class Model:
         """Values of one effect's parameters, as attributes."""
         return SimpleNamespace(**{key: self.values[f"{name}.{key}"].value for key in self.effects[name].params})
 
-    def known(self, paths: Sequence[str], covariance: Array) -> Model:
+    def known(self, paths: Sequence[str], covariance: Array) -> "Model":
         """The model with how well these parameters are known, (p, p); correlations are kept to four digits."""
         sd = np.sqrt(np.diag(covariance))
         with np.errstate(invalid="ignore"):  # what nothing tells of goes with nothing

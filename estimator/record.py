@@ -1,7 +1,5 @@
 """What was measured: a Sample is one tick, a Recording all ticks. NaN = not measured."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -110,17 +108,17 @@ class Recording:
         """Short hash of what was measured: tells a recording again whatever its file is called, and by a part of it."""
         return self.part_of or hashlib.sha256(self.channels.tobytes() + self.time_s.tobytes()).hexdigest()[:12]
 
-    def rows(self, which: slice) -> Recording:
+    def rows(self, which: slice) -> "Recording":
         """Some of the ticks, in order."""
         inputs = {name: column[which] for name, column in self.inputs.items()}
         return replace(self, inputs=inputs, **{key: getattr(self, key)[which] for key in (*_SERIES, *_COVERS)})
 
-    def packed(self) -> Recording:
+    def packed(self) -> "Recording":
         """The same, and where the nut was in a tenth of the memory."""
         return replace(self, coverage=Cover.of(np.asarray(self.coverage)), stay=Cover.of(np.asarray(self.stay)))
 
     @classmethod
-    def joined(cls, parts: Sequence[Recording]) -> Recording:
+    def joined(cls, parts: "Sequence[Recording]") -> "Recording":
         """Packed parts, one behind the other; name and account are those of the first."""
         series: dict[str, Any] = {key: np.concatenate([getattr(part, key) for part in parts]) for key in _SERIES}
         series |= {key: Cover.joined([getattr(part, key) for part in parts]) for key in _COVERS}

@@ -3,8 +3,6 @@
 Positions x are in mm from channel 1 (free end) to the motor side; fields carry their unit in their name.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field

@@ -1,7 +1,5 @@
 """How a rig's logs are read: CAN by messages, lab CSVs by columns."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

@@ -3,8 +3,6 @@
 Positions x are in mm from channel 1 (free end) to the motor side; fields carry their unit in their name.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """What the filter says: a Step for each tick, a Track for a whole recording; every channel alike."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
@@ -127,7 +125,7 @@ class Track:
     position_mm: Array
 
     @classmethod
-    def waiting(cls, names: tuple[str, ...], rows: Recording) -> Track:
+    def waiting(cls, names: tuple[str, ...], rows: Recording) -> "Track":
         """Ticks before any thermometer has been read: nothing to say but what was measured."""
         K, m = len(rows), len(names)
         said = {name: np.full(K, np.nan) for name in SERIES}
@@ -142,13 +140,13 @@ class Track:
         return cls(np.empty(0), (), names, **said)
 
     @classmethod
-    def of(cls, steps: Sequence[Step], x_mm: Array, bodies: tuple[str, ...]) -> Track:
+    def of(cls, steps: Sequence[Step], x_mm: Array, bodies: tuple[str, ...]) -> "Track":
         """Steps one after the other."""
         series = {key: _stack([np.asarray(getattr(step, key)) for step in steps]) for key in SERIES}
         return cls(x_mm, bodies, steps[0].names, **series)
 
     @classmethod
-    def joined(cls, parts: Iterable[Track], ticks: int) -> Track:
+    def joined(cls, parts: "Iterable[Track]", ticks: int) -> "Track":
         """Parts of one run of so many ticks, one after the other, each let go as the next comes, or a day would be in
         memory twice; of a long one profiles, half of all, have the seven digits of single precision. Ticks before the
         start have no places and no bodies, and are NaN there."""
@@ -189,18 +187,18 @@ class TableErrors:
     sd_um: Array
 
     @classmethod
-    def waiting(cls, at_mm: Array, ticks: int) -> TableErrors:
+    def waiting(cls, at_mm: Array, ticks: int) -> "TableErrors":
         """Ticks before any thermometer has been read."""
         return cls(at_mm, *np.full((2, ticks, len(at_mm)), np.nan))
 
     @classmethod
-    def joined(cls, parts: Sequence[TableErrors]) -> TableErrors:
+    def joined(cls, parts: "Sequence[TableErrors]") -> "TableErrors":
         """Parts of one run, one after the other."""
         return cls(
             parts[0].at_mm, *(np.concatenate([getattr(one, key) for one in parts]) for key in ("error_um", "sd_um"))
         )
 
-    def at(self, at_mm: Sequence[float]) -> TableErrors:
+    def at(self, at_mm: Sequence[float]) -> "TableErrors":
         """Some of the places."""
         columns = [int(np.argmin(np.abs(self.at_mm - one))) for one in at_mm]
         return TableErrors(self.at_mm[columns], self.error_um[:, columns], self.sd_um[:, columns])

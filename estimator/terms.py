@@ -5,8 +5,6 @@ other node is a body with one temperature, or, in a Link, a measured input such 
 scalars or arrays that broadcast to (ticks, 1) for a body and (ticks, cells) for the screw.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any

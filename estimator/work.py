@@ -1,7 +1,5 @@
 """Long work: on which recordings it is done, by which workers, in how many threads, and who hears how far it is."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, wraps

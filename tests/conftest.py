@@ -49,7 +49,10 @@ sys.dont_write_bytecode = False  # or pytest rewrites the assertions of every te
 settings.register_profile("ballscrew", deadline=None, derandomize=True)  # the same on every machine, however slow
 settings.load_profile("ballscrew")
 
-PAPER = Path(__file__).parents[1] / "recordings"
+ROOT = Path(__file__).parents[1]
+PAPER, EXAMPLES = ROOT / "recordings", ROOT / "examples"
+ROD, TWO = EXAMPLES / "heated_rod", EXAMPLES / "two_heaters"
+RIG = load_rig(PAPER)
 FAST = 174.5  # rad/s: 20 m/min
 WITH_BEARINGS = {
     "bearing_speed_exponent",
@@ -70,7 +73,7 @@ FREED = ("nut_friction.n", "thermometers.tau", "displacement.probe", "displaceme
 @pytest.fixture(scope="session")
 def rig() -> Rig:
     """The paper's rig."""
-    return load_rig(PAPER)
+    return RIG
 
 
 def at_defaults() -> Model:
@@ -89,9 +92,15 @@ def terms_of(name: str, rig: Rig, u: Inputs, **values: float) -> list[Term]:
 
 
 @pytest.fixture(scope="session")
-def paper() -> tuple[Rig, Model]:
+def shipped() -> Model:
+    """The model that ships with it."""
+    return load_model(PAPER / "model.toml")
+
+
+@pytest.fixture(scope="session")
+def paper(shipped) -> tuple[Rig, Model]:
     """The paper's rig with the model that ships with it."""
-    return load_rig(PAPER), load_model(PAPER / "model.toml")
+    return RIG, shipped
 
 
 @pytest.fixture
@@ -255,11 +264,16 @@ def ballscrew(*words: object) -> tuple[int, str, str]:
     return status.value.code or 0, out.getvalue(), err.getvalue()
 
 
+def ended(status: int, *words: object) -> tuple[str, str]:
+    """stdout and stderr of `ballscrew WORDS`, which must end with this status."""
+    found, out, err = ballscrew(*words)
+    assert found == status, err
+    return out, err
+
+
 def json_of(*words: object) -> Any:
     """What `ballscrew WORDS --json`, which must succeed, prints as JSON."""
-    status, out, err = ballscrew(*words, "--json")
-    assert status == 0, err
-    return json.loads(out)
+    return json.loads(ended(0, *words, "--json")[0])
 
 
 @pytest.fixture(scope="session")

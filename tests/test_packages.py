@@ -4,9 +4,7 @@ import tomllib
 
 from packaging.requirements import Requirement
 
-from tests.conftest import PAPER
-
-ROOT = PAPER.parent
+from tests.conftest import ROOT
 
 
 def test_each_package_is_kept_at_one_version_which_its_range_allows():

@@ -1,7 +1,5 @@
 """ballscrew fleet: all rigs of a plant, a row each."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -32,8 +32,7 @@ def command(work: Workspace, asked: Asked, table: Path | None, rrd: Path | None,
         return work.status
     reviews, verdict = found.reviews, found.verdict
     if table is not None:  # before anything is printed: who reads that may leave after a line
-        from ballscrew.table.table import table as ticks  # pyarrow takes a while to import
-        from ballscrew.table.table import write
+        from ballscrew.table.table import table as ticks, write  # pyarrow takes a while to import
 
         write(ticks(reviews, work.rig, len(reviews) + len(found.failed) > 1), table)
     print_reviews(work.terminal, reviews, found.fitted, work.rig, verdict.sentence)

@@ -1,7 +1,5 @@
 """A plant as a table, a row a rig, and as JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One rig folder looked at: how the filter follows, whether the model holds, what is missing, what drifts."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -39,7 +37,7 @@ class InspectedRun:
     alone_K: float
 
     @classmethod
-    def of(cls, review: Review) -> InspectedRun:
+    def of(cls, review: Review) -> "InspectedRun":
         """What of a review is followed over weeks."""
         known = review.accuracy("filter").rms_um
         return cls(review.recording.began_s, known, review.nis_mean, review.open_loop_K)

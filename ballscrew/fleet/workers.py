@@ -1,8 +1,6 @@
 """Rig folders shared out among processes, or workers of a Dask scheduler; one that is lost costs what it was at, which
 is done again."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed

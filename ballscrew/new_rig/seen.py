@@ -1,7 +1,5 @@
 """What is in a recording, signal by signal, before anybody has said what it is; and what it is taken as."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -75,7 +73,7 @@ class Seen:
         """Its median."""
         return float(np.median(self.value))
 
-    def after(self, other: Seen) -> Seen:
+    def after(self, other: "Seen") -> "Seen":
         """The same signal of two recordings as one, this behind the other, by times that go on from one to the next."""
         return replace(
             self,

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from ballscrew.report.sections import Section, number
-from ballscrew.report.use_report import as_json as as_json_of_use
-from ballscrew.report.use_report import print_use
+from ballscrew.report.use_report import as_json as as_json_of_use, print_use
 from ballscrew.terminal import Rows, Terminal, duration
 from estimator.accuracy.accuracy import Accuracy
 from estimator.accuracy.doubts import doubts

@@ -1,7 +1,5 @@
 """Jobs and what comes of them as bytes, for another process: functions and effects of one's own travel by value."""
 
-from __future__ import annotations
-
 import io
 import sys
 from typing import Any

@@ -3,8 +3,6 @@
 Dask shares out what there is to do, and does again what a lost worker was at; what that worker kept travels once more.
 """
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import warnings
@@ -81,7 +79,7 @@ class Kept:
     def item(self) -> Any:
         return loads(self._packed)
 
-    def __reduce__(self) -> tuple[type[Kept], tuple[bytes]]:
+    def __reduce__(self) -> "tuple[type[Kept], tuple[bytes]]":
         return Kept, (self._packed,)
 
     def __sizeof__(self) -> int:

@@ -4,8 +4,6 @@ The search asks the same recordings hundreds of questions, most of which are Pyt
 two cores no better than one and a quarter. The numbers are the same to the bit, whoever works.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 from collections import OrderedDict
@@ -56,7 +54,7 @@ def the_cluster() -> Any:
 class Keepers:
     """Workers of both kinds: called, threads; `kept`: processes, for what is done on each of some recordings."""
 
-    def __init__(self, threads: Workers, homes: Sequence[Home]) -> None:
+    def __init__(self, threads: Workers, homes: "Sequence[Home]") -> None:
         self._threads, self._homes = threads, homes
 
     def __call__(self, job: Callable[[Any], Any], items: Sequence[Any]) -> Any:
@@ -69,10 +67,10 @@ class Keepers:
         asked = [home.ask(text, item, packed.get(n)) for n, (home, item) in enumerate(zip(homes, items, strict=True))]
         return [answer.result() for answer in asked]
 
-    def _home_of(self, item: Any) -> Home | None:
+    def _home_of(self, item: Any) -> "Home | None":
         return next((home for home in self._homes if home.size(item)), None)
 
-    def _shared(self, items: Sequence[Any], packed: Mapping[int, bytes]) -> list[Home]:
+    def _shared(self, items: Sequence[Any], packed: Mapping[int, bytes]) -> "list[Home]":
         """A home for each item: where it is, or else, the largest first, where there is least to do.
 
         Bytes stand for work: a recording that is twice as long as the others takes as long as two of them.
@@ -97,7 +95,7 @@ class Home:
         self._process: Any = None
         self._pipe: Connection | None = None
 
-    def __enter__(self) -> Home:
+    def __enter__(self) -> "Home":
         return self
 
     def __exit__(self, *_: object) -> None:

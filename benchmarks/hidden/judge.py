@@ -15,8 +15,7 @@ from collections.abc import Callable, Mapping
 
 from benchmarks import paper_rig
 from benchmarks.hidden.cases import ODD, Case
-from benchmarks.hidden.drawn_reading import ALL as ALL_READ
-from benchmarks.hidden.drawn_reading import drawn_reading
+from benchmarks.hidden.drawn_reading import ALL as ALL_READ, drawn_reading
 from benchmarks.hidden.outcome import Outcome
 from benchmarks.hidden.plants import BY_LAW, DRAWN, OWN, STRANGERS, kind_of
 from drivers.virtual_rig.machine.drawn import drawn

@@ -7,8 +7,7 @@ import numpy as np
 
 from benchmarks.machine_truth import bore_delay_s
 from drivers.virtual_rig.machine.air import EMISSIVITY
-from drivers.virtual_rig.machine.bearings import PALMGREN
-from drivers.virtual_rig.machine.bearings import SPEED_EXPONENT as OF_BEARINGS
+from drivers.virtual_rig.machine.bearings import PALMGREN, SPEED_EXPONENT as OF_BEARINGS
 from drivers.virtual_rig.machine.nut import SPEED_EXPONENT as OF_NUT
 from drivers.virtual_rig.population.constants import PAPER, Anchor, Machine
 from drivers.virtual_rig.population.draw import RADIATION

@@ -1,7 +1,5 @@
 """A bus to listen on: any interface of python-can, without a way to transmit."""
 
-from __future__ import annotations
-
 import logging
 import socket
 from collections.abc import Callable, Mapping
@@ -48,7 +46,7 @@ class BusAddress:
         except can.CanInterfaceNotImplementedError as error:
             raise SetupError(f"--interface {self.interface}: {error}") from error
 
-    def listen(self) -> Listener:
+    def listen(self) -> "Listener":
         """The bus without a way to transmit."""
         bus = self.open()
         buffer = with_room(bus)

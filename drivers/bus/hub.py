@@ -4,8 +4,6 @@ A client says `< open can0 >`, `< rawmode >` and `< send 123 2 11 22 >`; all oth
 `< frame 123 1699999999.123456 1122 >`. python-can's interface `socketcand` is such a client.
 """
 
-from __future__ import annotations
-
 import asyncio
 import re
 import socket
@@ -56,7 +54,7 @@ class Hub:
         while self.clients:
             await asyncio.sleep(0)
 
-    def pass_on(self, sender: _Client, frames: list[tuple[bytes, bytes]]) -> None:
+    def pass_on(self, sender: "_Client", frames: list[tuple[bytes, bytes]]) -> None:
         """Stamp frames, (id, data) as hex, and hand them to everybody else on the sender's channel."""
         text = b"".join(b"< frame %b %b %b >" % (number, self.stamp.next(), data) for number, data in frames)
         self.frames += len(frames)

@@ -1,7 +1,5 @@
 """Readings into ticks: the same few lines for a whole log, for a live tick and for a lab CSV."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -23,16 +21,16 @@ class Readings(NamedTuple):
     now: Array
     value: Array
 
-    def where(self, use: Mask | slice) -> Readings:
+    def where(self, use: Mask | slice) -> "Readings":
         """Those in a slice, or for which `use` (n,) is true."""
         return Readings._make(column[use] for column in self)
 
-    def of_ticks(self, ticks: slice) -> Readings:
+    def of_ticks(self, ticks: slice) -> "Readings":
         """Those of some ticks, counted from the first of them."""
         some = self.where(slice(*np.searchsorted(self.row, [ticks.start, ticks.stop])))
         return some._replace(row=some.row - ticks.start)
 
-    def after(self, other: Readings) -> Readings:
+    def after(self, other: "Readings") -> "Readings":
         """These behind the others."""
         return Readings._make(map(np.concatenate, zip(other, self, strict=True)))
 

@@ -1,7 +1,5 @@
 """The DBC as numpy needs it: where each signal's bits are, and what its numbers mean."""
 
-from __future__ import annotations
-
 import operator
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -48,7 +46,7 @@ class Bits:
     unit: str = ""
     highest: float | None = None
     texts: Mapping[int, str] = field(default_factory=dict)
-    selector: Bits | None = None
+    selector: "Bits | None" = None
     selected: tuple[int, ...] = ()
 
     def raw(self, words: Words) -> NDArray[Any]:

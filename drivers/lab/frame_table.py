@@ -24,21 +24,9 @@ _HEAD = 30  # lines among which the names are
 _IDS = {"id", "canid", "arbitrationid", "identifier", "msgid", "messageid", "frameid"}
 _DATA = re.compile(r"data(bytes?|hex)?\d*|[db]\d|byte\d")
 _ABOUT = {
-    "format",
-    "flags",
-    "dlc",
-    "len",
-    "length",
-    "datalength",
-    "ide",
-    "extended",
-    "ext",
-    "bus",
-    "buschannel",
-    "chn",
-    "dir",
-    "type",
-}
+    "format", "flags", "dlc", "len", "length", "datalength", "ide", "extended", "ext", "bus", "buschannel", "chn",
+    "dir", "type",
+}  # fmt: skip
 PYTHON_CAN = ["timestamp", "arbitrationid"]
 _SHORTEST_US = 40.0  # from frame to frame on a bus of 1 Mbit/s
 _SILENT_S = 1.5  # more than nineteen in twenty frames of a bus come after

@@ -5,8 +5,6 @@ Times come back from every format to the microsecond. `.log`, `.blf` and `.mf4` 
 clock is local time without a zone. `.trc` holds data frames only.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from contextlib import suppress
 from importlib import import_module
@@ -58,7 +56,7 @@ class LogWriter:
         self._writer.on_message_received(frame if self._suffix == ".log" else _message(frame))
         self.frames += 1
 
-    def __enter__(self) -> LogWriter:
+    def __enter__(self) -> "LogWriter":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *raised: object) -> None:

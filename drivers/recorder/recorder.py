@@ -4,8 +4,6 @@ A new file begins after some hours or megabytes. A helper thread brings what is 
 receives never waits for it.
 """
 
-from __future__ import annotations
-
 import errno
 import math
 import threading
@@ -98,7 +96,7 @@ class Recorder:
         self._sync()
         self._held.release()
 
-    def __enter__(self) -> Recorder:
+    def __enter__(self) -> "Recorder":
         return self
 
     def __exit__(self, *raised: object) -> None:

@@ -1,7 +1,5 @@
 """How far an estimate is from its reference: always reference minus estimate."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

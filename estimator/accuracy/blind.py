@@ -8,8 +8,6 @@ process noise is right predicts them ten minutes ahead with errors as large as i
 each reading by itself (a composite likelihood, Varin 2011). Thermometers share their error: together they weigh as one.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

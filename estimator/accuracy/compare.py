@@ -4,8 +4,6 @@ One-step errors flatter: process noise lets a filter follow what its model does 
 ten-minutes-ahead errors stand beside them, and the noise floor of the sensors beside those.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 """Displacement readings: what they have beside growth, for warm probes add to them and a warm bar takes away; and the
 level of many, without their scatter."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Why estimates are to be doubted, in plain sentences: one sensor, the model, or the noise."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -3,8 +3,6 @@
 One-step error alone flatters: a filter that trusts its readings hides what its model lacks. Open loop nothing helps.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -44,7 +42,7 @@ class Horizons:
     elongation: Mapping[str, Array]
     reference: Mapping[str, Array]
 
-    def where(self, mask: Array) -> Horizons:
+    def where(self, mask: Array) -> "Horizons":
         """The same at some of the ticks."""
         elongation, reference = (
             {name: each[mask] for name, each in by.items()} for by in (self.elongation, self.reference)

@@ -11,8 +11,6 @@ that in sd is one chi-square with one degree of freedom, not thousands. The medi
 heat that is missing at one place, is not another machine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import NormalDist

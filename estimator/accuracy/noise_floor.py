@@ -1,7 +1,5 @@
 """What the sensors alone leave of an error, and when an error is far above it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,7 +14,7 @@ from estimator.rig import Rig
 FAR = 3.0  # an open-loop error this many times the noise floor is missing physics
 
 
-def noise_floor(model: Model, trial: Trial) -> Error:
+def noise_floor(model: Model, trial: Trial) -> "Error":
     """What sensors alone would leave of an open-loop error: scatter and unknown zeros of thermometers, of the rest."""
     readings = trial.pose(model).forcing.readings
     heat = trial.rig.is_thermometer
@@ -30,7 +28,7 @@ def noise_floor(model: Model, trial: Trial) -> Error:
     return Error(level(heat & known), level(~heat & known))
 
 
-def missing_physics(open_loop: Error, floor: Error) -> float:
+def missing_physics(open_loop: "Error", floor: "Error") -> float:
     """Open-loop error over the noise floor of the thermometers where it is far above it, else NaN."""
     ratio = open_loop.temperature_K / floor.temperature_K
     return ratio if ratio > FAR else float("nan")

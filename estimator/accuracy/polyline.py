@@ -6,8 +6,6 @@ With a thermometer at both ends of the span this is the trapezoid sum over the s
 thermometer in use the rise is taken as constant.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -6,8 +6,6 @@ in 2 sd   share of innovations inside two of their sd: 95 % when they are normal
 blind     NIS and share in 2 sd of what is read after ten minutes without readings
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -20,8 +20,6 @@ scatter of the first half minute and of the rest before, its walk since, and wha
 coefficients that are known as well as the model says.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -56,11 +54,11 @@ class Stop(NamedTuple):
     um: Any
     noise: Any
 
-    def plus(self, other: Stop) -> Stop:
+    def plus(self, other: "Stop") -> "Stop":
         """Both together, each with a scatter of its own."""
         return Stop(self.um + other.um, self.noise + other.noise)
 
-    def minus(self, other: Stop) -> Stop:
+    def minus(self, other: "Stop") -> "Stop":
         """What the other lacks."""
         return Stop(self.um - other.um, self.noise + other.noise)
 

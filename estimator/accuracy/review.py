@@ -1,7 +1,5 @@
 """One recording, every estimate, and how far each is from the reference."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Alarms: where the rig and the model part, and readings that cannot be right."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Whether a control may rely on the estimate at this moment."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import ceil
 
@@ -52,7 +50,7 @@ class Watch:
         if step.fused[~self._heat].any():
             self._displacement = step.time_s
 
-    def trust(self, now_s: float) -> Trust:
+    def trust(self, now_s: float) -> "Trust":
         """What can be said at a time on the rig's clock."""
         few = now_s - self._enough > FEW_S
         why = []

@@ -12,8 +12,6 @@ The quantiles are such that on a rig that is off by the whole allowance all of t
 without cause; on one that is right, hardly ever.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """How the readings of a recording move with uncertain parameters, some ticks ahead of whoever judges them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.batch.nominal import Nominal

@@ -9,8 +9,6 @@ updates. Where all ticks do not fit into memory at once they are filtered twice:
 the borders of chunks, and once more chunk by chunk on the way back.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 

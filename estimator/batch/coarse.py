@@ -1,7 +1,5 @@
 """A recording at a longer tick: enough for open-loop runs, which see slow heat only."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

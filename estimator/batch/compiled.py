@@ -2,8 +2,6 @@
 command does before that, its help, an error in a file, needs no filter.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any, TypeVar, cast

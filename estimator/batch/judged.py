@@ -2,8 +2,6 @@
 goes. Ticks are filtered a stretch at a time, as if nothing happened to any channel; what the judge has not to say
 anything of stays. Beside it goes one that hears no length."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 

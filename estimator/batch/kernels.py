@@ -23,8 +23,6 @@ All kernels stay in one module: numba's cache does not notice that a compiled fu
 only have to be compiled here, `carried` and `followed` of state/moves.py, call none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -8,8 +8,6 @@ As `OpenLoop` does it a tick at a time; here with the derivative by the start ba
 depends on noise levels.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """How far readings are from what the model alone says, from the first sample on."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.batch.trial import Posed, Trial

@@ -3,8 +3,6 @@
 And, after the fact, the smoother: the best estimate of each tick, from the readings before and after it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 

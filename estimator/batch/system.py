@@ -1,7 +1,5 @@
 """What the batch engine is given, a linear system with its readings, and what it gives back."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from functools import cached_property
 
@@ -107,12 +105,12 @@ class Chunk:
         """x and P after the last tick."""
         return self.x[-1], self.P[-1]
 
-    def rows(self, some: slice) -> Chunk:
+    def rows(self, some: slice) -> "Chunk":
         """Some of the ticks, counted from the first."""
         parts = {field.name: getattr(self, field.name)[some] for field in fields(self) if field.name != "ticks"}
         return Chunk(slice(self.ticks.start + some.start, self.ticks.start + some.stop), **parts)
 
-    def with_last(self, tick: Chunk) -> Chunk:
+    def with_last(self, tick: "Chunk") -> "Chunk":
         """With another last tick."""
         for field in fields(self):
             if field.name != "ticks":

@@ -1,7 +1,5 @@
 """One recording made ready for many models: each becomes a linear system for the compiled engine."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Recordings made ready together, for jobs that are done on every one of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -4,8 +4,6 @@ Structure never depends on values; and a tick's numbers do not depend on which t
 recording and a bus would not give the same estimate.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

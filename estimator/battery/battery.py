@@ -4,8 +4,6 @@ Each check yields what is wrong, a sentence each; an effect passes where none do
 model leave without influence is a remark only where nobody fits it, or where it acts on what the model lacks.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields, replace

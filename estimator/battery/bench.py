@@ -1,7 +1,5 @@
 """A bench for one effect: the model of a rig that it is put into, and inputs under which everything happens."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property

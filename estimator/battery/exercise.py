@@ -1,7 +1,5 @@
 """A short made-up run of any rig in which everything happens: drives, stops, and every input changes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.inputs.inputs import Inputs

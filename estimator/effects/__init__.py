@@ -4,8 +4,6 @@ In the order to read them: screw, nut, bearings, friction, air, surroundings, lo
 held; elsewhere, which is in no model but moves what the others do.
 """
 
-from __future__ import annotations
-
 from estimator.effect import Effect
 from estimator.effects import air, bearings, friction, held, length, local, nut, readings, screw, surroundings
 

@@ -1,7 +1,5 @@
 """Heat that the screw's surface loses to the air and to the walls, where neither nut nor bearing hides it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any

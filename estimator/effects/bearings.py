@@ -1,7 +1,5 @@
 """The two support bearings: where they sit, their friction, and the housings through which heat leaves to the base."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import lru_cache
 from types import SimpleNamespace

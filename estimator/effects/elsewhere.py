@@ -1,7 +1,5 @@
 """The table that stands elsewhere than the position says, as an effect that sets the position right."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from types import SimpleNamespace

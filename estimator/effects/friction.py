@@ -1,7 +1,5 @@
 """What friction depends on beside a constant torque: speed, temperature, and grease that has just been at rest."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import SimpleNamespace
 

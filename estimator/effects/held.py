@@ -1,7 +1,5 @@
 """How the screw is held along its axis."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import SimpleNamespace
 

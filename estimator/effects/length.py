@@ -1,7 +1,5 @@
 """What the displacement probes make of the screw's growth."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Heat or cold at one place of the screw: an air jet, chips, a motor behind its coupling."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any

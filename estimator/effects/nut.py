@@ -1,7 +1,5 @@
 """The nut: friction heat along its travel, and a body that parks where the table stops."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """What thermometers make of the temperatures: lag, offset, gain, and drift of their circuit board."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """The screw itself: it stores heat and conducts it along its axis."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Air and base at the screw that are not what their thermometers show."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import SimpleNamespace
 

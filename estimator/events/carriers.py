@@ -1,7 +1,5 @@
 """What may begin: heat at a place, or a part of the model that grows or shrinks."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """One thing that began within a run."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 HOT, DRIVING, PART, READING, LOOSE = "heat", "heat_driving", "effect", "reading", "loose"

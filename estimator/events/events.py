@@ -4,8 +4,6 @@ One after the other in each recording: the most likely onset of anything is foun
 of the model's misfit sized again without it, and the next is looked for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A part of the model that does more from recording to recording, by their clocks: a bearing that wears."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

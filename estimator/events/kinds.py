@@ -1,7 +1,5 @@
 """An onset in words: what it is, where, since when, how much, and what to do."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

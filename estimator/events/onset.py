@@ -6,8 +6,6 @@ twice the log-likelihood that a step c from a time on adds to the pattern S that
 again within the run is the difference of two steps.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ Each at the size that the recordings together make most likely (`missing_heat.ca
 large pattern, and only what does not fit into it counts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

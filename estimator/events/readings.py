@@ -6,8 +6,6 @@ place would by the model alone. A model whose heat is in the wrong place makes t
 so too, but not only these.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain, combinations

@@ -5,8 +5,6 @@
 Readings are averaged over spans of minutes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

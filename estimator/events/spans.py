@@ -1,7 +1,5 @@
 """Spans of a recording: minutes in a row in which the screw only drives or only stands."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

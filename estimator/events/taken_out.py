@@ -5,8 +5,6 @@
 with b what 1 W, or once more a part of the model, adds to the states, and s the event's size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What can be wrong with a channel, what is seen of the channels, and what is made of it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
@@ -71,7 +69,7 @@ class Led:
     minute: Array
     worse: Array
 
-    def __getitem__(self, some: slice) -> Led:
+    def __getitem__(self, some: slice) -> "Led":
         """Some of the ticks."""
         return Led(*(getattr(self, field.name)[some] for field in fields(self)))
 
@@ -95,17 +93,17 @@ class Led:
         return minute, times
 
     @classmethod
-    def nowhere(cls, ticks: int, p: int) -> Led:
+    def nowhere(cls, ticks: int, p: int) -> "Led":
         """Nothing has been led yet, or there is no length."""
         none, usual = np.zeros(ticks), np.ones(ticks)
         return cls(none, none, np.zeros((ticks, p)), usual, usual)
 
-    def later(self, before: Led) -> Led:
+    def later(self, before: "Led") -> "Led":
         """Of ticks after these, the tick before each, which `before` is of the first: (K,)."""
         return Led.joined(before, self)[: len(self)]
 
     @classmethod
-    def joined(cls, first: Led, then: Led) -> Led:
+    def joined(cls, first: "Led", then: "Led") -> "Led":
         """Ticks that follow each other, as one."""
         return cls(*(np.concatenate([getattr(one, field.name) for one in (first, then)]) for field in fields(cls)))
 
@@ -136,7 +134,7 @@ class Seen:
     astray: Array
     driven: Array
 
-    def first(self, ticks: int) -> Seen:
+    def first(self, ticks: int) -> "Seen":
         """The first of the ticks."""
         return Seen(*(getattr(self, field.name)[:ticks] for field in fields(self)))
 
@@ -216,7 +214,7 @@ class Suspicion:
 def spells(fault: Array, since_s: Array, time_s: Array) -> tuple[Spell, ...]:
     """When something was broken, by its faults (K,); what was only held for a while was not."""
     found = []
-    for first, end in _runs(fault != Fault.NONE):
+    for first, end in spans(fault != Fault.NONE):
         broken = fault[first:end][fault[first:end] > Fault.JUDGED]
         if len(broken):
             most = Fault(int(np.bincount(broken).argmax()))
@@ -230,11 +228,11 @@ def suspicions(may_drift_K: Array, fault: Array, time_s: Array) -> tuple[Suspici
     ends, broken = np.append(time_s, np.nan), fault > Fault.JUDGED
     return tuple(
         Suspicion(float(max(may_drift_K[first:end], key=abs)), float(time_s[first]), float(ends[end]))
-        for first, end in _runs(may_drift_K != 0)
+        for first, end in spans(may_drift_K != 0)
         if not broken[end : end + 1].any()
     )
 
 
-def _runs(so: Array) -> Array:
-    """First tick and end of each time in which something is so, (runs, 2)."""
+def spans(so: Array) -> Array:
+    """First tick and end of each time in which something is so, (spans, 2)."""
     return np.flatnonzero(np.diff(np.concatenate([[0], so, [0]]))).reshape(-1, 2)

@@ -10,8 +10,6 @@ What is broken goes on being compared, and is taken back when it has been well f
 said, and fused with a zero that is not known by as much: the estimate does not go along any further.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

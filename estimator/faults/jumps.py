@@ -11,8 +11,6 @@ silence the limit is 10 sd of what is expected, the same share of what the model
 heat that the model lacks may have done; but where none was seen before, the next thermometers must show it too.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

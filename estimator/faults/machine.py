@@ -14,8 +14,6 @@ which moves readings only since the screw has turned. The thermometer that the l
 heard, nor the one that departs most from the others (beside/windows.py): one may be broken.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -98,7 +96,7 @@ class Look:
     variance: Array
 
     @classmethod
-    def none(cls, m: int, p: int) -> Look:
+    def none(cls, m: int, p: int) -> "Look":
         """No reading of any channel."""
         return cls(np.full(m, np.nan), np.zeros((m, p)), np.zeros(m))
 
@@ -110,7 +108,7 @@ class Look:
         self.y[some], self.moved[some], self.variance[some] = y[last], moved[last], sd[last] ** 2
         self.variance[np.isnan(self.y)] = sd[-1, np.isnan(self.y)] ** 2
 
-    def less(self, other: Look, by: Array | float = 1.0) -> tuple[Array, Array]:
+    def less(self, other: "Look", by: Array | float = 1.0) -> tuple[Array, Array]:
         """Misfit (m,) and how it moves (m, p), less a part of those of another look."""
         by = np.broadcast_to(by, self.y.shape)
         return self.y - by * other.y, self.moved - by[:, None] * other.moved

@@ -1,7 +1,5 @@
 """Broken channels, and when they have been well for long enough to be taken back."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

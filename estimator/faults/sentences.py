@@ -1,7 +1,5 @@
 """What was not used of recordings, in plain sentences: broken channels, zeros that became others, readings refused."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Readings that stand still where the sensor resolves its own noise."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Thermometers that are beyond their limit alone: what becomes of each while it is held."""
 
-from __future__ import annotations
-
 from collections import deque
 
 import numpy as np

@@ -21,8 +21,6 @@ would have told of a motion. What stood for ten readings, is elsewhere at the ne
 one move between two: which of both, nobody can say.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Iterator, Mapping

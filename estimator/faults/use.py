@@ -1,15 +1,13 @@
 """How far the readings of a recording were used: of each channel how many, why the others were not, and when it was
 broken."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 
-from estimator.faults.fault import ELSEWHERE, Fault, Spell, Suspicion, spells, suspicions
+from estimator.faults.fault import ELSEWHERE, Fault, Spell, Suspicion, spans, spells, suspicions
 from estimator.faults.travel import disagreements, too_slow
 from estimator.record import POWER_ON_C, Array, Recording
 from estimator.rig import Rig
@@ -46,7 +44,7 @@ class Told:
     shift_mm: Array
 
     @classmethod
-    def by(cls, track: Track) -> Told:
+    def by(cls, track: Track) -> "Told":
         """What a track tells."""
         modelled = np.asarray(np.isfinite(track.innovation_sd).any(axis=0))
         names = (field.name for field in fields(cls) if field.name != "modelled")
@@ -149,8 +147,7 @@ def use_of(recording: Recording, rig: Rig, told: Told) -> Use:
 
 def _elsewhere(told: Told) -> Iterator[tuple[float, str]]:
     """When the nut's heat began to stand elsewhere than the position says, and by how much at most."""
-    ends = np.flatnonzero(np.diff(np.concatenate([[0], told.shift_mm != 0, [0]]))).reshape(-1, 2)
-    for first, end in ends:
+    for first, end in spans(told.shift_mm != 0):
         most_mm = float(max(told.shift_mm[first:end], key=abs))
         yield float(told.time_s[first]), f"{ELSEWHERE} (off by {most_mm:+.0f} mm, or heat is missing there)"
 

@@ -5,8 +5,6 @@ place of a body that the model has as one lump, and shows an unknown share more 
 channel of the filter, but a fit hears when a body rises, and about how far.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.batch.trial import Posed, Trial

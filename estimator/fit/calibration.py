@@ -15,8 +15,6 @@ shrinks while the bar still warms. The reading is direct there; a filter in use 
 Those that thermometers show keep their values: they are asked for as what else may be wrong.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 

@@ -7,8 +7,6 @@ B is what slopes have changed by beyond J'J. Heat that moves along the screw doe
 where it bends, and only B leads along such a bend.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import scipy
 

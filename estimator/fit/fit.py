@@ -10,8 +10,6 @@ readings differ by more than their noise says, that is raised (`scattered`); and
 than the process noise says, or thermometers that it does not see, this is (`tune`). Neither is lowered.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

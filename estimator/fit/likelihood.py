@@ -3,8 +3,6 @@
 log p(theta | y) = sum over recordings of log p(y | theta)  -  sum of ((theta - theta0) / sd)^2 / 2
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -13,8 +13,6 @@ Least squares need products of misfits and of how they move, and no misfit by it
 asked for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
@@ -48,7 +46,7 @@ class Products:
     bodies: Array
     along: Array
 
-    def __add__(self, other: Products) -> Products:
+    def __add__(self, other: "Products") -> "Products":
         lasting, quick = self.lasting + other.lasting, self.quick + other.quick
         return Products(lasting, quick, self.bodies + other.bodies, self.along + other.along)
 

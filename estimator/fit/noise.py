@@ -1,7 +1,5 @@
 """Noise levels of a model: which there are, whose channels they are of, and whether innovations are coloured."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 

@@ -13,8 +13,6 @@ of p have
 `few` is the mean square misfit that is left, over that of a good model: readings say as much less as they are off more.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -14,8 +14,6 @@ What stands for lasting errors of single sensors (spread of lags, unknown zeros 
 alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

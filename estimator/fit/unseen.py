@@ -10,8 +10,6 @@ and the model, with an error as large as the filter says where that noise is rig
 once a minute, ten of which weigh as one: errors last. It is scored as blind minutes are (`accuracy.blind`).
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

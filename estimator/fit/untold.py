@@ -1,7 +1,5 @@
 """Parameters that some recordings cannot tell from others."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

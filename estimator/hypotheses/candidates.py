@@ -1,7 +1,5 @@
 """What may be missing from a model: every effect that fits the rig and is not in it yet, and where it may sit."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 

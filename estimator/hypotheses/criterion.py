@@ -1,7 +1,5 @@
 """When a hypothesis counts, and when two cannot be told apart."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy
 

@@ -5,8 +5,6 @@ one thing has changed. Or only tables hold: the model is of another machine, or 
 that what is missing has bent it. An effect is judged against the model without it on the same ground.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -33,7 +31,7 @@ class Ground:
         held = {path: self.model.values[path] for path in self.learned}
         return belief(wider.with_values(held), paths, self.learned)
 
-    def freed(self, *paths: str) -> Ground:
+    def freed(self, *paths: str) -> "Ground":
         """The same, but of some own parameters only their tables are known."""
         return replace(self, paths=tuple(dict.fromkeys([*self.paths, *paths])), learned=self.learned - {*paths})
 

@@ -1,7 +1,5 @@
 """A hypothesis: some effects are missing, on what is taken as known of the model's own parameters."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial

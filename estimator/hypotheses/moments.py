@@ -7,8 +7,6 @@ candidates explains the misfit, with or without the model's own parameters fitte
 recording left out. Parameters of an effect that is absent are taken at its null, so that nothing is fitted for it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

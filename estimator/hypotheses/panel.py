@@ -6,8 +6,6 @@ with a prior of middle p0 and precision R'R. Each recording is left out once: th
 misfit from that one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -81,14 +79,14 @@ class Panel:
         columns: Sequence[Column],
         prior: Belief | None = None,
         own: Model | None = None,
-    ) -> Panel:
+    ) -> "Panel":
         """All recordings about a model, and these parameters; their prior, of tables if None.
 
         own  a model near this one, at whose values the slopes of its own parameters are taken
         """
         return cls(columns, moments(trials, model, columns, own), prior)
 
-    def believing(self, prior: Belief) -> Panel:
+    def believing(self, prior: Belief) -> "Panel":
         """The same moments with another prior."""
         return Panel(self.columns, self.found, prior)
 

@@ -4,8 +4,6 @@ Each is taken at its null beside the model's own parameters; signed, and inside 
 many places the best few are judged on recordings left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ A search asks for those of a model's own parameters at the same few points, besi
 trial keeps them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

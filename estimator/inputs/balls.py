@@ -7,8 +7,6 @@ balls,
     c + c B^+ (W - B)
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any

@@ -1,7 +1,5 @@
 """What heat or a reading may follow: motion, speed, time, an input of the rig, or the temperature where it acts."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace

@@ -5,8 +5,6 @@ from one tick to the next, further than it scatters, is not its temperature, for
 far from the screw at the start has nothing before it, and is not taken. Inputs of other names may be quick.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

@@ -1,7 +1,5 @@
 """The inputs u of the model: measured and taken as exact, as columns over time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -93,7 +91,7 @@ class Inputs:
         between = ((1.0 - self.idle) / self.unevenness) ** ((1 - m) / 2)
         return np.asarray(screw.relative_speed(self.omega) ** m * between)
 
-    def rows(self, at: slice) -> Inputs:
+    def rows(self, at: slice) -> "Inputs":
         """Some of the ticks."""
         values, rises = ({name: column[at] for name, column in each.items()} for each in (self.values, self.rises))
         by_tick = (self.unevenness, self.idle, self.rest_K)

@@ -1,7 +1,5 @@
 """What the screw's motion leaves behind: how long a run has lasted, whether it turns, and since when."""
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -44,7 +42,7 @@ class Motion:
     warmth: Array = field(default_factory=lambda: np.zeros((1, 1)))
 
     @classmethod
-    def none(cls, ticks: int) -> Motion:
+    def none(cls, ticks: int) -> "Motion":
         """The first instant of a run, at rest."""
         return cls(*np.zeros((4, ticks, 1)))
 
@@ -54,7 +52,7 @@ class Motion:
         steps = np.rint(np.log(np.maximum(self.warmth, LEAST_K) / LEAST_K) / np.log(STEP))
         return np.asarray(np.where(self.turning > 0, 0.0, LEAST_K * STEP**steps))
 
-    def rows(self, at: slice) -> Motion:
+    def rows(self, at: slice) -> "Motion":
         """Some of the ticks."""
         turning, before = self.turning[: at.start, 0] > 0, list(self.before)
         for first, end in pairwise([0, *(np.flatnonzero(np.diff(turning)) + 1), len(turning)]):

@@ -1,7 +1,5 @@
 """Where the nut would have been, were the position another one."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

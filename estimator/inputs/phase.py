@@ -1,7 +1,5 @@
 """What the machine was doing at each tick: driving, just stopped, or at rest for long; and how fast it drives."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Whether what is followed can drive heat at a place: a temperature far away cannot, but for air, base and coolant."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from estimator.inputs.follower import Follower

@@ -1,7 +1,5 @@
 """The start of a run: from the first sample, what is warm, what is steady, and how well it is known."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

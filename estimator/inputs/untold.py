@@ -4,8 +4,6 @@ What the filter does then is in `network.unknown`. The model alone knows nothing
 judged by it takes the stretches of a recording one by one, each with a start of its own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

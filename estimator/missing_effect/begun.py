@@ -1,7 +1,5 @@
 """What began within one recording, and how well a model explains all of them without it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from estimator.batch.trials import Trials, beside, slow_trial

@@ -4,8 +4,6 @@ An error of the model alone is what shows that something is missing. The filter 
 that less of it reaches the compensation: little with thermometers, more where they fall silent too.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

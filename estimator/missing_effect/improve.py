@@ -8,8 +8,6 @@ is told and not kept, and ends the search: they choose nothing else. A run with 
 began, is left out from there on. What no catalogue has is composed where that is asked for, and added like any effect.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -51,7 +49,7 @@ class ImprovedModel:
     held_out: Error | None
     kept: bool = True
 
-    def worse(self, before: ImprovedModel) -> dict[str, tuple[float, float]]:
+    def worse(self, before: "ImprovedModel") -> dict[str, tuple[float, float]]:
         """Errors held out that are larger than they were `before`, by name: before and now."""
         if before.held_out is None or self.held_out is None:
             return {}

@@ -4,8 +4,6 @@ What reads more while the screw turns is left out as one that has jumped; who lo
 never finds the law.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The recording among several that the others do not foretell, while they agree with each other."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.batch.trials import Trials

@@ -1,7 +1,5 @@
 """All hypotheses on one ground: effects, own parameters, wrong inputs, pairs of them; the best are fitted in full."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -15,8 +15,6 @@ What takes less than half off, and leaves the model far off, is not what is miss
 Recordings held out are never looked at for this.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -154,7 +152,7 @@ class Search:
         said = replace(others.run(), uses=self.trials.uses)
         return _set_apart(said, [first, *(one for one in rest if alike(one.judged, first.judged, 1))])
 
-    def _without(self, at: int) -> Search:
+    def _without(self, at: int) -> "Search":
         """The same search in the other recordings."""
         some = [recording for i, recording in enumerate(self.runs.recordings) if i != at]
 
@@ -205,7 +203,9 @@ class Search:
         heard = slow_trials_of(self.model, self.runs, believed=names)
         plain = refined(self.side.ground, heard, [])
         found = best_stand_in(self.side.ground, heard, channels=names)
-        if found is None or behind(plain.judged, found.judged) < APART_SE:  # that there is something its jumps have told
+        if (
+            found is None or behind(plain.judged, found.judged) < APART_SE
+        ):  # that there is something its jumps have told
             return said
         made = composed(found, plain.judged, heard, [*self.model.effects, *self._taken])
         said = replace(said, verdict="nothing_in_catalogue", before=plain, unexplained=found, composed=made)

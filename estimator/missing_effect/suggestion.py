@@ -1,7 +1,5 @@
 """What a search for a missing effect found."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from estimator.events.event import Event
@@ -66,7 +64,7 @@ class Suggestion:
         return self.wrong_input.run if self.wrong_input is not None else self.events[0].run
 
     @property
-    def others(self) -> Suggestion:
+    def others(self) -> "Suggestion":
         """What the recordings say but for the one apart; all of them, where there is none."""
         if not self.by_others:
             return self

@@ -3,8 +3,6 @@
 Like the stand-ins these are never added to a model: the signal has to be set right where it comes from.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from types import SimpleNamespace

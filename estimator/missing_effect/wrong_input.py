@@ -6,8 +6,6 @@ without any model: the table would not go as far as the screw turns. What a star
 from a rig in equilibrium no temperature was.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

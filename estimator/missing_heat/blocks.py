@@ -2,8 +2,6 @@
 most; longer ones of a recording of many hours, for the work grows with the cube of their number.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 q(x, t) = sum of their Heat terms + g over (T_b - T) of their Links, T of the model alone
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 import numpy as np

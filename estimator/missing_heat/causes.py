@@ -5,8 +5,6 @@
 At the most likely sizes what a cause explains is as large as was to be expected of it, in all recordings together.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

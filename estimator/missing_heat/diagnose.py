@@ -4,8 +4,6 @@ The open-loop misfit is divided into heat that the model lacks, by place and tim
 (`missing_heat`). Both are held against what they may follow (`follows`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ neighbours, and what differs between recordings keeps doing so. One recording ha
 A series that hardly varies and is surely not zero is "always" there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import erfc

@@ -5,8 +5,6 @@
 A misfit of heat and of lasting errors is slow; averaged, a recording of hours is a thousand numbers.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,7 +43,7 @@ class Misfit:
     rate: Array
     A: Array
 
-    def parts(self) -> list[Misfit]:
+    def parts(self) -> "list[Misfit]":
         """The same as recordings of `MOST` averages at most, in order of time: one of four hours is whole."""
         many = np.array_split(np.arange(len(self.y)), -(-len(self.y) // MOST))
         series = ("y", "variance", "channel", "bin", "rate", "A")

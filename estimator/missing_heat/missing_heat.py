@@ -11,8 +11,6 @@ All are Gaussian, so that the answer is exact given the sizes. One bad thermomet
 its neighbours too, late, and the elongation: so the two are told apart, and both are kept.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

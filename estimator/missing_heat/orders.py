@@ -1,7 +1,5 @@
 """Other orders of the values of some recordings, by which chance is told: neighbours stay neighbours."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

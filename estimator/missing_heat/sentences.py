@@ -1,7 +1,5 @@
 """A diagnosis in two or three plain sentences."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

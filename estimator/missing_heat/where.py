@@ -1,7 +1,5 @@
 """Where and when heat is missing: neighbouring zones together, phase by phase, over all recordings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

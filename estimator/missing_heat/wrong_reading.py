@@ -1,7 +1,5 @@
 """Which readings are wrong: what a channel shows that no heat explains."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Where heat may be missing: stretches of the screw, and the bodies that thermometers read."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 

@@ -6,8 +6,6 @@ with T = V z the temperatures of all nodes, M = V'C V, G = V'(network)V. G, B, H
 speed, a place of the nut, a warmth at rest that hold for a while); q and d belong to a tick.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -105,7 +103,7 @@ class Network:
     noise: Array
 
     @classmethod
-    def none(cls, place: Layout, regimes: int, dtype: Any = float) -> Network:
+    def none(cls, place: Layout, regimes: int, dtype: Any = float) -> "Network":
         """Of nothing that stores, conducts or scatters."""
         n = place.size
         inflow = np.zeros((regimes, n, place.boundaries), dtype)

@@ -1,7 +1,5 @@
 """Whether a model fits a rig, asked once before a run; what does not fit is one line that names the effect."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 

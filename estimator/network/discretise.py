@@ -8,8 +8,6 @@ In these coordinates every integral of the discretisation is a scalar:
 with psi(x) = (e^(x dt) - 1) / x, W the noise and S^-1 = S'M.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

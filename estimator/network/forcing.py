@@ -4,8 +4,6 @@ Works on any number of ticks at once and remembers what it must between calls, s
 bus tick by tick give the same numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -47,11 +45,11 @@ class Drive:
     driven: Array
     _covered: dict[tuple[tuple[int, ...], bool], tuple[Balls | None, Array]] = field(default_factory=dict)
 
-    def rows(self, at: slice) -> Drive:
+    def rows(self, at: slice) -> "Drive":
         """Some of the ticks."""
         return Drive(self.inputs.rows(at), self.regime[at], self.astray[at], self.driven[at])
 
-    def by_parts(self, make: Callable[[Drive], Made]) -> Made:
+    def by_parts(self, make: "Callable[[Drive], Made]") -> Made:
         """A record of arrays (K, ...) that is made of all ticks; of a long run some at a time, or they fill memory."""
         if len(self.regime) <= LONG:
             return make(self)
@@ -114,7 +112,7 @@ class Forcing:
         start: Start,
         reduced: bool = True,
         keep: int | None = None,
-        like: Forcing | None = None,
+        like: "Forcing | None" = None,
     ) -> None:
         self.model, self.rig, self.start = model, rig, start
         self._reader: InputReader = like._reader if like else InputReader(rig, start)
@@ -136,7 +134,7 @@ class Forcing:
         self.place: assemble.Layout = like.place if like and same else assemble.layout(self.terms, rig, reduced)
         self.readings = assemble.readings(self.terms, rig, self.place)
 
-    def with_model(self, model: Model) -> Forcing:
+    def with_model(self, model: Model) -> "Forcing":
         """The same inputs and regimes under another model. What was checked of its kind stands while it is the last."""
         known = self._latest if self._latest and _kinds(self._latest.model) == _kinds(model) else self
         self._latest = Forcing(model, self.rig, self.start, keep=self._keep, like=known)

@@ -6,8 +6,6 @@
 A and B are bearings that both hold the screw along its axis, where a model has such; A gives way outwards.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

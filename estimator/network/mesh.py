@@ -6,8 +6,6 @@ of the network on these shapes keeps heat exactly and is of fourth order in the 
 thermometers, at the bearings, in their seats and halfway in wide gaps agree with 500 linear cells to 0.05 um and 0.1 K.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from itertools import pairwise
 

@@ -15,8 +15,6 @@ While nothing is heard of the drive, or position and speed contradict each other
 are those of what it does now, other regimes hold: the screw may have stood or turned, so that its heat is unknown.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -56,7 +54,7 @@ class Regime(NamedTuple):
     unknown: bool
     rest_K: float = 0.0
 
-    def apart(self, other: Regime) -> float:
+    def apart(self, other: "Regime") -> float:
         """How far it is from another, in steps of which one makes another regime."""
         if self.unknown != other.unknown or self.rest_K != other.rest_K or (self.omega == 0.0) != (other.omega == 0.0):
             return np.inf

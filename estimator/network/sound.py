@@ -3,8 +3,6 @@
 Asked of every effect that is a user's own, each time it yields.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

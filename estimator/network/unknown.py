@@ -1,7 +1,5 @@
 """What temperatures may do while nothing is heard of the drive: the screw may have stood or turned all the time."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.network.assemble import Layout

@@ -1,7 +1,5 @@
 """A run that was not made yet, as a model foretells it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -7,8 +7,6 @@ many standard deviations the new run sets a and b apart. Of several rivals the r
 worst.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Runs that could be made next: inside the strokes, speeds, levels and times that were seen so far."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """What a search has left open, as hypotheses that a run must set apart."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@
 fitted to the recordings at hand; an input of which this explains less than half stays where it is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

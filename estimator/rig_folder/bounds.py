@@ -1,7 +1,5 @@
 """What numbers and units may be: wide enough for any machine, too narrow for a slip of the pen."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """What cannot be in a rig, though each of its numbers may: parts that need another, places outside, wrong units."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """TOML tables into frozen records, with errors that name the file, the key and the fix."""
 
-from __future__ import annotations
-
 import dataclasses
 import tomllib
 from collections.abc import Mapping

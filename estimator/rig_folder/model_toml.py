@@ -1,7 +1,5 @@
 """A rig folder's `model.toml` into a Model and back, effects of one's own included."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A rig folder's `rig.toml` into a Rig, with one line for everything that cannot be."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping
 from pathlib import Path

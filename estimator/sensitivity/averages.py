@@ -1,7 +1,5 @@
 """How averages of readings move with heat in parts of a run: with all of it side by side, tick by tick."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -20,7 +18,7 @@ class Averaged:
     count: Array
 
     @classmethod
-    def of(cls, cell: Array, known: Array) -> tuple[Averaged, Array]:
+    def of(cls, cell: Array, known: Array) -> "tuple[Averaged, Array]":
         """Of readings that are `known` (T, m), those of one `cell` (T, m) together; and which cell each is of, (N,)."""
         cells, of_known = np.unique(cell[known], return_inverse=True)
         row = np.full(known.shape, -1)

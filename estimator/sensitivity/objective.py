@@ -9,8 +9,6 @@ have in common would overrun every table value, and temperatures a thousandth of
 twice as far off.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

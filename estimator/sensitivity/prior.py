@@ -1,7 +1,5 @@
 """What is known of parameters before recordings are looked at: by tables, or by an earlier fit."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ terms by complex step, so that the cost hardly grows with the number of levels. 
 no score: they are fitted open loop (`nominal_columns`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

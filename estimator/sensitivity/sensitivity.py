@@ -1,7 +1,5 @@
 """How the open-loop run moves with each parameter."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice

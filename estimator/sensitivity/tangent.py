@@ -1,7 +1,5 @@
 """How everything that a model's terms yield on a trial moves with one parameter."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

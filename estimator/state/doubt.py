@@ -12,8 +12,6 @@ so that the true temperatures differ from the estimate by (S + Z) d beside the f
 Estimates do not change by it: their uncertainty does.
 """
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Iterator, Sequence
 
@@ -73,7 +71,7 @@ class Doubt:
         self._lagged, self._S = self._spot, np.zeros((size, len(together)))
         self._slopes: dict[int, Array] = {}
 
-    def by(self, run: Run) -> Doubt:
+    def by(self, run: Run) -> "Doubt":
         """The same of the run by another model, of the parameters that it has too."""
         other = Doubt(run)
         at = [self._paths.index(path) for path in other._paths]
@@ -115,11 +113,11 @@ class Doubt:
         S[:, state.temperatures, :q] += moves.states
         return S, growth
 
-    def beside(self) -> Doubt:
+    def beside(self) -> "Doubt":
         """The same behind another filter of the run, from where this one is."""
         return copy.copy(self)
 
-    def become(self, other: Doubt) -> None:
+    def become(self, other: "Doubt") -> None:
         """Go on behind that other filter."""
         self._S = other._S
 

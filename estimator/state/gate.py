@@ -1,7 +1,5 @@
 """Readings against their predictions, and why some are not fused."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 The equations are those of doubt.py.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 
@@ -43,12 +41,12 @@ class Moves:
     readings: Array
     elongation: Array
 
-    def rows(self, some: slice) -> Moves:
+    def rows(self, some: slice) -> "Moves":
         """Some of the ticks."""
         return Moves(*(getattr(self, field.name)[some] for field in fields(self)))
 
     @classmethod
-    def joined(cls, parts: Sequence[Moves]) -> Moves:
+    def joined(cls, parts: "Sequence[Moves]") -> "Moves":
         """Ticks that follow each other, as one."""
         return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
 

@@ -1,7 +1,5 @@
 """The open-loop run: the model from the start on, driven by its inputs alone, with the lags of its thermometers."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.network.assemble import Readings

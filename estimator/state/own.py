@@ -6,8 +6,6 @@
 They are considered as parameters are (doubt.py), but move nothing besides their own readings.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.network.assemble import Readings

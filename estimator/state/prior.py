@@ -1,7 +1,5 @@
 """What is known of the temperatures before the first reading."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The estimate in the terms of a person, of one tick or of thousands: live and after the fact by the same lines."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -60,11 +58,11 @@ class Estimates:
     doubt_um: Array
 
     @classmethod
-    def of_tick(cls, **tick: Array | float) -> Estimates:
+    def of_tick(cls, **tick: Array | float) -> "Estimates":
         """One tick, its fields without the leading axis, as the online filter has it."""
         return cls(**{name: np.asarray(value)[None] for name, value in tick.items()})
 
-    def suspecting(self, state: State, unled: Array, unled_var: Array) -> Estimates:
+    def suspecting(self, state: State, unled: Array, unled_var: Array) -> "Estimates":
         """The same, in doubt also by what it would be off by if what may drift did, or if it were heat; by other heat
         that the model lacks, of which thermometers far apart show too little; by what departs; and if lengths lied.
 

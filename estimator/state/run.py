@@ -1,7 +1,5 @@
 """A run begun: what its first sample makes known, whoever carries the estimate on, the filter or its compiled twin."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -76,7 +74,7 @@ class Run:
         zero_C, z = self.forcing.rig.zero_C, self.x[self.state.temperatures]
         return z if zero_C is None else np.full_like(z, zero_C)
 
-    def by(self, model: Model) -> Run:
+    def by(self, model: Model) -> "Run":
         """The run by another model of the same states and readings; a SetupError where these are others."""
         forcing = self.forcing.with_model(model)
         pairs = zip(vars(forcing.readings).values(), vars(self.forcing.readings).values(), strict=True)

@@ -9,8 +9,6 @@ start         um  growth c z at the first sample, constant: kept as a state, so 
               sample tells nothing of; what all thermometers are off together is its uncertainty
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.faults.fault import Judgement

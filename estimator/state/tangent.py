@@ -4,8 +4,6 @@ The terms are evaluated once at p + i h; the imaginary part over h is the deriva
 Trapp 1998). No effect writes a derivative.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -47,7 +45,7 @@ class ReadingsTangent:
         return any(np.any(part) for part in (self.rows, self.growth, self.keep, self.ramp))
 
     @classmethod
-    def none(cls, channels: int, n: int, size: int) -> ReadingsTangent:
+    def none(cls, channels: int, n: int, size: int) -> "ReadingsTangent":
         """Readings that do not move."""
         m = np.zeros(channels)
         return cls(np.zeros((channels, n)), np.zeros(n), m, m, m, m, m, m, np.zeros(size), np.zeros((size, size)))
@@ -62,7 +60,7 @@ class TicksTangent:
     offset: Array
 
     @classmethod
-    def none(cls, ticks: int, n: int, boundaries: int, channels: int) -> TicksTangent:
+    def none(cls, ticks: int, n: int, boundaries: int, channels: int) -> "TicksTangent":
         """Ticks that do not move, but for their regimes."""
         return cls(np.zeros((ticks, n)), np.zeros((ticks, boundaries)), np.zeros((ticks, channels)))
 

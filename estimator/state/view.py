@@ -1,7 +1,5 @@
 """From states to what a person asks for: elongation, profile, thermal error at the table's position."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How warm the screw is when a run begins: what it has grown by then against what it would be without heat."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

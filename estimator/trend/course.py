@@ -7,8 +7,6 @@ may be another one along some directions U, of which only tables are known: of o
 effect, as a bearing that wears has them. Readings are linear in parameters near the model's values: one step does.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

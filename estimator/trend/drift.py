@@ -7,8 +7,6 @@ permutations of the standardised values, so that neither their scatter nor how m
 (Good 2005, Permutation, Parametric and Bootstrap Tests, ch. 3).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

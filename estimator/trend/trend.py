@@ -5,8 +5,6 @@ one whose change explains most of all runs together is told, and those that expl
 may change from run to run while the others are asked again, until none has changed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ fitted with all its numbers; the one that leaves least on recordings left out is
 from the text that a user gets.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 

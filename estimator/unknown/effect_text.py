@@ -1,7 +1,5 @@
 """The text of a new effect: heat into the screw or a body, or a shift of readings, times what it follows."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping

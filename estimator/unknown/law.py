@@ -1,7 +1,5 @@
 """Laws: what heat or a reading follows, with the exponent or the time in it left open."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

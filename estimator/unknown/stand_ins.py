@@ -4,8 +4,6 @@ These are never added to a model. Where one of them explains what no effect of t
 follows say what to look for on the machine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from types import SimpleNamespace

@@ -4,8 +4,6 @@ All stand-ins are screened, and the best few move to their places. At the best o
 it is asked again, those too that the screen has not. The rest are rivals where recordings cannot tell them from it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Something unknown as a class of Python: its name, what its text needs, and the class that a text is."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Mapping
 from importlib import import_module

@@ -12,11 +12,7 @@ import pytest
 from estimator.missing_effect.wrong_input import signals
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
-from tests.conftest import ballscrew
-from tests.conftest import json_of as told
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
-TWO, ROD = EXAMPLES / "two_heaters", EXAMPLES / "heated_rod"
+from tests.conftest import ROD, TWO, ballscrew, ended, json_of as told
 
 
 def copied(rig: Path, to: Path, *but: str, rows: int | None = None) -> Path:
@@ -92,8 +88,7 @@ def test_what_it_lacks_follows_the_other_heater():
 def test_with_the_coupling_nothing_is_missing(coupled):
     assert load_model(coupled / "model.toml")["coupling.g"] == pytest.approx(0.0228, rel=0.05)
     assert told("diagnose", coupled)["adequate"]
-    status, out, _ = ballscrew("compare", coupled)
-    assert status == 0
+    out, _ = ended(0, "compare", coupled)
     assert "nan" not in out
 
 
@@ -141,8 +136,7 @@ def test_an_effect_in_no_file_is_a_body_and_an_input_and_can_be_begun(tmp_path, 
         ["effects", "effects.py:MyReading", "--check"],
         ["add", "effects.py:MyReading", "model.toml", "-o", "m"],
     ):
-        status, _, err = ballscrew(*words)
-        assert status == 0, err
+        ended(0, *words)
 
 
 def test_one_recording_names_another_and_with_it_something_can_be_left_out(script, tmp_path):
@@ -185,8 +179,7 @@ def test_a_model_far_off_that_nothing_explains_is_not_complete(coupled, tmp_path
 def test_what_is_held_out_is_not_used_from_its_folder_and_an_own_effect_that_does_not_fit_is_left_out(tmp_path):
     rig = copied(TWO, tmp_path / "rig", "first.csv", "second.csv")
     words = ["--held-out", rig / "steps.csv", "--effects", ROD / "effects.py:Heater"]
-    status, out, err = ballscrew("suggest", rig, *words)
-    assert status == 0
+    out, err = ended(0, "suggest", rig, *words)
     assert "held out, and so not used: steps.csv" in out
     assert "Heater is not tried: heater: AttributeError" in err
     assert "coupling is missing" in out
@@ -205,8 +198,7 @@ def test_gaps_and_a_slow_tick(tmp_path):
         path.write_text("\n".join([head, *map(",".join, cells), ""]))
     found = told("suggest", rig)
     assert (found["verdict"], found["effects"][0]["name"]) == ("effect", "coupling")
-    status, out, _ = ballscrew("diagnose", rig)
-    assert status == 0
+    out, _ = ended(0, "diagnose", rig)
     assert "nan" not in out
 
 
@@ -219,8 +211,7 @@ def test_gaps_and_a_slow_tick(tmp_path):
     ],
 )
 def test_an_effect_that_cannot_be_here_is_refused_in_one_line(tmp_path, words, says):
-    status, _, err = ballscrew("new-effect", "jet", *words, "--rig", TWO, "-o", tmp_path / "effects.py")
-    assert status == 2
+    _, err = ended(2, "new-effect", "jet", *words, "--rig", TWO, "-o", tmp_path / "effects.py")
     assert err.startswith(f"error: {says}")
     assert len(err.splitlines()) == 1
 
@@ -229,8 +220,7 @@ def test_an_effect_that_cannot_be_here_is_refused_in_one_line(tmp_path, words, s
 def test_a_new_effect_of_a_body_passes_as_written(tmp_path, follows):
     file = tmp_path / "effects.py"
     assert ballscrew("new-effect", "jet", "--at", "body_2", "--follows", follows, "--rig", TWO, "-o", file)[0] == 0
-    status, out, err = ballscrew("effects", file, "--check", "--rig", TWO)
-    assert status == 0, err
+    out, _ = ended(0, "effects", file, "--check", "--rig", TWO)
     assert "effects.py:Jet passes all checks on two heaters" in out
 
 

@@ -1,15 +1,13 @@
 """The notebooks: they run, and find what was planted; what they have made prints as a person reads it."""
 
 import json
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import pytest
 
 from drivers.virtual_rig.machine.heaters import local_place
-
-ROOT = Path(__file__).parents[2]
+from tests.conftest import ROOT
 
 
 def run(name: str) -> dict[str, Any]:

@@ -3,25 +3,17 @@
 import json
 import re
 import shutil
-from pathlib import Path
 from unittest import mock
 
 import pytest
 
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests import log_fake
-from tests.conftest import ballscrew as run
-from tests.conftest import json_of
-
-PAPER = Path(__file__).parents[2] / "recordings"
-
-ROOT = Path(__file__).parents[2]
-ROD = ROOT / "examples" / "heated_rod"
+from tests.conftest import PAPER, ROD, ROOT, ballscrew as run, ended, json_of
 
 
 def test_without_a_rig_file_above_the_built_in_rig_is_used_and_named(short_log):
-    status, out, _ = run("review", short_log)
-    assert status == 0
+    out, _ = ended(0, "review", short_log)
     assert "no rig.toml at or above" in out
     assert "using the built-in rig, the paper's ball screw" in out
 
@@ -31,13 +23,12 @@ def test_what_comes_after_a_long_gap_is_judged_from_a_start_of_its_own(tmp_path)
     log = tmp_path / "rod" / "check.csv"
     head, *rows = log.read_text().splitlines()
     log.write_text("\n".join([head, *rows[:300], *rows[540:]]))  # the heater is switched off meanwhile
-    status, out, err = run("diagnose", log, "--json", said := tmp_path / "said.json")
-    assert status == 0
+    out, err = ended(0, "diagnose", log, "--json", said := tmp_path / "said.json")
     assert (
         "check.csv: nothing was read for long; used from 0 to 1495 s and 2700 to 3895 s, from a start of" in out + err
     )
     assert json.loads(said.read_text())["adequate"]
-    status, out, _ = run("review", log, "--json", said)
+    out, _ = ended(0, "review", log, "--json", said)
     assert "check.csv: nothing was read from 1495 to 2700 s: what the machine did then is not known" in out
     (review,) = json.loads(said.read_text())["recordings"]
     assert review["nis_mean"] < 1.5
@@ -64,8 +55,7 @@ def test_asking_whether_an_output_can_be_written_changes_nothing(short_folder):
 @pytest.mark.parametrize("text", ["", "[conduction]\n", "[still_air]\n[conduction]\n"])
 def test_a_model_that_reads_no_thermometer_is_refused(text, short_folder):
     (short_folder / "model.toml").write_text(text)
-    status, _, err = run("review", short_folder / "logs")
-    assert status == 2
+    _, err = ended(2, "review", short_folder / "logs")
     assert "model.toml: no effect reads a thermometer; add [thermometers]" in err
 
 
@@ -78,8 +68,7 @@ def test_a_recording_without_a_temperature_is_told_and_the_others_are_reviewed(t
     kept = [i for i, name in enumerate(names) if not name.startswith("TC")]
     blank = [",".join(cell if i in kept else "" for i, cell in enumerate(row.split(","))) for row in rows]
     (rod / "blind.csv").write_text("\n".join([head, *blank, ""]))
-    status, out, err = run("review", rod / "blind.csv", good)
-    assert status == 1
+    out, err = ended(1, "review", rod / "blind.csv", good)
     assert "error: blind.csv: no thermometer was ever read; nothing to estimate from" in err
     assert good.name in out
     assert run("review", rod / "blind.csv")[0] == 1
@@ -92,8 +81,7 @@ def test_an_input_that_was_never_read_is_said_first(tmp_path):
     heater = head.split(",").index("heater_W")
     cells = [row.split(",") for row in rows[:60]]
     log.write_text("\n".join([head, *(",".join([*row[:heater], "", *row[heater + 1 :]]) for row in cells), ""]))
-    status, out, _ = run("review", log)
-    assert status == 0
+    out, _ = ended(0, "review", log)
     told = [line for line in out.splitlines() if line.startswith("steps.csv: ")]
     doing = "if it was not 0, thermometers may be accused of what it does"
     assert told[1] == f"steps.csv: input heater was never read: 0 stands for it; {doing}"
@@ -105,8 +93,7 @@ def test_a_copy_of_a_recording_is_no_other_witness(tmp_path):
     log = tmp_path / "rod" / "steps.csv"
     log.write_text("".join(log.read_text().splitlines(keepends=True)[:200]))
     shutil.copy(log, tmp_path / "rod" / "copy.csv")
-    status, out, err = run("suggest", log, tmp_path / "rod" / "copy.csv", "--json")
-    assert status == 0
+    out, err = ended(0, "suggest", log, tmp_path / "rod" / "copy.csv", "--json")
     assert "copy.csv is steps.csv once more: used once" in err
     assert [one["name"] for one in json.loads(out)["recordings"]] == ["steps.csv"]
 
@@ -115,8 +102,7 @@ def test_a_filter_that_is_worse_than_a_polyline_says_so(rig_folder):
     model = load_model(rig_folder / "model.toml")
     save_model(model.with_values({"expansion_error.error": 0.04}), rig_folder / "poor.toml")
     poor = ("review", rig_folder / "logs", "--model", rig_folder / "poor.toml", "--no-displacement")
-    status, out, _ = run(*poor)
-    assert status == 0
+    out, _ = ended(0, *poor)
     assert "is worse than the polyline" in out
     assert "`ballscrew diagnose` says where" in out
     assert "worse than the polyline" not in run("review", rig_folder / "logs")[1]
@@ -126,8 +112,7 @@ def test_a_filter_that_is_worse_than_a_polyline_says_so(rig_folder):
 def test_the_nearest_rig_folder_is_used(short_folder):
     rig = short_folder / "rig.toml"
     rig.write_text(rig.read_text().replace('subset_7 = ["T02", ', 'subset_7 = ["T01", '))
-    status, out, err = run("review", short_folder / "logs", "--json")
-    assert status == 0
+    out, err = ended(0, "review", short_folder / "logs", "--json")
     assert "built-in" not in out + err
     nearest = json.loads(out)["recordings"][0]["polyline_7"]
     named = [json_of("review", short_folder / "logs", "--rig", path) for path in (rig, short_folder, PAPER)]
@@ -136,8 +121,7 @@ def test_the_nearest_rig_folder_is_used(short_folder):
 
 def test_a_folder_means_its_recordings_and_never_the_truth(short_folder):
     assert [r["name"] for r in json_of("review", short_folder / "logs")["recordings"]] == ["FS-20.log"]
-    status, _, err = run("review", short_folder / "logs" / "FS-20.truth.csv")
-    assert status == 1
+    _, err = ended(1, "review", short_folder / "logs" / "FS-20.truth.csv")
     assert "FS-20.truth.csv: the truth of a simulated recording, not a recording" in err
 
 
@@ -151,8 +135,7 @@ def test_recordings_of_one_name_are_named_with_their_folders(short_folder, monke
 def test_wrong_rig_and_model_end_with_2(short_folder):
     log = short_folder / "logs" / "FS-20.log"
     (short_folder / "model.toml").write_text("[nut_friction]\npowr = 3\n")
-    status, _, err = run("review", log)
-    assert status == 2
+    _, err = ended(2, "review", log)
     assert (
         err.strip()
         == f"error: {short_folder.resolve() / 'model.toml'}: nut_friction has no 'powr'; did you mean 'power'?"
@@ -176,8 +159,7 @@ def test_a_model_of_another_geometry_is_said(short_folder):
 
 def test_a_spoilt_truth_is_said_and_the_readings_serve(short_folder):
     (short_folder / "logs" / "FS-20.truth.csv").write_text("time_s,elongation_um\n0,x\n")
-    status, out, err = run("review", short_folder / "logs", "--json")
-    assert status == 1
+    out, err = ended(1, "review", short_folder / "logs", "--json")
     assert "FS-20.truth.csv: cannot be read as a truth file" in err
     assert json.loads(out)["recordings"][0]["reference"] == "readings"
 
@@ -190,7 +172,6 @@ def test_thermometers_that_are_all_out_of_range_are_told_with_what_the_dbc_says(
     for name in ("rig.toml", "model.toml"):
         shutil.copy(ROOT / "recordings" / name, tmp_path)
     log_fake.write(tmp_path / "a.log", log_fake.log(12))
-    status, _, err = run("review", tmp_path / "a.log")
-    assert status == 1
+    _, err = ended(1, "review", tmp_path / "a.log")
     assert "in K by rig.dbc, in degC by rig.toml: convert there, scale and offset; 12 x out of range T01" in err
     assert err.count("\n") == 1

@@ -14,8 +14,8 @@ from estimator.errors import SetupError
 from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
 from tests import log_fake
+from tests.conftest import ROOT
 
-ROOT = Path(__file__).parents[2]
 ROWS = log_fake.log(6)
 PLAIN = ' SG_ X : 0|8@1+ (1,0) [0|1] "" Ballscrew'
 

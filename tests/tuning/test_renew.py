@@ -8,13 +8,12 @@ import pytest
 
 from estimator.errors import SetupError
 from estimator.rig_folder.model_toml import load_model, save_model
+from tests.conftest import ROD
 from tests.processes import ended
 
 from .kept import Kept, kept_path, read, write
 from .measure import PAPER, Folder, fingerprint
 from .renew import FIRST, main
-
-ROD = PAPER.parent / "examples" / "heated_rod"
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,8 @@ from tests.viz.comparison.test_comparison import ERRORS, compared
 from tests.viz.tuning.test_tuning import CHANNELS, NIS, tuning
 from tests.viz_fake import fake_run
 from viz.comparison import comparison, maps
-from viz.recorded import layout as recorded_layout
-from viz.recorded import recorded
-from viz.tuning import tuning as tuning_views
-from viz.tuning import tuning as tunings
+from viz.recorded import layout as recorded_layout, recorded
+from viz.tuning import tuning as tuning_views, tuning as tunings
 
 WINDOWS = (1280, 800), (1366, 768), (1920, 1080)
 HIDDEN = 0.35  # of a label that another may cover: its letters are still all there

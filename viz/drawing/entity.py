@@ -4,8 +4,6 @@ Curves of a group are one vector of Scalars, never an entity for each channel. A
 innovations, Max for NIS.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -28,7 +26,7 @@ class Entity:
     rec: rr.RecordingStream
     path: str = ""
 
-    def __truediv__(self, name: str) -> Entity:
+    def __truediv__(self, name: str) -> "Entity":
         return Entity(self.rec, f"{self.path}/{name}")
 
     def log(self, what: Any, since_s: float | None = None) -> None:

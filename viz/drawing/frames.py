@@ -6,8 +6,6 @@ label hangs below its anchor, so those of y are lifted by half a line.
 Axes whose ranges grow are drawn anew from `since_s` on.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -54,7 +52,7 @@ class Axes:
         """Places (..., 2) moved to the right by a share of the width and down by so many lines of text."""
         return self.place(x, y) + np.array([widths * self.width, lines * self.line])
 
-    def grounded(self) -> Axes:
+    def grounded(self) -> "Axes":
         """The same frame with its bottom at 0 of the view, whatever y is there."""
         return replace(self, down=self.y[0] * self.y_unit)
 

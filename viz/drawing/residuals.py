@@ -4,8 +4,6 @@ Two maps, because each hides what the other shows: the innovation (against the f
 error (against the model that never sees a temperature).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,7 +41,7 @@ class Residuals:
     channels: Array
 
     @classmethod
-    def of(cls, track: Track, heat: Array) -> Residuals:
+    def of(cls, track: Track, heat: Array) -> "Residuals":
         """Ticks of a track; `heat` (m,) says which channels are thermometers. What is broken is not known."""
         well = (track.fault == Fault.NONE)[:, heat]
         innovation, apart = (

@@ -4,8 +4,6 @@ Units of the view are points of the window it is laid out for: the viewer draws 
 Names stand in two columns where rows are lower than a label.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -40,7 +38,7 @@ class Map:
     title: str
 
     @classmethod
-    def over_time(cls, rows: Sequence[str], begins_s: Array, values: Array) -> Map:
+    def over_time(cls, rows: Sequence[str], begins_s: Array, values: Array) -> "Map":
         """Columns of one length, with their times below."""
         width_s = float(begins_s[1] - begins_s[0]) if len(begins_s) > 1 else MINUTE_S
         unit, unit_s = ("h", 3600.0) if len(begins_s) * width_s > HOURS_S else ("min", 60.0)

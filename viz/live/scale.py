@@ -3,8 +3,6 @@
 A range that grows takes a share more than it must, so that axes are drawn anew a few times in a run, not all the time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -50,7 +48,7 @@ class Decades:
     finest: float
 
     @classmethod
-    def of(cls, sd: Array) -> Decades:
+    def of(cls, sd: Array) -> "Decades":
         """For means of values that scatter by `sd`, some of which may be unknown."""
         return cls(step_of(float(np.nanmedian(sd)) / 10, 1))
 

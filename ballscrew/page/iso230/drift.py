@@ -8,8 +8,6 @@ The truth where the recording has one beside it; else the estimate, so that `lef
 its own uncertainty comes on top.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -58,11 +56,11 @@ class Drift:
         """One of its positions."""
         return f"P{i + 1} at {self.at_mm[i]:g} mm"
 
-    def ranges(self, spell: Spell) -> list[Range]:
+    def ranges(self, spell: Spell) -> "list[Range]":
         """What a spell comes to at each position."""
         return [self._range(spell, i) for i in range(len(self.at_mm))]
 
-    def _range(self, spell: Spell, i: int) -> Range:
+    def _range(self, spell: Spell, i: int) -> "Range":
         time_s, ticks = self.recording.time_s, np.arange(spell.first, spell.last + 1)
         hour = ticks[time_s[ticks] <= time_s[spell.first] + HOUR_S]
         whole, left, sd = (each[:, i] for each in (self.whole_um, self.left_um, self.sd_um))

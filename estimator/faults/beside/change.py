@@ -18,8 +18,6 @@ others tell which, as soon as that heat would have come to them: with h what it 
     r(h)   r with C + h h';   r(h) / r is 0 of heat and 1 of a drift, and its sd says whether they can tell
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -121,7 +119,7 @@ class Change:
             return unexplained(self.value[some], self.model[both], scatter, scales)
         return unexplained(self.value[over][:, some], self.model[over][both], scatter, scales)
 
-    def over(self, which: int, heat: Array) -> Change:
+    def over(self, which: int, heat: Array) -> "Change":
         """One of several windows, with what heat does in it."""
         return Change(self.value[which], self.model[which], self.scatter, self.rough[which], heat)
 

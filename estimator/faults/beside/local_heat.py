@@ -1,7 +1,5 @@
 """Heat that no effect of the model stands for, at one place: what it does to thermometers along the screw."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.record import Array

@@ -8,8 +8,6 @@ it was found, until a model that is as good as it says explains that again, or t
 model lacks.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ What a model or an estimate is off by lasts: successive readings have it alike, 
 differ by is the sensors' own noise, and one that is broken does not move the median.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from estimator.record import Array

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import PAPER
-from tests.conftest import ballscrew as run
+from tests.conftest import PAPER, ended
 
 OWN = '''
 from estimator.effect import Effect, Param
@@ -53,15 +52,13 @@ def own_effects(tmp_path, monkeypatch) -> Path:
 
 
 def done(*words: object) -> str:
-    status, out, err = run(*words)
-    assert status == 0, err
+    out, _ = ended(0, *words)
     return out
 
 
 def refused(*words: object) -> str:
     """The one line with which a command refuses."""
-    status, _, err = run(*words)
-    assert status == 2
+    _, err = ended(2, *words)
     (line,) = [line for line in err.splitlines() if not line.startswith("note: ")]
     assert line.startswith("error: ")
     return line.removeprefix("error: ")

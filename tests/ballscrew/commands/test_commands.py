@@ -13,8 +13,7 @@ import pytest
 from ballscrew.cli import COMMANDS
 from ballscrew.muting import muted
 from ballscrew.options import all_named
-from tests.conftest import ballscrew as run
-from tests.conftest import json_of
+from tests.conftest import ballscrew as run, ended, json_of
 from tests.processes import PATIENCE_S, started
 
 ESTIMATES = ["filter", "smoothed", "open_loop", "polyline", "polyline_7", "polyline_joined", "last_reading"]
@@ -47,8 +46,7 @@ def torn(tmp_path_factory) -> Path:
 
 
 def test_help_lists_every_command():
-    status, out, _ = run("--help")
-    assert status == 0
+    out, _ = ended(0, "--help")
     assert all(name in out and sentence in out for name, sentence in COMMANDS.items())
 
 
@@ -66,46 +64,38 @@ def test_help_lists_every_command():
     ],
 )
 def test_help_of_each_command_names_its_options(name, options):
-    status, out, _ = run(name, "--help")
-    assert status == 0
+    out, _ = ended(0, name, "--help")
     assert all(option in out for option in options)
 
 
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["simulate", "FS-20"], "say where to: -o FILE for a recording, or --interface for a bus"),
-        (["simulate", "FS-20", "-o", "a.log", "--date", "0001-01-01"], "--date is of a recording, from 1980 to 2099"),
-        (["simulate", "FS-20", "--interface", "virtual", "--date", "2026-11-03"], "frames on a bus are of now"),
-        (["simulate", "FX-20", "-o", "a.log"], "error: unknown experiment 'FX-20'; did you mean 'FS-20'?"),
-        (["simulate", "FS-20", "-o", "a.log", "--plant", "motor_heat=x"], "'x' is no number; write motor_heat=0.5"),
-        (["simulate", "FS-20", "-o", "a.log", "--max-drive", "2d"], "'2d' is no time; write 2h, 90min, 45s or seconds"),
-        (["simulate", "FS-20", "-o", "a.xyz", "--seconds", "2"], "error: a.xyz: "),
-        (
-            ["simulate", "FS-20", "-o", "a.txt"],
-            "error: a.txt: cannot write '.txt'; known: .asc, .blf, .log, .mf4, .trc",
-        ),
-        (["simulate", "FS-20", "-o", "a.log", "--seconds", "-3"], "-3.0 is not in the range x>0.0"),
-        (["simulate", "FS-20", "-o", "a.log", "--machine", "-1"], "-1 is not in the range x>=0"),
-        (["simulate", "FS-20", "-o", "a.log", "--cycles", "0"], "0 is not in the range x>=1"),
-        (["simulate", "FS-20", "--interface", "virtual", "--speed-up", "0"], "0.0 is not in the range x>0.0"),
-        (
-            ["simulate", "FS-20", "-o", "a.log", "--interface", "virtual"],
-            "either -o FILE for a recording, or --interface",
-        ),
-        (["review", "a.log", "--save", "a.csv"], "error: --save a.csv: views are written as .rrd"),
-        (["reviw"], "No such command 'reviw'"),
-        (["review"], "Missing argument 'LOG...'"),
-        (["review", "a.log", "--colour"], "No such option '--colour'"),
-        (["fit", "a.log"], "Missing option '-o'"),
-        (["tune", "a.log"], "Missing option '-o'"),
-        (["show", "none.toml"], "error: none.toml: no such file"),
+        ("simulate FS-20", "say where to: -o FILE for a recording, or --interface for a bus"),
+        ("simulate FS-20 -o a.log --date 0001-01-01", "--date is of a recording, from 1980 to 2099"),
+        ("simulate FS-20 --interface virtual --date 2026-11-03", "frames on a bus are of now"),
+        ("simulate FX-20 -o a.log", "error: unknown experiment 'FX-20'; did you mean 'FS-20'?"),
+        ("simulate FS-20 -o a.log --plant motor_heat=x", "'x' is no number; write motor_heat=0.5"),
+        ("simulate FS-20 -o a.log --max-drive 2d", "'2d' is no time; write 2h, 90min, 45s or seconds"),
+        ("simulate FS-20 -o a.xyz --seconds 2", "error: a.xyz: "),
+        ("simulate FS-20 -o a.txt", "error: a.txt: cannot write '.txt'; known: .asc, .blf, .log, .mf4, .trc"),
+        ("simulate FS-20 -o a.log --seconds -3", "-3.0 is not in the range x>0.0"),
+        ("simulate FS-20 -o a.log --machine -1", "-1 is not in the range x>=0"),
+        ("simulate FS-20 -o a.log --cycles 0", "0 is not in the range x>=1"),
+        ("simulate FS-20 --interface virtual --speed-up 0", "0.0 is not in the range x>0.0"),
+        ("simulate FS-20 -o a.log --interface virtual", "either -o FILE for a recording, or --interface"),
+        ("review a.log --save a.csv", "error: --save a.csv: views are written as .rrd"),
+        ("reviw", "No such command 'reviw'"),
+        ("review", "Missing argument 'LOG...'"),
+        ("review a.log --colour", "No such option '--colour'"),
+        ("fit a.log", "Missing option '-o'"),
+        ("tune a.log", "Missing option '-o'"),
+        ("show none.toml", "error: none.toml: no such file"),
     ],
 )
 def test_wrong_usage_is_said_in_a_line_and_ends_with_2(words, text, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    status, _, err = run(*words)
-    assert status == 2
+    _, err = ended(2, *words.split())
     assert text in err
     assert "Traceback" not in err
 
@@ -158,8 +148,7 @@ def test_channels_choose_the_thermometers(fs20_log, plain):
         assert found["polyline"]["channels"] == 7
         assert found["polyline"]["band_um"] == pytest.approx(plain["polyline_7"]["band_um"], abs=1e-4)
         assert found["filter"]["rms_um"] != plain["filter"]["rms_um"]
-    status, _, err = run("review", fs20_log, "--channels", "2,16")
-    assert status == 2
+    _, err = ended(2, "review", fs20_log, "--channels", "2,16")
     assert "error: --channels 16: no such thermometer" in err
 
 
@@ -188,14 +177,12 @@ def test_no_displacement_and_mute_take_readings_away(fs20_log, plain):
     ],
 )
 def test_what_a_mute_gets_wrong_is_named(fs20_log, span, text):
-    status, _, err = run("review", fs20_log, "--mute", span)
-    assert status == 2
+    _, err = ended(2, "review", fs20_log, "--mute", span)
     assert text in err
 
 
 def test_one_bad_log_leaves_the_others_in_use(log, torn):
-    status, out, err = run("review", torn, log, "--json")
-    assert status == 1
+    out, err = ended(1, "review", torn, log, "--json")
     assert f"error: {torn}" in err
     assert [r["name"] for r in json.loads(out)["recordings"]] == ["FS-20.log"]
     assert run("review", torn)[0] == 1
@@ -204,15 +191,13 @@ def test_one_bad_log_leaves_the_others_in_use(log, torn):
 
 def test_json_before_a_log_does_not_overwrite_it(log):
     before = log.read_bytes()
-    status, out, _ = run("review", "--json", log)
-    assert status == 0
+    out, _ = ended(0, "review", "--json", log)
     assert log.read_bytes() == before
     assert json.loads(out)["recordings"][0]["name"] == "FS-20.log"
 
 
 def test_json_goes_to_its_file_and_tables_to_the_screen(log, tmp_path):
-    status, out, _ = run("review", log, "--json", tmp_path / "r.json")
-    assert status == 0
+    out, _ = ended(0, "review", log, "--json", tmp_path / "r.json")
     assert "polyline" in out
     assert set(json.loads((tmp_path / "r.json").read_text())) == {"recordings", "overall", "held_out", "machine"}
     assert "polyline" in run("review", log, "--json")[2]
@@ -222,8 +207,7 @@ def test_json_goes_to_its_file_and_tables_to_the_screen(log, tmp_path):
 
 def test_json_may_be_written_twice_whatever_its_name(log, tmp_path):
     for _ in range(2):
-        status, _, err = run("review", "--json", tmp_path / "out.txt", log)
-        assert status == 0, err
+        ended(0, "review", "--json", tmp_path / "out.txt", log)
         assert json.loads((tmp_path / "out.txt").read_text())["recordings"][0]["name"] == "FS-20.log"
 
 
@@ -279,7 +263,6 @@ def test_no_result_is_written_over_a_recording(tmp_path, words):
     log = tmp_path / "check.csv"
     log.write_text("time,TC1\n")
     command, *rest = words
-    status, _, err = run(command, log, *(word.format(log) for word in rest))
-    assert status == 2
+    _, err = ended(2, command, log, *(word.format(log) for word in rest))
     assert f"{log}: the name of a recording; choose another" in err
     assert log.read_text() == "time,TC1\n"

@@ -16,8 +16,7 @@ from drivers.logs.every_frame import every_frame
 from drivers.received import Received
 from drivers.recordings import read_recording
 from tests import log_fake
-from tests.conftest import ballscrew as run
-from tests.drivers.decode.test_ticks import RIG
+from tests.conftest import RIG, ballscrew as run, ended
 from tests.drivers.logs.test_outside import endless
 
 START = 1_700_000_000.005  # python-can's ASC writer would make half a second of these 5 ms
@@ -69,8 +68,7 @@ def held(rows: list[Received], suffix: str) -> list[Received]:
 def test_every_frame_comes_back(tmp_path: Path, suffix: str) -> None:
     rows = frames(600)
     out = tmp_path / f"out{suffix}"
-    status, text, err = run("export", log(tmp_path / "in.log", rows), "-o", out, "--json", tmp_path / "told.json")
-    assert status == 0, err
+    text, err = ended(0, "export", log(tmp_path / "in.log", rows), "-o", out, "--json", tmp_path / "told.json")
     told = json.loads((tmp_path / "told.json").read_text())
     kept = held(rows, suffix)
     assert read(out) == kept  # times to the microsecond
@@ -121,8 +119,7 @@ def test_a_torn_end_and_foreign_lines_are_skipped_and_told(tmp_path: Path) -> No
     text = log(tmp_path / "in.log", rows).read_text()
     junk = "hello\n" + "x" * 10_000 + "\n\n"
     (tmp_path / "in.log").write_text(junk + text[:-4])
-    status, out, err = run("export", tmp_path / "in.log", "-o", tmp_path / "out.log", "--json")
-    assert status == 0
+    out, err = ended(0, "export", tmp_path / "in.log", "-o", tmp_path / "out.log", "--json")
     assert (tmp_path / "out.log").read_text() == "".join(map(line_of, rows[:-1]))
     (told,) = json.loads(out)["logs"]
     assert told["skipped"] == {"torn or foreign line": 2, "torn line": 1}
@@ -136,8 +133,7 @@ def test_a_cut_file_of_another_format_goes_over_up_to_the_cut(tmp_path: Path, su
     whole = tmp_path / f"in{suffix}"
     run("export", log(tmp_path / "in.log", rows), "-o", whole)
     whole.write_bytes(whole.read_bytes()[: -whole.stat().st_size // 4])
-    status, _, err = run("export", whole, "-o", tmp_path / "out.log")
-    assert status == 0
+    _, err = ended(0, "export", whole, "-o", tmp_path / "out.log")
     assert "torn at" in err
     back = read(tmp_path / "out.log")
     assert 1000 < len(back) < len(rows)
@@ -161,20 +157,18 @@ def test_stamps_and_dates_that_are_none(tmp_path: Path) -> None:
     text = "timestamp,arbitration_id,extended,remote,error,dlc,data\n"
     stamps = ["1700000001.5", "nan", "-1.0", "1e300"]
     (tmp_path / "in.csv").write_text(text + "".join(f"{stamp},0x123,0,0,0,1,AQ==\n" for stamp in stamps))
-    status, _, err = run("export", tmp_path / "in.csv", "-o", tmp_path / "out.blf")
-    assert status == 0
+    _, err = ended(0, "export", tmp_path / "in.csv", "-o", tmp_path / "out.blf")
     assert "3 x time stamp absurd" in err
     assert [row.time_s for row in read(tmp_path / "out.blf")] == [1_700_000_001.5]
     (tmp_path / "in.asc").write_text("date Son Nov gestern\nbase hex\ninternal events logged\n 1.25 1 123 Rx d 1 07\n")
-    status, _, err = run("export", tmp_path / "in.asc", "-o", tmp_path / "out.log")
+    _, err = ended(0, "export", tmp_path / "in.asc", "-o", tmp_path / "out.log")
     assert "its date cannot be read: times count from 1970" in err
     assert (tmp_path / "out.log").read_text() == "(1.250000) can0 123#07\n"
 
 
 def test_a_file_that_gives_frames_for_ever_does_not_fill_the_disk(tmp_path: Path) -> None:
     path = endless(tmp_path / "endless.blf")
-    status, out, err = run("export", path, "-o", tmp_path / "out.log", "--json")
-    assert status == 0
+    out, err = ended(0, "export", path, "-o", tmp_path / "out.log", "--json")
     assert "240 bytes cannot hold more, the reader goes round in circles" in err
     assert json.loads(out)["bytes"] < 50_000_000
 
@@ -226,8 +220,7 @@ def test_mf4_without_its_package_says_how_to_install_it(tmp_path: Path) -> None:
 def test_a_log_without_frames_among_others_is_an_error_and_the_others_go_over(tmp_path: Path) -> None:
     log(tmp_path / "in.log", frames(5))
     (tmp_path / "odd.log").write_text("hello\n")
-    status, _, err = run("export", tmp_path / "in.log", tmp_path / "odd.log", "-o", tmp_path / "out.log")
-    assert status == 1
+    _, err = ended(1, "export", tmp_path / "in.log", tmp_path / "odd.log", "-o", tmp_path / "out.log")
     assert f"error: {tmp_path / 'odd.log'}: no frame in it" in err
     assert read(tmp_path / "out.log") == frames(5)
 
@@ -252,8 +245,7 @@ def test_logs_whose_clocks_overlap_are_two_recordings(tmp_path: Path) -> None:
     rows = log_fake.log(20)
     one = log_fake.write(tmp_path / "one.log", rows)
     two = log_fake.write(tmp_path / "two.log", [row._replace(time=row.time + 10.0003) for row in rows])
-    status, _, said = run("export", one, two, "-o", tmp_path / "both.log")
-    assert status == 1
+    _, said = ended(1, "export", one, two, "-o", tmp_path / "both.log")
     assert " both have 0x" in said
     assert "export each to a file of its own" in said
     assert not (tmp_path / "both.log").exists()
@@ -269,7 +261,6 @@ def test_logs_that_overlap_by_the_same_frames_are_one(tmp_path: Path) -> None:
     middle = rows[0].time + 10
     one = log_fake.write(tmp_path / "one.log", [row for row in rows if row.time < middle])
     two = log_fake.write(tmp_path / "two.log", [row for row in rows if row.time > middle - 3])
-    status, _, said = run("export", one, two, "-o", tmp_path / "whole.log")
-    assert status == 0
+    _, said = ended(0, "export", one, two, "-o", tmp_path / "whole.log")
     assert "frame that the log before has too" in said
     assert (tmp_path / "whole.log").read_text() == log_fake.write(tmp_path / "same.log", rows).read_text()

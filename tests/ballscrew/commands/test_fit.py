@@ -13,8 +13,7 @@ import pytest
 from ballscrew.terminal import Terminal
 from estimator.rig_folder.model_toml import load_model, save_model
 from tests.ballscrew.conftest import FREE
-from tests.conftest import PAPER, json_of
-from tests.conftest import ballscrew as run
+from tests.conftest import PAPER, ballscrew as run, ended, json_of
 
 
 def test_fit_writes_a_model_that_review_calls_fitted(rig_folder):
@@ -50,8 +49,7 @@ def test_fit_never_opens_the_truth(short_folder):
 def test_fit_without_free_parameters_ends_with_2(rig_folder):
     text = (rig_folder / "model.toml").read_text()
     (rig_folder / "model.toml").write_text(text.replace("fixed = false", "fixed = true"))
-    status, _, err = run("fit", rig_folder / "logs", "-o", rig_folder / "m.toml")
-    assert status == 2
+    _, err = ended(2, "fit", rig_folder / "logs", "-o", rig_folder / "m.toml")
     assert "every parameter is fixed; nothing to fit" in err
     assert not (rig_folder / "m.toml").exists()
 
@@ -106,8 +104,7 @@ def test_a_quiet_fit_is_silent_and_writes_the_model_all_the_same(short_folder):
 
 
 def test_show_prints_every_effect_with_equation_values_and_units(full):
-    status, out, _ = run("show", PAPER / "model.toml")
-    assert status == 0
+    out, _ = ended(0, "show", PAPER / "model.toml")
     for name, effect in full.effects.items():
         assert name in out
         assert effect.equation().splitlines()[0] in out

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import ballscrew
+from tests.conftest import ROD, ballscrew
 
-ROD = Path(__file__).parents[3] / "examples" / "heated_rod"
 HEAD = '''import numpy as np
 
 from estimator.effect import Effect, Param

@@ -30,8 +30,7 @@ from estimator.unknown.effect_text import effect_text
 from estimator.unknown.stand_ins import Unknown
 from estimator.unknown.written import effect_of, name_of, wanted_of
 from tests.ballscrew.page.test_section import sound
-from tests.conftest import PAPER, json_of
-from tests.conftest import ballscrew as run
+from tests.conftest import PAPER, ended, json_of
 from tests.viz_read import fixed, view_names
 
 OWN = '''
@@ -91,8 +90,7 @@ def test_effects_are_added_and_everything_is_written_with_pictures_beside_it(sea
     searching("churning")
     out = tmp_path / "b.toml"
     words = ["--rig", PAPER, "--model", PAPER / "base.toml", "-o", out, "--json", tmp_path / "b.json"]
-    status, said, err = run("improve", fs20_log, *words)
-    assert status == 0, err
+    said, _ = ended(0, "improve", fs20_log, *words)
     assert "+ churning" in said
     assert "Nothing is missing" in said
     model, told = load_model(out), json.loads((tmp_path / "b.json").read_text())
@@ -157,8 +155,7 @@ def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, undrawn, u
     file.write_text(f"{OWN}\n\nclass HeatNear350:\n    pass\n")
     out.parent.mkdir()
     words = ["--rig", PAPER, "--model", PAPER / "base.toml", "-o", out, "--compose", file]
-    status, said, err = run("improve", short_log, *words, "--json", tmp_path / "b.json")
-    assert status == 0, err
+    said, _ = ended(0, "improve", short_log, *words, "--json", tmp_path / "b.json")
     assert {"Rub", "HeatNear350"} <= {*asked[0]}
     assert "+ heat_near350_no2" in said
     assert "As an effect: Something heats the screw around 350 mm, in step with a power of the speed; q = P" in said
@@ -176,8 +173,7 @@ def test_what_no_catalogue_has_is_written_down_and_added(monkeypatch, undrawn, u
 def test_a_file_that_is_no_python_is_refused_before_the_search(short_log, tmp_path) -> None:
     (tmp_path / "effects.py").write_text("def (:\n")
     words = ["--rig", PAPER, "-o", tmp_path / "b.toml", "--compose", tmp_path / "effects.py"]
-    status, _, err = run("improve", short_log, *words)
-    assert status == 2
+    _, err = ended(2, "improve", short_log, *words)
     assert "effects.py: line 1 is not Python" in err
 
 
@@ -185,11 +181,10 @@ def test_a_model_with_an_effect_of_ones_own_loads_again(searching, undrawn, unfe
     searching("rub")
     (tmp_path / "mine.py").write_text(OWN)
     (tmp_path / "made").mkdir()
-    status, _, err = run(
-        "improve", short_log, "--rig", PAPER, "--model", PAPER / "base.toml", "--effects", tmp_path / "mine.py",
+    ended(
+        0, "improve", short_log, "--rig", PAPER, "--model", PAPER / "base.toml", "--effects", tmp_path / "mine.py",
         "-o", tmp_path / "made" / "b.toml", "--report", tmp_path / "r.html", "--save", tmp_path / "v.rrd", "--quiet",
     )  # fmt: skip
-    assert status == 0, err
     model = load_model(tmp_path / "made" / "b.toml")
     assert model.use == {"rub": "../mine.py:Rub"}
     page = (tmp_path / "r.html").read_text()
@@ -216,8 +211,7 @@ def test_a_run_that_was_left_out_is_none_that_the_model_was_fitted_to():
 def test_ctrl_c_leaves_the_best_so_far(searching, short_log, tmp_path) -> None:
     searching("churning", "stop")
     out = tmp_path / "b.toml"
-    status, said, _ = run("improve", short_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out)
-    assert status == 130
+    said, _ = ended(130, "improve", short_log, "--rig", PAPER, "--model", PAPER / "base.toml", "-o", out)
     assert "stopped by Ctrl-C" in said
     assert "churning" in load_model(out).effects
     assert not (tmp_path / "b.md").exists()
@@ -237,15 +231,13 @@ def test_nothing_missing_leaves_the_model_as_it_was(searching, undrawn, unfelt, 
 
 def test_compare_saves_one_model_or_two(short_log, tmp_path) -> None:
     models = ["--model", PAPER / "base.toml", "--model", PAPER / "model.toml"]
-    status, out, err = run("compare", short_log, *models, "--save", tmp_path / "c.rrd")
-    assert status == 0, err
+    out, err = ended(0, "compare", short_log, *models, "--save", tmp_path / "c.rrd")
     assert "views: " in out
     names = view_names(tmp_path / "c.rrd")
     assert "after: thermometer − open-loop [K], model.toml" in names
     text = fixed(tmp_path / "c.rrd", "/summary", "TextDocument:text")[0]
     assert "| error, rms | base.toml, K | um | model.toml, K | um |" in text
-    status, _, err = run("compare", short_log, *models, *models, "--save", tmp_path / "d.rrd")
-    assert status == 2
+    _, err = ended(2, "compare", short_log, *models, *models, "--save", tmp_path / "d.rrd")
     assert "one model, or two" in err
 
 
@@ -254,16 +246,14 @@ def test_suggest_saves_the_model_and_the_best_effect(short_log, tmp_path, monkey
         return found(model, "effect", {e.name: e for e in effects}["churning"])
 
     monkeypatch.setattr("ballscrew.commands.suggest.suggest", answer)
-    status, _, err = run("suggest", short_log, "--model", PAPER / "base.toml", "--save", tmp_path / "s.rrd")
-    assert status == 0, err
+    ended(0, "suggest", short_log, "--model", PAPER / "base.toml", "--save", tmp_path / "s.rrd")
     text = fixed(tmp_path / "s.rrd", "/summary", "TextDocument:text")[0]
     assert "| + churning | 0.100 | 0.40 | it alone | share 0.4 +- 0.2 |" in text
     assert "after: thermometer − open-loop [K], with churning" in view_names(tmp_path / "s.rrd")
 
 
 def test_diagnose_saves_the_one_model(short_log, tmp_path) -> None:
-    status, _, err = run("diagnose", short_log, "--model", PAPER / "base.toml", "--save", tmp_path / "d.rrd")
-    assert status == 0, err
+    ended(0, "diagnose", short_log, "--model", PAPER / "base.toml", "--save", tmp_path / "d.rrd")
     assert "| good enough alone |" in fixed(tmp_path / "d.rrd", "/summary", "TextDocument:text")[0]
     assert "heat missing [W/m], base.toml" in view_names(tmp_path / "d.rrd")
 

@@ -10,11 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import ballscrew as run
-from tests.conftest import json_of
+from tests.conftest import ROD, ended, json_of
 from tests.viz_read import fixed, rows
 
-ROD = Path(__file__).parents[3] / "examples" / "heated_rod"
 FROM, TO, END, TICK_S = 300, 340, 480, 5  # rows
 ALL = [f"TC{i}" for i in range(1, 9)]
 
@@ -68,8 +66,7 @@ def began_elsewhere(rows: Rows) -> None:
 
 def reviewed(path: Path) -> tuple[dict, str]:
     """The one recording in the JSON of a review, and what is printed beside."""
-    status, out, err = run("review", path, "--json")
-    assert status == 0, err
+    out, err = ended(0, "review", path, "--json")
     (recording,) = json.loads(out)["recordings"]
     return recording, err
 
@@ -178,8 +175,7 @@ def dead(tmp_path_factory) -> Path:
 @pytest.mark.usefixtures("undrawn", "unfelt")
 def test_every_offline_command_leaves_it_out_and_says_so(words, dead, tmp_path):
     words = [tmp_path / word if word == "m.toml" else word for word in words]
-    status, out, said = run(*words, dead, "--json")
-    assert status == 0, said
+    out, said = ended(0, *words, dead, "--json")
     told = json.loads(out)
     told = told["models"][0] if words[0] == "compare" else told
     (recording,) = told["recordings"]
@@ -193,8 +189,7 @@ def test_every_offline_command_leaves_it_out_and_says_so(words, dead, tmp_path):
 
 
 def test_views_of_a_review_tell_it_in_a_table_and_in_a_lane(tmp_path):
-    status, _, err = run("review", written(powered_on_again, tmp_path), "--save", tmp_path / "v.rrd", "--quiet")
-    assert status == 0, err
+    ended(0, "review", written(powered_on_again, tmp_path), "--save", tmp_path / "v.rrd", "--quiet")
     assert re.search(
         r"\| run.csv \| TC4 at 170 mm \| (stuck|jumped) \| 1500 s \| 17\d\d s \| [45]\d \|",
         fixed(tmp_path / "v.rrd", "/summary", "TextDocument:text")[0],
@@ -206,8 +201,7 @@ def test_views_of_a_review_tell_it_in_a_table_and_in_a_lane(tmp_path):
 
 
 def test_views_of_a_rod_that_is_well_have_neither(tmp_path):
-    status, _, err = run("review", ROD / "check.csv", "--save", tmp_path / "v.rrd", "--quiet")
-    assert status == 0, err
+    ended(0, "review", ROD / "check.csv", "--save", tmp_path / "v.rrd", "--quiet")
     assert "Sensors that failed" not in fixed(tmp_path / "v.rrd", "/summary", "TextDocument:text")[0]
     assert {*np.ravel(rows(tmp_path / "v.rrd", "/check/state/estimate", "StateChange:state")[1])} == {"valid"}
 

@@ -14,9 +14,8 @@ from ballscrew.workspace import Loaded, Workspace
 from estimator.accuracy.machine import Match
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
-from tests.conftest import ballscrew as run
+from tests.conftest import ROD, ballscrew as run
 
-ROD = Path(__file__).parents[3] / "examples" / "heated_rod"
 CHECK = ROD / "check.csv"
 
 

@@ -7,8 +7,7 @@ import shutil
 import pytest
 
 from tests.ballscrew.page.test_section import sound
-from tests.conftest import ballscrew as run
-from tests.conftest import json_of
+from tests.conftest import ballscrew as run, ended, json_of
 
 NAME = "<b onload=x> um & co.log"
 
@@ -20,18 +19,8 @@ def made(fs20_log, tmp_path_factory):
     log = shutil.copy(fs20_log, folder / NAME)
     shutil.copy(fs20_log.with_name("FS-20.truth.csv"), folder / NAME.replace(".log", ".truth.csv"))
     (folder / "torn.blf").write_bytes(b"LOGG and nothing more")
-    words = (
-        "--iso230-3",
-        "--at",
-        "390,10",
-        "-o",
-        folder / "p.html",
-        "--json",
-        folder / "p.json",
-        "--mute",
-        "T03:100-130",
-    )
-    status, out, err = run("report", log, folder / "torn.blf", *words)
+    words = ["--iso230-3", "--at", "390,10", "--mute", "T03:100-130", "-o", folder / "p.html"]
+    status, out, err = run("report", log, folder / "torn.blf", *words, "--json", folder / "p.json")
     assert (status, err.count("torn.blf"), err.count("\n")) == (1, 1, 1)
     return (folder / "p.html").read_text(encoding="utf-8"), json.loads((folder / "p.json").read_text()), out
 
@@ -74,22 +63,20 @@ def test_the_drift_is_told_to_programs_too(made):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--at", "10,390"], "--at names the positions of --iso230-3: give both"),
-        (["--iso230-3", "--at", "10,ab"], "write two or three positions"),
-        (["-o", "none/p.html"], "there is no folder none"),
-        (["-o", "FS-20.blf"], "-o FS-20.blf: a page is written as .html"),
+        ("--at 10,390", "--at names the positions of --iso230-3: give both"),
+        ("--iso230-3 --at 10,ab", "write two or three positions"),
+        ("-o none/p.html", "there is no folder none"),
+        ("-o FS-20.blf", "-o FS-20.blf: a page is written as .html"),
     ],
 )
 def test_wrong_words_end_before_the_work(words, said, fs20_log):
-    status, _, err = run("report", fs20_log, *words)
-    assert status == 2
+    _, err = ended(2, "report", fs20_log, *words.split())
     assert said in err
 
 
 def test_a_rig_without_a_screw_has_a_page_and_no_drift(tmp_path):
     csv = "examples/heated_rod/slow.csv"
-    status, out, err = run("report", csv, "-o", tmp_path / "rod.html")
-    assert status == 0, err
+    out, err = ended(0, "report", csv, "-o", tmp_path / "rod.html")
     text = (tmp_path / "rod.html").read_text()
     sound(text)
     assert "No reference: how far the elongation is off is not known." in out

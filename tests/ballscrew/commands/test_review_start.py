@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import ballscrew, json_of
+from tests.conftest import ended, json_of
 
 
 @pytest.fixture
@@ -18,8 +18,7 @@ def warm_log(tmp_path, fs20_log) -> Path:
 
 
 def test_a_warm_start_is_said_and_a_cold_one_is_not(warm_log, fs20_log):
-    status, out, _ = ballscrew("review", warm_log, fs20_log)
-    assert status == 0
+    out, _ = ended(0, "review", warm_log, fs20_log)
     assert "warm.log began warm: about 4" in out
     assert "FS-20.log began warm" not in out
     warm, cold = (one["start"] for one in json_of("review", warm_log, fs20_log)["recordings"])

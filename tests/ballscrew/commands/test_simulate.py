@@ -5,8 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from tests.conftest import ballscrew as run
-from tests.conftest import json_of
+from tests.conftest import ballscrew as run, json_of
 
 
 def test_simulate_writes_a_recording_and_its_truth(tmp_path):

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.conftest import PAPER, ballscrew
+from tests.conftest import PAPER, ballscrew, ended
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +33,5 @@ def test_every_parameter_of_every_run_is_told(days):
 
 
 def test_a_few_recordings_are_no_trend(days):
-    status, _, err = ballscrew("trend", days / "day0.log", days / "day1.log", "--rig", PAPER)
-    assert status == 1
+    _, err = ended(1, "trend", days / "day0.log", days / "day1.log", "--rig", PAPER)
     assert "a trend needs 6 recordings of one machine at least; here are 2" in err

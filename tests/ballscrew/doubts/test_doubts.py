@@ -8,10 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import PAPER, ballscrew, json_of
-
-ROOT = PAPER.parent
-ROD, TWO = ROOT / "examples" / "heated_rod", ROOT / "examples" / "two_heaters"
+from tests.conftest import PAPER, ROD, ROOT, TWO, ballscrew, ended, json_of
 
 
 def doubts(*words: object) -> list[dict]:
@@ -274,8 +271,7 @@ def test_a_doubt_in_several_recordings_is_one_line(tmp_path):
 
 def test_a_log_that_cannot_be_used_and_a_rig_that_is_wrong(rod):
     (rod / "torn.blf").write_bytes(b"LOGG and nothing more")
-    status, out, err = ballscrew("check", rod)
-    assert status == 1
+    out, err = ended(1, "check", rod)
     assert "no doubt" in out
     assert err.startswith("error: ")
     put(rod, ("outer_mm", "outer"))

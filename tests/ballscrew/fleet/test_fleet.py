@@ -10,10 +10,8 @@ import pytest
 from ballscrew.fleet.workers import LOST, shared
 from ballscrew.workers.by_value import MOST_LOST
 from tests.ballscrew.fleet.killing import killed
-from tests.conftest import PAPER, ballscrew
+from tests.conftest import EXAMPLES, ballscrew, ended
 from tests.viz_read import fixed
-
-EXAMPLES = PAPER.parent / "examples"
 
 
 @pytest.fixture(scope="module")
@@ -35,8 +33,7 @@ def plant(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def alone(plant) -> tuple[str, str]:
     """What one process prints of it, and its JSON."""
-    status, told, said = ballscrew("fleet", plant, "--workers", 1, "--json", "--save", plant / "plant.rrd")
-    assert status == 1
+    told, said = ended(1, "fleet", plant, "--workers", 1, "--json", "--save", plant / "plant.rrd")
     return said, told
 
 
@@ -62,8 +59,7 @@ def test_the_views_have_a_row_each_and_say_what_the_table_says(plant, alone):
 
 
 def test_no_views_are_written_where_no_rig_could_be_used(plant, tmp_path):
-    status, _, err = ballscrew("fleet", plant / "new", "--save", tmp_path / "plant.rrd")
-    assert status == 1
+    _, err = ended(1, "fleet", plant / "new", "--save", tmp_path / "plant.rrd")
     assert "not written: no rig has a recording that could be used" in err
 
 
@@ -82,8 +78,7 @@ def test_the_same_numbers_whoever_does_the_work(plant, alone):
 
 
 def test_a_folder_of_no_rig_names_the_way_to_one(tmp_path):
-    status, _, err = ballscrew("fleet", tmp_path)
-    assert status == 2
+    _, err = ended(2, "fleet", tmp_path)
     assert "no rig.toml in it, nor in a folder of it; `ballscrew init LOG -o FOLDER` makes one" in err
 
 

@@ -78,8 +78,9 @@ class Views:
 
 
 @pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(45.0)
+def frames(request) -> Frames:
+    """Of a rig until the END_S of the module that asks, or 45 s."""
+    return rig_frames(getattr(request.module, "END_S", 45.0))
 
 
 Held = tuple[Session, list[str], list[Status]]

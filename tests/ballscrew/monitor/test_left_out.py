@@ -18,7 +18,7 @@ from estimator.record import collect
 from estimator.step import Mode
 from estimator.terms import SCREW, Heat, Link, Read, Store
 from tests.ballscrew.monitor.conftest import Clock, Receiver
-from tests.live_fake import Frames, lived, rig_frames
+from tests.live_fake import lived
 
 END_S, FAILS_S = 90.0, 60.0
 
@@ -65,20 +65,13 @@ def sent(rig, step, trust) -> list[dict]:
 
 
 @pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(END_S)
-
-
-@pytest.fixture(scope="module")
-def without(paper, frames) -> list[Moment]:
-    rig, model = paper
-    return lived(Monitor(model, rig), frames)
+def without(rig, shipped, frames) -> list[Moment]:
+    return lived(Monitor(shipped, rig), frames)
 
 
 @pytest.mark.parametrize(("effect", "at_s"), [(Odd, FAILS_S + 2), (Raising, 1.0)])
-def test_the_estimate_goes_on_without_an_effect_that_fails(paper, frames, without, effect, at_s):
-    rig, model = paper
-    moments = lived(Monitor(model + effect, rig), frames)
+def test_the_estimate_goes_on_without_an_effect_that_fails(rig, shipped, frames, without, effect, at_s):
+    moments = lived(Monitor(shipped + effect, rig), frames)
     (alarm,) = (alarm for moment in moments for alarm in moment.begun)
     assert (alarm.kind, alarm.channel) == ("effect", effect.name)
     assert alarm.since_s == pytest.approx(at_s, abs=1.5)
@@ -90,10 +83,9 @@ def test_the_estimate_goes_on_without_an_effect_that_fails(paper, frames, withou
         np.testing.assert_allclose(moment.step.sigma_um, usual.step.sigma_um, rtol=0, atol=1e-9)
 
 
-def test_the_tick_in_which_it_fails_is_read_once(paper, without):
+def test_the_tick_in_which_it_fails_is_read_once(rig, shipped, without):
     """Asked for again, without the effect, the drive has gone on by one tick, not two."""
-    rig, model = paper
-    odd, usual = Filter(model + Jet, rig), Filter(model, rig)
+    odd, usual = Filter(shipped + Jet, rig), Filter(shipped, rig)
     for moment in without:
         usual.step(moment.sample)
         try:
@@ -107,18 +99,16 @@ def test_the_tick_in_which_it_fails_is_read_once(paper, without):
     assert seconds == expected
 
 
-def test_two_that_fail_at_once_are_both_left_out(paper, frames, without):
-    rig, model = paper
-    monitor = Monitor(model + Jet + Odd, rig)
+def test_two_that_fail_at_once_are_both_left_out(rig, shipped, frames, without):
+    monitor = Monitor(shipped + Jet + Odd, rig)
     moments = lived(monitor, frames)
     assert [alarm.channel for moment in moments for alarm in moment.begun] == ["jet", "odd"]
     assert moments[-1].step.elongation_um == pytest.approx(without[-1].step.elongation_um, abs=1e-9)
-    assert set(monitor.model.effects) == set(model.effects)
+    assert set(monitor.model.effects) == set(shipped.effects)
 
 
-def test_while_the_bus_is_silent_too(paper, frames, without):
-    rig, model = paper
-    monitor, begun = Monitor(model + Jet, rig), []
+def test_while_the_bus_is_silent_too(rig, shipped, frames, without):
+    monitor, begun = Monitor(shipped + Jet, rig), []
     before = [frame for frame in frames if frame.time_s - frames[0].time_s < FAILS_S - 5]
     lived_so_far = [moment for frame in before for moment in monitor.feed(frame)]
     for silent_s in (5.0, 10.0):
@@ -130,12 +120,11 @@ def test_while_the_bus_is_silent_too(paper, frames, without):
     assert moments[-1].step.elongation_um == pytest.approx(without[-1].step.elongation_um, abs=1e-9)
 
 
-def test_without_an_effect_that_the_estimate_needs_there_is_none_until_the_next_start(paper, frames):
+def test_without_an_effect_that_the_estimate_needs_there_is_none_until_the_next_start(rig, shipped, frames):
     """The session says so once, sends no number, and goes on to listen and to record."""
-    rig, model = paper
     said, told, recorded = [], [], []
     session = Session(
-        Monitor(model + Body, rig), Receiver(frames), Clock(), "bus", lambda text, level: said.append(text),
+        Monitor(shipped + Body, rig), Receiver(frames), Clock(), "bus", lambda text, level: said.append(text),
         lambda status: told.append(status.json()),
     )  # fmt: skip
     session.run(lambda: bool(session.receiver.items), lambda status: recorded.append(status.frames))

@@ -24,18 +24,12 @@ from drivers.recordings import read_recording
 from estimator.batch.replay import replay
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
-from tests.conftest import ballscrew
+from tests.conftest import PAPER, ended
 from tests.hub_fake import hub_running
 from tests.live_fake import DRIVE, Frames, dropped, rig_frames, since
 from tests.processes import PATIENCE_S, started, until
 
-RECORDINGS = Path(__file__).parents[3] / "recordings"
-SPEED_UP = 60
-
-
-@pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(90.0)
+SPEED_UP, END_S = 60, 90.0
 
 
 @contextmanager
@@ -49,7 +43,7 @@ def live(port: int, folder: Path, *options: str) -> Iterator[subprocess.Popen[st
     """The monitor, recording, until the block ends; it writes its lines to live.jsonl and what it says to said.txt."""
     words = [
         "live", "--interface", "socketcand", "--channel", "can0", "--bus-kwargs",
-        "host=127.0.0.1", f"port={port}", "--rig", str(RECORDINGS), "--record", str(folder / "rec"), "--json",
+        "host=127.0.0.1", f"port={port}", "--rig", str(PAPER), "--record", str(folder / "rec"), "--json",
         str(folder / "live.jsonl"), *options,
     ]  # fmt: skip
     env = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
@@ -112,8 +106,8 @@ def test_two_processes_record_estimate_and_publish(frames, tmp_path):
     assert recorded(tmp_path) == [(f.id, f.data) for f in frames]
     (log,) = (tmp_path / "rec").glob("*.log")
     assert json.loads(log.with_suffix(".json").read_text())["closed"] is True
-    rig = load_rig(RECORDINGS)
-    track = replay(load_model(RECORDINGS / "model.toml"), rig, read_recording(log, rig))
+    rig = load_rig(PAPER)
+    track = replay(load_model(PAPER / "model.toml"), rig, read_recording(log, rig))
     told = final(tmp_path)
     behind = "ended behind the bus" in (tmp_path / "said.txt").read_text()  # a busy machine: the end was cut, and said
     assert len(told) == len(track) or (behind and len(told) >= 89)
@@ -175,8 +169,7 @@ def memory_kB(pid: int) -> int:
 def refused(port: int, folder: Path, first: subprocess.Popen[str]) -> None:
     """A second instance that would record into the same folder names the first, and ends."""
     bus = ["--interface", "socketcand", "--channel", "can0", "--bus-kwargs", "host=127.0.0.1", f"port={port}"]
-    status, _, err = ballscrew("live", *bus, "--rig", RECORDINGS, "--record", folder / "rec")
-    assert status == 2
+    _, err = ended(2, "live", *bus, "--rig", PAPER, "--record", folder / "rec")
     assert f"process {first.pid} already records there" in err
 
 
@@ -214,8 +207,7 @@ def _nudged(port: int) -> bool:
     ],
 )
 def test_wrong_usage_is_one_line(options, says):
-    status, _, err = ballscrew("live", *options)
-    assert status == 2
+    _, err = ended(2, "live", *options)
     assert says in err
     assert "Traceback" not in err
 
@@ -223,7 +215,7 @@ def test_wrong_usage_is_one_line(options, says):
 def test_started_again_it_goes_on_with_the_recording(tmp_path):
     """Recorded until a moment ago; what comes now is what the rig sends after a gap of a few seconds."""
     frames, folder = rig_frames(47.0), tmp_path / "rec"
-    whole = Monitor(load_model(RECORDINGS / "model.toml"), load_rig(RECORDINGS))
+    whole = Monitor(load_model(PAPER / "model.toml"), load_rig(PAPER))
     usual = [moment.step for frame in frames for moment in whole.feed(frame)][-1]
     before = [frame for frame in frames if since(frames, frame) < 40.0]
     later = time.time() - before[-1].time_s
@@ -250,6 +242,5 @@ def test_what_was_recorded_is_asked_for_unless_it_is_to_begin_anew(tmp_path, mon
     monkeypatch.setattr("ballscrew.commands.live.earlier", lambda folder, *_: asked.append(folder) or [])
     for words in ([], ["--fresh"], ["--speed-up", 2.0]):
         bus = ["--interface", "virtual", "--channel", "fresh", "--record", tmp_path / "rec", "--seconds", 0.01]
-        status, _, err = ballscrew("live", *bus, *words)
-        assert status == 0, err
+        ended(0, "live", *bus, *words)
     assert asked == [tmp_path / "rec"]

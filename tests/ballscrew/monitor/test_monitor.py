@@ -17,17 +17,12 @@ from drivers.virtual_rig import simulate, write
 from estimator.batch.replay import replay
 from estimator.screw import Bed
 from estimator.step import Mode
-from tests.live_fake import DRIVE, STATUS, TELEMETERS, Frames, changed, channel, dropped, rig_frames, since
+from tests.live_fake import DRIVE, STATUS, TELEMETERS, Frames, changed, channel, dropped, since
 
 ENVIRONMENT = 0x240
 FAULT_S, SOON_S, END_S = 119.0, 145.0, 175.0  # the fault is there for half a minute, or a whole window of the tests
 
 Run = Callable[[Frames], tuple[Monitor, list[Moment]]]
-
-
-@pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(END_S)
 
 
 @pytest.fixture(scope="module")
@@ -85,11 +80,10 @@ def spike(value: int, time_s: float) -> int:
     return value + 2000 if round(time_s) % 10 == 0 else value
 
 
-def test_live_is_review(paper, plain, tmp_path):
+def test_live_is_review(rig, shipped, plain, tmp_path):
     """Frame by frame the same estimates as from a log of the same frames."""
-    rig, model = paper
     log = write(simulate("FS-20", seed=7, seconds=END_S), tmp_path / "a.log")
-    track = replay(model, rig, read_recording(log, rig))
+    track = replay(shipped, rig, read_recording(log, rig))
     live = np.array([[m.step.elongation_um, m.step.sigma_um, m.step.error_at_table_um] for m in plain])
     assert len(live) == len(track)
     batch = np.stack([track.elongation_um, track.sigma_um, track.error_at_table_um], axis=-1)
@@ -254,10 +248,9 @@ def test_a_tick_without_a_drive_frame_keeps_its_place(run, soon):
     assert all(np.isfinite(m.step.position_mm) for m in moments)
 
 
-def test_with_few_thermometers_chosen_few_are_enough(paper, frames):
-    rig, model = paper
+def test_with_few_thermometers_chosen_few_are_enough(rig, shipped, frames):
     mask = np.array([name not in ("T05", "T12", "displacement") for name in rig.names])
-    monitor = Monitor(model, rig, lambda time_s: mask)
+    monitor = Monitor(shipped, rig, lambda time_s: mask)
     moments = [m for frame in frames if since(frames, frame) < 30 for m in monitor.feed(frame)]
     assert moments[-1].trust.valid
     assert not moments[-1].trust.telemeter_stale

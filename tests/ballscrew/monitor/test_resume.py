@@ -12,22 +12,16 @@ from drivers.recorder.recorder import Recorder
 from drivers.recordings import read_joined
 from estimator.batch.replay import replay
 from tests.ballscrew.monitor.test_left_out import sent
-from tests.live_fake import Frames, lived, rig_frames, since
+from tests.live_fake import Frames, lived, since
 
 END_S = 130.0
 AFTER_S = 30.0  # that a monitor is followed for once it has been started again
 
 
 @pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(END_S)
-
-
-@pytest.fixture(scope="module")
-def through(paper, frames) -> list[Moment]:
+def through(rig, shipped, frames) -> list[Moment]:
     """The run without a restart."""
-    rig, model = paper
-    return lived(Monitor(model, rig), frames)
+    return lived(Monitor(shipped, rig), frames)
 
 
 def recorded(folder: Path, frames: Frames) -> Path:
@@ -80,9 +74,8 @@ def test_an_alarm_that_is_still_on_is_told(paper, frames, tmp_path):
     assert any("Telemeter2" in alarm.text for alarm in moments[0].begun)
 
 
-def test_what_cannot_be_read_is_no_reason_not_to_start(paper, frames, through, tmp_path):
-    rig, model = paper
-    monitor = Monitor(model, rig)
+def test_what_cannot_be_read_is_no_reason_not_to_start(rig, shipped, frames, through, tmp_path):
+    monitor = Monitor(shipped, rig)
     foreign = recorded(tmp_path, [frame._replace(id=0x7) for frame in frames[:500]])
     assert resume(monitor, [foreign], lambda: True).startswith(
         f"cannot go on with {foreign.name}, and begins anew: no "
@@ -93,10 +86,9 @@ def test_what_cannot_be_read_is_no_reason_not_to_start(paper, frames, through, t
     assert moments[-1].step.elongation_um == through[len(moments) - 1].step.elongation_um
 
 
-def test_the_end_is_not_waited_for(paper, frames, tmp_path):
-    rig, model = paper
+def test_the_end_is_not_waited_for(rig, shipped, frames, tmp_path):
     part, left = recorded(tmp_path, frames), iter([True] * 100 + [False])
-    assert resume(Monitor(model, rig), [part], lambda: next(left)) == "stopped before the recording was read"
+    assert resume(Monitor(shipped, rig), [part], lambda: next(left)) == "stopped before the recording was read"
 
 
 def test_a_silence_of_an_hour_ends_it(paper, frames, tmp_path):
@@ -108,23 +100,21 @@ def test_a_silence_of_an_hour_ends_it(paper, frames, tmp_path):
     assert anew[-1].step.time_s < moments[-1].step.time_s
 
 
-def test_a_start_with_a_warm_screw_is_said_once_and_marked(paper, frames, tmp_path):
-    rig, model = paper
+def test_a_start_with_a_warm_screw_is_said_once_and_marked(rig, shipped, frames, tmp_path):
     late = [frame for frame in frames if since(frames, frame) > 100.0]
-    monitor = Monitor(model, rig)
+    monitor = Monitor(shipped, rig)
     moments = lived(monitor, late)
     assert [note for note in monitor.tally.notes if note.startswith("began warm: about ")] == [monitor.start.sentence]
     assert all(moment.trust.began_warm for moment in moments)
     _, compensation = sent(rig, moments[-1].step, moments[-1].trust)
     assert compensation["CmpBeganWarm"] == 1
-    resume(again := Monitor(model, rig), [recorded(tmp_path, late)], lambda: True)
+    resume(again := Monitor(shipped, rig), [recorded(tmp_path, late)], lambda: True)
     assert again.start.sentence in again.tally.notes
 
 
-def test_a_cold_screw_and_one_counted_from_a_zero_are_not_marked(paper, frames):
-    rig, model = paper
-    assert not lived(Monitor(model, rig), frames[:500])[-1].trust.began_warm
+def test_a_cold_screw_and_one_counted_from_a_zero_are_not_marked(rig, shipped, frames):
+    assert not lived(Monitor(shipped, rig), frames[:500])[-1].trust.began_warm
     late = [frame for frame in frames if since(frames, frame) > 120.0]
-    monitor = Monitor(model, replace(rig, zero_C=20.0))
+    monitor = Monitor(shipped, replace(rig, zero_C=20.0))
     assert not lived(monitor, late)[-1].trust.began_warm
     assert monitor.start.warm

@@ -6,12 +6,9 @@ from ballscrew.monitor.monitor import Monitor
 from drivers.bus.rig_time import RigTime
 from estimator.step import Mode
 from tests.ballscrew.monitor.test_monitor import copied
-from tests.live_fake import DRIVE, Frames, dropped, rig_frames, since
+from tests.live_fake import DRIVE, dropped, since
 
-
-@pytest.fixture(scope="module")
-def frames() -> Frames:
-    return rig_frames(66.0)
+END_S = 66.0
 
 
 @pytest.fixture(scope="module")

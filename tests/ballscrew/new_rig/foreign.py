@@ -3,7 +3,8 @@
 import re
 from pathlib import Path
 
-ROOT = Path(__file__).parents[3]
+from tests.conftest import ROOT
+
 NAMES = {
     "EnvAmbient": "Umgebungsluft", "EnvBase": "Maschinenbett", "EnvBracketAnchor": "Festlager",
     "EnvBracketFree": "Loslager", "EnvNut": "Mutter", "EnvProbe": "Messtaster", "EnvBar": "Messstange",

@@ -7,7 +7,7 @@ import pytest
 
 from ballscrew.new_rig.growth import held
 from estimator.rig_folder.rig_folder import load_rig
-from tests.conftest import ballscrew, json_of
+from tests.conftest import ended, json_of
 
 ROWS = 400
 RISE_K = 5.0 * np.concatenate((np.linspace(0, 1, ROWS // 2), np.linspace(1, 0.2, ROWS // 2)))  # a drive and a stop
@@ -40,8 +40,7 @@ def lab(path: Path, growth_um: np.ndarray) -> Path:
 
 def test_init_takes_no_repeated_value_for_a_reading_and_check_asks_who_wrote_it_otherwise(tmp_path):
     folder = tmp_path / "rig"
-    status, _, err = ballscrew("init", lab(tmp_path / "kept.csv", KEPT_UM), "-o", folder)
-    assert status == 0, err
+    ended(0, "init", lab(tmp_path / "kept.csv", KEPT_UM), "-o", folder)
     assert load_rig(folder).channels["displacement"].fresh == "growth_um"
     text = (folder / "rig.toml").read_text()
     (folder / "rig.toml").write_text(text.replace(', fresh = "growth_um"', ""))
@@ -52,6 +51,5 @@ def test_init_takes_no_repeated_value_for_a_reading_and_check_asks_who_wrote_it_
 
 def test_a_growth_that_is_read_in_every_row_has_no_such_word(tmp_path):
     folder = tmp_path / "rig"
-    status, _, err = ballscrew("init", lab(tmp_path / "read.csv", READ_UM), "-o", folder)
-    assert status == 0, err
+    ended(0, "init", lab(tmp_path / "read.csv", READ_UM), "-o", folder)
     assert load_rig(folder).channels["displacement"].fresh is None

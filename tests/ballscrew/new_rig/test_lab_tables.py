@@ -10,7 +10,7 @@ import pytest
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from tests.ballscrew.new_rig.test_new_rig import ROD, TWO, made, roles
-from tests.conftest import ballscrew
+from tests.conftest import ballscrew, ended
 
 
 def test_a_rod_with_a_heater(tmp_path):
@@ -101,8 +101,7 @@ def test_of_volts_and_what_they_mean_the_temperatures_are_the_thermometers(tmp_p
 def test_a_csv_without_names_is_told_to_get_some(tmp_path):
     bare = tmp_path / "bare.csv"
     bare.write_text("0,0,299.5\n" * 60)  # two columns of one name, if these were names
-    status, _, err = ballscrew("init", bare, "-o", tmp_path / "rig")
-    assert status == 1
+    _, err = ended(1, "init", bare, "-o", tmp_path / "rig")
     assert "its first line holds numbers: write a line of names above it" in err
 
 
@@ -130,8 +129,7 @@ def test_an_mf4_of_signals_is_the_rig_that_its_csv_is(tmp_path):
     text = (tmp_path / "rod" / "rig.toml").read_text()
     assert "time_column" not in text
     (tmp_path / "rod" / "rig.toml").write_text(text.replace("TC3 = {", 'TC3 = {column = "mode", '))
-    code, out, _ = ballscrew("check", tmp_path / "rod")
-    assert code == 0
+    out, _ = ended(0, "check", tmp_path / "rod")
     assert "rig.toml: channels.TC3: column 'mode' holds no number; look at that sensor and its logger" in out
     assert "it names none of these temperatures: TC3" in out
 
@@ -165,8 +163,7 @@ def test_a_german_lab_csv_with_units_in_brackets(tmp_path):
     assert [*rig.thermometers] == HEADS[1:4]
     assert rig.nut is not None
     assert "nut_friction" in load_model(tmp_path / "rig" / "model.toml").effects
-    status, _, err = ballscrew("review", tmp_path / "rig")
-    assert status == 0, err
+    ended(0, "review", tmp_path / "rig")
 
 
 def test_of_two_speeds_the_one_that_moves_the_table_is_taken_and_the_other_said(tmp_path):

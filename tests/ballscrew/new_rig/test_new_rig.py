@@ -8,7 +8,7 @@ import pytest
 
 from estimator.rig_folder.rig_folder import load_rig
 from tests.ballscrew.new_rig import foreign
-from tests.conftest import ballscrew, json_of
+from tests.conftest import ballscrew, ended, json_of
 
 ROD = foreign.ROOT / "examples" / "heated_rod" / "check.csv"
 TWO = foreign.ROOT / "examples" / "two_heaters" / "first.csv"
@@ -94,8 +94,7 @@ def test_the_next_commands_work_as_printed(german):
     for line in german[1]["next"]:
         program, *words = shlex.split(line)
         assert program == "ballscrew"
-        status, _, err = ballscrew(*words)
-        assert status == 0, err
+        ended(0, *words)
 
 
 def test_a_bus_without_units_is_read_by_names_and_numbers(bus, german, tmp_path):
@@ -121,8 +120,7 @@ def test_the_project_s_own_ids_need_none(fs20_log, tmp_path):
     assert "a tick closes with TelemeterStatus; right on this log: scan_crc, scan_number, checksums, counters" in out
     assert "Telemeter3.T09" in out
     assert load_rig(tmp_path / "rig").log.checksums == ("TelemeterStatus.TelCrc",)
-    status, _, err = ballscrew("review", tmp_path / "rig")
-    assert status == 0, err
+    ended(0, "review", tmp_path / "rig")
 
 
 def test_a_dbc_of_another_bus_is_named(fs20_log, bus, tmp_path):

@@ -13,9 +13,7 @@ from pyarrow import csv, parquet
 
 import ballscrew as face
 from drivers.recordings import find_recordings
-from tests.conftest import PAPER, ballscrew, json_of
-
-ROD = PAPER.parent / "examples" / "heated_rod"
+from tests.conftest import PAPER, ROD, ballscrew, ended, json_of
 
 
 @pytest.fixture(scope="module")
@@ -79,8 +77,7 @@ def test_several_recordings_of_a_rig_without_a_screw_are_told_apart(tmp_path):
 
 
 def test_a_table_of_another_format_is_refused_before_the_work(short_log, tmp_path):
-    status, _, err = ballscrew("review", short_log, "--table", tmp_path / "ticks.xlsx")
-    assert status == 2
+    _, err = ended(2, "review", short_log, "--table", tmp_path / "ticks.xlsx")
     assert "ticks.xlsx: a table is written as one of .csv, .parquet" in err
     told = json_of("review", short_log, "--rig", PAPER, "--table", tmp_path / "ticks.csv")
     assert told["recordings"][0]["ticks"] == len(csv.read_csv(tmp_path / "ticks.csv"))

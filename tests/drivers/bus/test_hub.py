@@ -1,7 +1,5 @@
 """The hub: real sockets, python-can's own client, and clients that are slow, wrong or gone."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 import socket
@@ -40,7 +38,7 @@ class Raw:
         self.says(text)
         return self.hears()
 
-    def joins(self, channel: str = "can0") -> Raw:
+    def joins(self, channel: str = "can0") -> "Raw":
         assert self.asks(f"< open {channel} >") == "< ok >"
         assert self.asks("< rawmode >") == "< ok >"
         return self

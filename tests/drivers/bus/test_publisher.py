@@ -18,17 +18,17 @@ from estimator.errors import SetupError
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.step import Mode, Step
+from tests.conftest import PAPER
 from tests.live_fake import rig_frames
 from tests.log_fake import crc
 
-RECORDINGS = Path(__file__).parents[3] / "recordings"
 GOOD = Trust((), False, False, False)
 BAD = Trust(("no news of the drive",), True, True, True)
 
 
 @pytest.fixture(scope="module")
 def rig():
-    return load_rig(RECORDINGS)
+    return load_rig(PAPER)
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def dbc(rig):
 
 @pytest.fixture(scope="module")
 def step(rig) -> Step:
-    monitor = Monitor(load_model(RECORDINGS / "model.toml"), rig)
+    monitor = Monitor(load_model(PAPER / "model.toml"), rig)
     moments = [moment for frame in rig_frames(40.0) for moment in monitor.feed(frame)]
     return dataclasses.replace(moments[-1].step, mode=Mode.UPDATE)
 

@@ -15,8 +15,8 @@ from estimator.errors import InputError
 from estimator.rig import Rig
 from estimator.rig_folder.rig_folder import load_rig
 from tests import log_fake
+from tests.conftest import ROOT
 
-ROOT = Path(__file__).parents[3]
 ROWS = log_fake.log(10)
 
 

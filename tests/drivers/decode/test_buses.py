@@ -7,19 +7,17 @@ from pathlib import Path
 import can
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from drivers.decode.buses import on_one_clock
 from drivers.frames import FRAME, Frames, Tally
 from drivers.recordings import read_recording
 from estimator.errors import InputError
 from estimator.record import Recording
-from estimator.rig_folder.rig_folder import load_rig
 from tests import log_fake
+from tests.conftest import RIG
 from tests.log_fake import Row
 
-RIG = load_rig(Path(__file__).parents[3] / "recordings")
 ROWS = log_fake.log(40)
 DRIVE = (0x220, 0x221, 0x230)
 

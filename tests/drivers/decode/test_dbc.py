@@ -5,15 +5,15 @@ from pathlib import Path
 import cantools
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from drivers.decode.dbc import load_dbc
 from drivers.recordings import read_recording
 from estimator.errors import SetupError
 from estimator.rig_folder.rig_folder import load_rig
 from tests import log_fake
-from tests.drivers.decode.test_decode import RECORDINGS, words
+from tests.conftest import PAPER
+from tests.drivers.decode.test_decode import words
 
 ODD_DBC = """VERSION ""
 BU_: A
@@ -109,7 +109,7 @@ def test_dbc_is_what_others_read() -> None:
     ],
 )
 def test_a_rig_file_that_does_not_fit(tmp_path: Path, old: str, new: str, message: str) -> None:
-    text = (RECORDINGS / "rig.toml").read_text()
+    text = (PAPER / "rig.toml").read_text()
     assert old in text
     (tmp_path / "rig.toml").write_text(text.replace(old, new))
     path = log_fake.write(tmp_path / "a.log", log_fake.log(2))
@@ -119,7 +119,7 @@ def test_a_rig_file_that_does_not_fit(tmp_path: Path, old: str, new: str, messag
 
 
 def test_a_missing_or_broken_dbc(tmp_path: Path) -> None:
-    text = (RECORDINGS / "rig.toml").read_text()
+    text = (PAPER / "rig.toml").read_text()
     (tmp_path / "rig.toml").write_text(text.replace('"rig.dbc"', '"mine.dbc"'))
     path = log_fake.write(tmp_path / "a.log", log_fake.log(2))
     with pytest.raises(SetupError, match=r"log\.dbc: no file 'mine\.dbc' in .* or .*drivers"):
@@ -140,11 +140,11 @@ BROKEN = {
 def test_of_a_plants_dbc_only_what_the_rig_names_is_judged(tmp_path: Path, kind: str) -> None:
     plant = (Path(log_fake.DBC).read_text()) + f"\nBO_ 800 Gearbox: 8 X\n{BROKEN[kind]}"
     (tmp_path / "plant.dbc").write_text(plant)
-    text = (RECORDINGS / "rig.toml").read_text().replace('"rig.dbc"', '"plant.dbc"')
+    text = (PAPER / "rig.toml").read_text().replace('"rig.dbc"', '"plant.dbc"')
     (tmp_path / "rig.toml").write_text(text)
     path = log_fake.write(tmp_path / "a.log", log_fake.log(4))
     record = read_recording(path, load_rig(tmp_path))
-    assert record.fingerprint == read_recording(path, load_rig(RECORDINGS)).fingerprint
+    assert record.fingerprint == read_recording(path, load_rig(PAPER)).fingerprint
     assert any(note.startswith("plant.dbc: message 'Gearbox' is not read: ") for note in record.notes)
     (tmp_path / "rig.toml").write_text(text.replace('"Drive.DrvSpeed"', '"Gearbox.Low"'))
     with pytest.raises(SetupError, match=r"inputs\.speed.*: message 'Gearbox' of plant\.dbc is broken: The signal"):

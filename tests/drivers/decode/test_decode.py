@@ -12,9 +12,7 @@ from drivers.decode.dbc import Bits, load_dbc
 from drivers.recordings import read_recording
 from estimator.rig_folder.rig_folder import load_rig
 from tests import log_fake
-
-RECORDINGS = Path(__file__).parents[3] / "recordings"
-RIG = load_rig(RECORDINGS)
+from tests.conftest import PAPER, RIG
 
 
 def words(data: list[bytes]):
@@ -180,7 +178,7 @@ def test_seven_channels_on_another_dbc(tmp_path: Path) -> None:
 
 def test_a_message_that_came_with_29_bits_is_told_from_one_that_never_came(tmp_path: Path) -> None:
     rows = [row._replace(extended=row.id == 0x211) for row in log_fake.log(8)]
-    record = read_recording(log_fake.write(tmp_path / "a.log", rows), load_rig(RECORDINGS))
+    record = read_recording(log_fake.write(tmp_path / "a.log", rows), load_rig(PAPER))
     assert record.notes[0] == (
         "Telemeter2 (0x211) never came, but 0x00000211 did: rig.dbc has it with 11 bits: no T05, T06, T07, T08"
     )

@@ -5,18 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from drivers.decode import drive
 from drivers.decode.drive import DriveCondenser, covered
 from drivers.frames import Tally
 from drivers.recordings import read_recording
-from estimator.rig_folder.rig_folder import load_rig
 from estimator.screw import Screw
 from tests import log_fake
+from tests.conftest import RIG
 
-RIG = load_rig(Path(__file__).parents[3] / "recordings")
 SCREW = Screw(from_mm=0, to_mm=980, outer_mm=40, bore_mm=17, cells=49)
 WAY = st.tuples(st.floats(-100, 1100), st.one_of(st.just(0.0), st.floats(-300, 300)), st.floats(0.01, 5))
 

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from drivers import ticker as live
 from drivers.budget import Budget
@@ -17,12 +16,11 @@ from drivers.recordings import read_recording
 from drivers.ticker import Ticker
 from estimator.record import Recording, collect
 from estimator.rig import Rig
-from estimator.rig_folder.rig_folder import load_rig
 from estimator.rig_log import Log
 from tests import log_fake
+from tests.conftest import RIG
 from tests.log_fake import Row
 
-RIG = load_rig(Path(__file__).parents[3] / "recordings")
 STATUS = 0x214
 
 

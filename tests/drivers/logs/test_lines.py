@@ -9,10 +9,9 @@ from drivers.frames import Tally
 from drivers.logs.every_frame import every_frame
 from drivers.recordings import read_recording
 from estimator.errors import InputError
-from estimator.rig_folder.rig_folder import load_rig
 from tests import log_fake
+from tests.conftest import RIG
 
-RIG = load_rig(Path(__file__).parents[3] / "recordings")
 ROWS = log_fake.log(30, moves=(20, 25))
 DATE = "Tue Nov 14 10:13:20.000 pm 2023"
 

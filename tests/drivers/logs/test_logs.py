@@ -9,8 +9,7 @@ from unittest import mock
 import can
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from drivers.budget import Budget
 from drivers.frames import Tally

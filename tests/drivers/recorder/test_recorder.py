@@ -5,8 +5,7 @@ import math
 from pathlib import Path
 
 import can
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from drivers.budget import Budget
 from drivers.frames import Tally

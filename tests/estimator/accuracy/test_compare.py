@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +10,8 @@ from estimator.accuracy.compare import compare
 from estimator.accuracy.horizon import horizons
 from estimator.batch.trial import Trial
 from estimator.work import Runs
-from tests.conftest import ballscrew
+from tests.conftest import PAPER, ballscrew, ended
 
-PAPER = Path(__file__).parents[3] / "recordings"
 TRUE = {"anchor_friction.power": 24.0}
 
 
@@ -73,8 +71,7 @@ def test_the_command_says_what_it_compared_with(fs20_log, tmp_path):
     assert "elongation compared with the truth" in with_truth
     copy = tmp_path / fs20_log.name
     copy.write_bytes(fs20_log.read_bytes())
-    status, out, _ = ballscrew("compare", copy, fs20_log, "--rig", PAPER)
-    assert status == 0
+    out, _ = ended(0, "compare", copy, fs20_log, "--rig", PAPER)
     assert "with the truth; the displacement readings" in out
     assert "(1 of 2 recordings)" in out
     told = json.loads(ballscrew("compare", copy, "--json", "--quiet", "--rig", PAPER)[1])
@@ -82,15 +79,13 @@ def test_the_command_says_what_it_compared_with(fs20_log, tmp_path):
     assert model["reference"] == {"truth": 0, "readings": 1}
     assert 0.0 < model["by_phase"]["early_stop"]["open_loop"]["elongation_um"] < 1.0  # from the direct reading
     copy.with_suffix(".truth.csv").write_text("nonsense\n")
-    status, out, said = ballscrew("compare", copy, "--rig", PAPER)
-    assert status == 1
+    out, said = ended(1, "compare", copy, "--rig", PAPER)
     assert "truth.csv" in said
     assert "compared with the displacement readings" in out
 
 
 def test_the_command_puts_models_side_by_side(fs20_log):
-    status, out, _ = ballscrew("compare", fs20_log, "--model", PAPER / "model.toml", "--model", PAPER / "model.toml")
-    assert status == 0
+    out, _ = ended(0, "compare", fs20_log, "--model", PAPER / "model.toml", "--model", PAPER / "model.toml")
     assert "model alone (open loop)" in out
     assert "driving" in out
     told = json.loads(ballscrew("compare", fs20_log, "--json", "-", "--rig", PAPER)[1])

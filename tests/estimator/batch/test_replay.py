@@ -1,14 +1,12 @@
 """The replay of a whole recording gives the numbers of the filter that takes it a tick at a time."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drivers.recordings import read_recording
-from estimator import filter as filtering
-from estimator import step as steps
+from estimator import filter as filtering, step as steps
 from estimator.batch import replay as module
 from estimator.batch.replay import Replay, replay
 from estimator.cover import Cover
@@ -25,11 +23,8 @@ from estimator.rig_folder.rig_folder import load_rig
 from estimator.sensitivity.tangent import tangent
 from estimator.step import PROFILES, SERIES, Mode
 from estimator.terms import Heat, Link, Store
-from tests.conftest import stepped
+from tests.conftest import PAPER, ROD, stepped
 from tests.estimator.batch.conftest import TICKS, both, copy
-
-ROOT = Path(__file__).parents[3]
-PAPER, ROD = ROOT / "recordings", ROOT / "examples" / "heated_rod"
 
 
 def test_counted_from_a_zero_only_lengths_are_others(anywhere):

@@ -11,9 +11,7 @@ from estimator.errors import EffectError
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.terms import SCREW, Heat
-from tests.conftest import PAPER
-
-EXAMPLES = PAPER.parent / "examples"
+from tests.conftest import EXAMPLES
 
 
 class Jet(Effect):

@@ -1,5 +1,6 @@
 """The battery bites: an effect that is wrong in one way fails the check of that, and says how."""
 
+from collections.abc import Callable
 from itertools import count
 
 import numpy as np
@@ -26,24 +27,10 @@ class Jet(Effect):
         yield Heat(SCREW, -p.power, over=spot(rig, 350.0, 30.0))
 
 
-class Visible(Jet):
-    """A jet that blows a little even where it should not.
-
-    q = -P - 0.1 W
-    """
-
-    def terms(self, p, u, rig):
-        yield Heat(SCREW, -p.power - 0.1, over=spot(rig, 350.0, 30.0))
-
-
-class Unseen(Jet):
-    """A jet that misses the screw.
-
-    q = 0 P
-    """
-
-    def terms(self, p, u, rig):
-        yield Heat(SCREW, 1e-9 * p.power)
+def jet(name: str, sentence: str, equation: str, q: Callable, **own: object) -> type[Effect]:
+    """A jet that is wrong: of another heat q at the same place, or of what else `own` has."""
+    terms = own.pop("terms", lambda self, p, u, rig: [Heat(SCREW, q(p, u), over=spot(rig, 350.0, 30.0))])
+    return type(name, (Jet,), {"__doc__": f"A jet {sentence}.\n\nq = {equation}", "terms": terms, **own})
 
 
 class Switched(Jet):
@@ -55,26 +42,6 @@ class Switched(Jet):
     def terms(self, p, u, rig):
         if p.power != 0:
             yield Heat(SCREW, -p.power, over=spot(rig, 350.0, 30.0))
-
-
-class Silent(Jet):
-    """A jet without a word.
-
-    q = -P
-    """
-
-    def terms(self, p, u, rig):
-        yield from ()
-
-
-class Absolute(Jet):
-    """A jet that cools whatever the sign.
-
-    q = -|P|
-    """
-
-    def terms(self, p, u, rig):
-        yield Heat(SCREW, -np.abs(p.power), over=spot(rig, 350.0, 30.0))
 
 
 class Stored(Jet):
@@ -89,49 +56,6 @@ class Stored(Jet):
         yield Heat(SCREW, q, over=spot(rig, 350.0, 30.0))
 
 
-class Compared(Jet):
-    """A jet that stops above 40 W.
-
-    q = -P where P < 40 W
-    """
-
-    def terms(self, p, u, rig):
-        yield Heat(SCREW, -p.power if p.power < 40.0 else 0.0, over=spot(rig, 350.0, 30.0))
-
-
-class Rooted(Jet):
-    """A jet whose root is no number.
-
-    q = -P + sqrt(P / 5 - 1)
-    """
-
-    power = Param(5.0, "W", lo=-50.0, hi=50.0, source="a guess")
-
-    def terms(self, p, u, rig):
-        yield Heat(SCREW, -p.power + np.sqrt(np.reshape(p.power / 5.0 - 1.0, (1, 1))), over=spot(rig, 350.0, 30.0))
-
-
-class Spare(Jet):
-    """A jet with a parameter too many.
-
-    q = -P
-    """
-
-    width = Param(30.0, "mm", lo=5.0, hi=50.0, source="a guess")
-
-
-class Counting(Jet):
-    """A jet that blows harder each time that it is asked.
-
-    q = -P k
-    """
-
-    asked = count(1)
-
-    def terms(self, p, u, rig):
-        yield Heat(SCREW, -p.power * next(self.asked), over=spot(rig, 350.0, 30.0))
-
-
 class Backwards(Jet):
     """A surface that takes heat from what is colder.
 
@@ -144,24 +68,28 @@ class Backwards(Jet):
         yield Link(SCREW, "ambient", -p.power * spot(rig, 350.0, 30.0))
 
 
-class Elsewhere(Jet):
-    """A jet into a body that is not there.
-
-    q = -P
-    """
-
-    def terms(self, p, u, rig):
-        yield Heat("nutt", -p.power)
+def rooted(p, u):
+    return -p.power + np.sqrt(np.reshape(p.power / 5.0 - 1.0, (1, 1)))
 
 
-class Misspelt(Jet):
-    """A jet with a slip of the pen.
+def into_nutt(self, p, u, rig):
+    yield Heat("nutt", -p.power)
 
-    q = -P
-    """
 
-    def terms(self, p, u, rig):
-        yield Heat(SCREW, -p.pwer)
+NO_NULL = Param(5.0, "W", lo=-50.0, hi=50.0, source="a guess")
+WIDTH = Param(30.0, "mm", lo=5.0, hi=50.0, source="a guess")
+ASKED = count(1)
+
+Visible = jet("Visible", "that blows a little even where it should not", "-P - 0.1 W", lambda p, u: -p.power - 0.1)
+Unseen = jet("Unseen", "that is hardly one", "0 P", lambda p, u: 1e-9 * p.power)
+Silent = jet("Silent", "without a word", "-P", None, terms=lambda *_: ())
+Absolute = jet("Absolute", "that cools whatever the sign", "-|P|", lambda p, u: -np.abs(p.power))
+Compared = jet("Compared", "that stops above 40 W", "-P", lambda p, u: -p.power if p.power < 40.0 else 0.0)
+Rooted = jet("Rooted", "whose root is no number", "-P + sqrt(P / 5 - 1)", rooted, power=NO_NULL)
+Spare = jet("Spare", "with a parameter too many", "-P", lambda p, u: -p.power, width=WIDTH)
+Counting = jet("Counting", "that blows harder whenever it is asked", "-P k", lambda p, u: -p.power * next(ASKED))
+Elsewhere = jet("Elsewhere", "into a body that is not there", "-P", None, terms=into_nutt)
+Misspelt = jet("Misspelt", "with a slip of the pen", "-P", lambda p, u: -p.pwer)
 
 
 class WithoutEquation(Jet):

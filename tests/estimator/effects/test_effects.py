@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from estimator.battery.battery import CHECKS, battery
-from estimator.battery.exercise import instants, open_loop
-from estimator.battery.exercise import run as exercise
+from estimator.battery.exercise import instants, open_loop, run as exercise
 from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE, HEAT, MOUNTING, READING, STRUCTURE
 from estimator.errors import SetupError

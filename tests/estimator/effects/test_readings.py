@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.battery.exercise import instants, open_loop
-from estimator.battery.exercise import run as exercise
+from estimator.battery.exercise import instants, open_loop, run as exercise
 from estimator.effects import CATALOGUE
 from estimator.errors import SetupError
 from estimator.inputs.start import Start

@@ -181,14 +181,13 @@ def shuttling(paper, tmp_path_factory):
     return read_recording(log, paper[0])
 
 
-def test_a_slow_drift_where_the_nut_turns_round_is_found_within_minutes(shuttling, paper):
+def test_a_slow_drift_where_the_nut_turns_round_is_found_within_minutes(shuttling, rig, shipped):
     """There a model that is wrong makes what a drift makes: what its parameters leave in doubt tells them apart."""
-    rig, model = paper
     readings, i = shuttling.channels.copy(), rig.index(TURNS)
     readings[TURN_S:, i] += 3.0 / 3600 * np.arange(len(readings) - TURN_S)
-    track = replay(model, rig, replace(shuttling, channels=readings))
+    track = replay(shipped, rig, replace(shuttling, channels=readings))
     without = replay(
-        model, rig, shuttling, lambda t: (np.arange(len(rig.names)) == i) & (t >= shuttling.time_s[TURN_S])
+        shipped, rig, shuttling, lambda t: (np.arange(len(rig.names)) == i) & (t >= shuttling.time_s[TURN_S])
     )
     suspected = np.flatnonzero(track.may_drift_K[:, i])
     assert suspected[0] - TURN_S <= 180
@@ -196,10 +195,9 @@ def test_a_slow_drift_where_the_nut_turns_round_is_found_within_minutes(shuttlin
     assert not np.delete(track.fault, i, axis=1).any()
 
 
-def test_no_thermometer_of_a_machine_is_accused_under_a_model_that_is_wrong(shuttling, paper):
+def test_no_thermometer_of_a_machine_is_accused_under_a_model_that_is_wrong(shuttling, rig, shipped):
     """The nut heats the screw by a fifth more than the model says, the air cools it by a fifth less."""
-    rig, model = paper
     wrong = {"nut_friction.power": 0.8, "rotating_convection.h": 1.25, "nut_body.g": 0.8}
-    off = model.with_values({path: model[path] * factor for path, factor in wrong.items()})
-    for each in (model, off):
+    off = shipped.with_values({path: shipped[path] * factor for path, factor in wrong.items()})
+    for each in (shipped, off):
         assert not (replay(each, rig, shuttling).fault > Fault.JUDGED).any()

@@ -67,18 +67,16 @@ def test_whatever_it_says_the_estimate_knows_how_far_it_may_have_been_led(kind, 
     assert not np.delete(track.fault, ONE, axis=1).any()
 
 
-def test_thermometers_that_no_longer_fit_the_model_accuse_no_length(stuck, paper):
+def test_thermometers_that_no_longer_fit_the_model_accuse_no_length(stuck, rig, shipped):
     """They may be misled themselves, as by a position that is wrong."""
-    rig, model = paper
     shaken = stuck.channels.copy()
     shaken[AT - 60 :, :ONE] += 0.3 * np.random.default_rng(1).standard_normal(shaken[AT - 60 :, :ONE].shape)
-    parted = replay(model, rig, replace(stuck, channels=shaken)).fault[: AT + 20, ONE] == Fault.APART
+    parted = replay(shipped, rig, replace(stuck, channels=shaken)).fault[: AT + 20, ONE] == Fault.APART
     assert not parted.any()
 
 
-def test_it_is_left_out_within_seconds_and_forgotten(stuck, found, paper):
-    rig, model = paper
-    track, without = found.track, replay(model, rig, stuck, lambda t: (np.arange(len(rig.names)) == ONE) & (t >= AT))
+def test_it_is_left_out_within_seconds_and_forgotten(stuck, found, rig, shipped):
+    track, without = found.track, replay(shipped, rig, stuck, lambda t: (np.arange(len(rig.names)) == ONE) & (t >= AT))
     parted = np.flatnonzero(track.fault[:, ONE] == Fault.APART)
     added = abs(track.elongation_um - without.elongation_um)
     assert AT < parted[0] < AT + 20
@@ -107,14 +105,13 @@ def test_a_healthy_one_of_another_screw_is_heard(healthy, paper):
     assert not replay(paper[1], paper[0], replace(healthy, channels=readings)).fault.any()
 
 
-def test_it_is_said_with_what_else_may_be_wrong_and_a_fit_hears_it(stuck, found, paper):
-    rig, model = paper
+def test_it_is_said_with_what_else_may_be_wrong_and_a_fit_hears_it(stuck, found, rig, shipped):
     alarms = Alarms(rig)
     begun = [alarm.text for k in range(len(stuck)) for alarm in alarms.step(found.track.step(k, ("",) * 16))[0]]
     assert "displacement grows otherwise than the thermometers say" in begun
     told = sentences([use_of(stuck, rig, Told.by(found.track))], rig)
     assert any("left out, check that sensor; if it is well, the model's expansion is wrong" in each for each in told)
-    assert not Trial(model, rig, stuck).muted[:, ONE].any()
+    assert not Trial(shipped, rig, stuck).muted[:, ONE].any()
 
 
 def test_asked_for_judgements_alone_it_judges_as_with_all_that_an_estimate_is_in_doubt_by(stuck, paper, monkeypatch):

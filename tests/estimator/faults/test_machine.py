@@ -109,19 +109,17 @@ def another(paper):
     return model.with_values(values)
 
 
-def test_the_models_own_machine_is_known_within_a_minute_of_its_drive(recording, paper):
-    rig, model = paper
-    share = replay(model, rig, recording).off_share
+def test_the_models_own_machine_is_known_within_a_minute_of_its_drive(recording, rig, shipped):
+    share = replay(shipped, rig, recording).off_share
     assert share[0] == 0.0
     assert share[1:20] == pytest.approx(np.sqrt(machine.ANOTHER * (SHARES[1:] ** 2).mean()), rel=0.02)
     assert share[80:150].max() < 0.03
     assert not share[-200:].any()
 
 
-def test_another_machines_estimate_says_how_far_it_is_off(recording, another, paper, monkeypatch):
+def test_another_machines_estimate_says_how_far_it_is_off(recording, another, rig, shipped, monkeypatch):
     """By the estimate of its own model; without the share it would not."""
-    rig, model = paper
-    off = replay(model, rig, recording).elongation_um
+    off = replay(shipped, rig, recording).elongation_um
     track = replay(another, rig, recording)
     off = abs(off - track.elongation_um)[1:]
     assert 0.1 < track.off_share[-1] < 0.4

@@ -18,9 +18,8 @@ from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
 from estimator.sensitivity.objective import weights
 from estimator.work import Runs
-from tests.conftest import PAPER
+from tests.conftest import TWO
 
-TWO = PAPER.parent / "examples" / "two_heaters"
 TAU, POWER = "thermometers.tau", "nut_friction.power"
 
 

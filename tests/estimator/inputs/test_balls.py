@@ -1,7 +1,5 @@
 """Where balls carry, from where the whole nut was: against strokes whose every place is known."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from estimator.inputs import motion
 from estimator.inputs.motion import LEAST_K, POWER_W, STEP, STILL, TURNING, Motion, MotionReader

@@ -1,7 +1,5 @@
 """When nothing told what the machine did: parts of a recording, and ticks that the filter takes for anything."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -19,7 +19,7 @@ from estimator.missing_heat.wrong_reading import Wrong
 from estimator.rig import Signal
 from estimator.terms import SCREW, Heat
 from estimator.work import Runs
-from tests.conftest import FAST, ballscrew
+from tests.conftest import FAST, ended
 
 TICK_S = 15
 SPEEDS = (1.0, 0.5, 0.25)
@@ -121,8 +121,7 @@ def test_sentences_put_what_matters_most_first(rig):
 
 
 def test_the_command_prints_tables_and_writes_json(fs20_log, tmp_path):
-    status, out, _ = ballscrew("diagnose", fs20_log, "--json", tmp_path / "told.json")
-    assert status == 0
+    out, _ = ended(0, "diagnose", fs20_log, "--json", tmp_path / "told.json")
     assert "model alone (open loop)" in out
     assert "sensors alone" in out
     told = json.loads((tmp_path / "told.json").read_text())

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from estimator.inputs.start import Start
-from estimator.network import forcing as module
-from estimator.network import regime
+from estimator.network import forcing as module, regime
 from estimator.network.forcing import Forcing
 from estimator.network.regime import Regimes
 

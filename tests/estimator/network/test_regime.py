@@ -1,7 +1,5 @@
 """Which regime holds, and that one which lasts is where the strokes are on the whole."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -11,8 +11,7 @@ from typing import Any, get_type_hints
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from estimator import rig as records
 from estimator.battery import exercise
@@ -22,10 +21,9 @@ from estimator.rig_folder.bounds import BOUNDS
 from estimator.rig_folder.contradictions import contradictions
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
+from tests.conftest import PAPER, ROD, ROOT
 from tests.processes import ended
 
-ROOT = Path(__file__).parents[3]
-PAPER, ROD = ROOT / "recordings", ROOT / "examples" / "heated_rod"
 MODELS = {folder: load_model(folder / "model.toml") for folder in (PAPER, ROD)}
 EVERY = {  # what the files of the rigs leave out
     PAPER: {

@@ -21,17 +21,15 @@ from estimator.network.discretise import transition
 from estimator.network.forcing import Forcing
 from estimator.rig_folder.model_toml import load_model
 from estimator.rig_folder.rig_folder import load_rig
-from tests.conftest import ballscrew as run
+from tests.conftest import EXAMPLES, ROD, ended
 
-ROOT = Path(__file__).parents[3]
-SEVEN, ROD = ROOT / "examples" / "seven_channels", ROOT / "examples" / "heated_rod"
+SEVEN = EXAMPLES / "seven_channels"
 KNOWN = {"still_air.h": 9.0, "heater.share": 0.95, "chilled_end.g": 1.2}  # what made the rod's data
 
 
 def ballscrew(*words: str | Path) -> str:
     """Run the command; returns what it wrote to stdout."""
-    status, out, err = run(*words)
-    assert status == 0, err
+    out, _ = ended(0, *words)
     return out
 
 

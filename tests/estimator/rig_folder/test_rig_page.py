@@ -3,14 +3,13 @@
 import dataclasses
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
 
 from estimator import model, rig, rig_log, screw
 from estimator.rig_folder.rig_folder import load_rig
+from tests.conftest import ROOT
 
-ROOT = Path(__file__).parents[3]
 PAGE = ROOT / "docs" / "rig-folder.md"
 BLOCK = re.compile(r"`(examples/[\w/.]+)`[^\n]*\n\n```(\w+)\n(.*?)```", re.DOTALL)
 ROW = re.compile(r"^\| `(\w+)` \|([^|]*)\|([^|]*)\|([^|]*)\|$", re.MULTILINE)

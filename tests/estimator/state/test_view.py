@@ -67,15 +67,14 @@ def test_stiffnesses_whose_sum_of_compliances_is_known_leave_less_doubt_of_the_m
     assert together.track.sigma_um[-1] < 0.6 * apart.track.sigma_um[-1]
 
 
-def test_the_bed_s_own_growth_comes_off_the_error_at_the_table_live_as_in_review(paper, fs20_log):
-    rig, model = paper
+def test_the_bed_s_own_growth_comes_off_the_error_at_the_table_live_as_in_review(rig, shipped, fs20_log):
     told = replace(rig, bed=Bed("base", expansion=11e-6, tolerance=0.1))
     recording = read_recording(fs20_log, rig)
     warms = 22.0 + 0.01 * np.arange(len(recording))
     warms[200:205] = np.nan
     recording = replace(recording, inputs={**recording.inputs, "base": warms}).rows(slice(0, 220))
-    usual, less = (replayed(each, model, recording) for each in (rig, told))
-    live = stepped(Filter(model, told), recording)
+    usual, less = (replayed(each, shipped, recording) for each in (rig, told))
+    live = stepped(Filter(shipped, told), recording)
     rise_K = 0.01 * np.arange(220)
     rise_K[200:205] = rise_K[199]  # what it showed last
     first = int(np.flatnonzero(np.isfinite(usual.table.error_um[:, 0]))[0])
@@ -90,10 +89,9 @@ def test_the_bed_s_own_growth_comes_off_the_error_at_the_table_live_as_in_review
     np.testing.assert_allclose(live.error_at_table_sd_um, less.track.error_at_table_sd_um, rtol=1e-9, atol=1e-9)
 
 
-def test_a_bed_whose_thermometer_was_never_read_leaves_the_table_unknown(paper, fs20_log):
-    rig, model = paper
+def test_a_bed_whose_thermometer_was_never_read_leaves_the_table_unknown(rig, shipped, fs20_log):
     recording = read_recording(fs20_log, rig).rows(slice(0, 60))
     silent = replace(recording, inputs={**recording.inputs, "base": np.full(60, np.nan)})
-    track = replayed(replace(rig, bed=Bed("base")), model, silent).track
+    track = replayed(replace(rig, bed=Bed("base")), shipped, silent).track
     assert np.isnan(track.error_at_table_um).all()
     assert np.isfinite(track.elongation_um[-1])

@@ -60,6 +60,5 @@ def test_the_sentence_says_how_well_it_is_known_and_the_way_out():
     assert Warmth(28.4, 2.3, True).sentence == said
 
 
-def test_with_a_zero_it_is_counted(paper, recording):
-    rig, model = paper
-    assert began((replace(rig, zero_C=20.0), model), recording, 300).counted
+def test_with_a_zero_it_is_counted(rig, shipped, recording):
+    assert began((replace(rig, zero_C=20.0), shipped), recording, 300).counted

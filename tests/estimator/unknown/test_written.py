@@ -27,10 +27,9 @@ from estimator.unknown.stand_ins import (
     unknown_of,
 )
 from estimator.unknown.written import effect_of, name_of, wanted_of
-from tests.conftest import PAPER
+from tests.conftest import PAPER, RIG, TWO
 
-TWO = PAPER.parent / "examples" / "two_heaters"
-RIG, MODEL = load_rig(PAPER), load_model(PAPER / "model.toml")
+MODEL = load_model(PAPER / "model.toml")
 BODIES, OF_BODIES = load_rig(TWO), load_model(TWO / "model.toml")
 FOLLOWERS = all_followers(RIG)
 SEATS = [

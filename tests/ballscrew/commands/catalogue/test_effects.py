@@ -1,16 +1,12 @@
 """`ballscrew effects`: the catalogue, and the battery on one's own."""
 
 import json
-from pathlib import Path
 
 import pytest
 
 from estimator.effects import CATALOGUE, HEAT, MOUNTING, READING, STRUCTURE
 from tests.ballscrew.commands.conftest import OWN, SECOND, done, refused
-from tests.conftest import PAPER
-from tests.conftest import ballscrew as run
-
-ROOT = Path(__file__).parents[4]
+from tests.conftest import PAPER, ROOT, ended
 
 
 def test_the_catalogue_is_printed_by_kind():
@@ -62,8 +58,7 @@ def test_a_file_is_all_that_is_written_in_it(own_effects):
 
 def test_an_effect_that_fails_ends_with_1_and_names_the_check(own_effects):
     (own_effects / "effects.py").write_text(OWN + SECOND)
-    status, out, err = run("effects", "effects.py", "--check", "--json")
-    assert status == 1
+    out, err = ended(1, "effects", "effects.py", "--check", "--json")
     assert "error: effects.py:Rubbing fails: derivative (power: the complex step of q of term 1 is not its slope" in err
     assert "coolant_jet" not in err.split("error:")[1]
     told = json.loads(out)
@@ -75,31 +70,29 @@ def test_the_rig_and_its_model_are_the_nearest_or_those_named(own_effects):
     rod = ROOT / "examples" / "heated_rod"
     out = done("effects", rod / "effects.py", "--check")
     assert out.count("passes all checks on heated rod") == 2
-    status, out, err = run("effects", rod / "effects.py:Heater", "--check", "--rig", PAPER)
-    assert status == 1
+    out, err = ended(1, "effects", rod / "effects.py:Heater", "--check", "--rig", PAPER)
     assert "needs the input 'heater', which rig.toml has not in [inputs]" in err
     assert "has not in [inputs]" in " ".join(out.split())
-    status, _, err = run("effects", "churning", "--check", "--rig", rod)
-    assert status == 1
+    _, err = ended(1, "effects", "churning", "--check", "--rig", rod)
     assert "fits the rig (model.toml: churning: needs the effect 'nut_friction', which the model has not" in err
 
 
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["nut_fiction"], "no effect 'nut_fiction' in the catalogue; did you mean 'nut_friction'?"),
-        (["none.py"], "none.py: no such effect file"),
-        (["none.py:Jet"], "none.py: no such effect file"),
-        (["effects.py:CoolantJett"], "effects.py has no effect 'CoolantJett'; did you mean 'CoolantJet'?"),
-        (["--check"], "--check: of which effect? Name it: ballscrew effects NAME --check"),
-        (["empty.py"], "empty.py: no effect in it; write a class that is an Effect, or ballscrew new-effect NAME"),
-        (["torn.py"], "torn.py: SyntaxError: '(' was never closed (torn.py, line 1)"),
+        ("nut_fiction", "no effect 'nut_fiction' in the catalogue; did you mean 'nut_friction'?"),
+        ("none.py", "none.py: no such effect file"),
+        ("none.py:Jet", "none.py: no such effect file"),
+        ("effects.py:CoolantJett", "effects.py has no effect 'CoolantJett'; did you mean 'CoolantJet'?"),
+        ("--check", "--check: of which effect? Name it: ballscrew effects NAME --check"),
+        ("empty.py", "empty.py: no effect in it; write a class that is an Effect, or ballscrew new-effect NAME"),
+        ("torn.py", "torn.py: SyntaxError: '(' was never closed (torn.py, line 1)"),
     ],
 )
 def test_an_effect_that_is_not_there_is_said_in_a_line(words, text, own_effects):
     (own_effects / "empty.py").write_text("from estimator.effects.local import LocalHeat\n")
     (own_effects / "torn.py").write_text("print(\n")
-    assert refused("effects", *words) == text
+    assert refused("effects", *words.split()) == text
 
 
 def test_a_file_that_is_not_named_does_not_run(own_effects):

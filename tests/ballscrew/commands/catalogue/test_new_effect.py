@@ -72,28 +72,22 @@ def test_a_new_effect_is_put_behind_what_is_there_without_running_it(own_effects
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["4711"], "'4711' cannot be an effect's name; take words of letters, such as coolant_jet"),
-        (["heat"], "'heat' cannot be an effect's name; take words of letters, such as coolant_jet"),
-        (["churning"], "the catalogue has an effect 'churning' already; choose another name"),
-        (["jet", "--at", "here"], "--at here: write a place in mm, such as 350mm, or one of: under-nut"),
-        (["jet", "--at", "2000mm"], "--at 2000mm: outside the screw, -50 ... 1030 mm"),
-        (["jet", "--at", "35mm", "--reading", "T04"], "--at is where heat goes, --reading shifts a reading: leave one"),
-        (
-            ["jet", "--follows", "bord"],
-            "--follows bord: neither known nor an input of paper's ball screw; did you mean",
-        ),
-        (
-            ["jet", "--reading", "displacment"],
-            "--reading displacment: paper's ball screw has no such channel; did you mean",
-        ),
-        (["jet", "-o", "torn.py"], "torn.py: line 1 is not Python: '(' was never closed; correct it first"),
-        (["jet", "-o", "none/x.py"], "none/x.py: there is no folder none"),
+        ("4711", "'4711' cannot be an effect's name; take words of letters, such as coolant_jet"),
+        ("heat", "'heat' cannot be an effect's name; take words of letters, such as coolant_jet"),
+        ("churning", "the catalogue has an effect 'churning' already; choose another name"),
+        ("jet --at here", "--at here: write a place in mm, such as 350mm, or one of: under-nut"),
+        ("jet --at 2000mm", "--at 2000mm: outside the screw, -50 ... 1030 mm"),
+        ("jet --at 35mm --reading T04", "--at is where heat goes, --reading shifts a reading: leave one"),
+        ("jet --follows bord", "--follows bord: neither known nor an input of paper's ball screw; did you mean"),
+        ("jet --reading displacment", "--reading displacment: paper's ball screw has no such channel; did you mean"),
+        ("jet -o torn.py", "torn.py: line 1 is not Python: '(' was never closed; correct it first"),
+        ("jet -o none/x.py", "none/x.py: there is no folder none"),
     ],
 )
 def test_what_cannot_be_written_is_said_in_a_line(words, text, own_effects):
     (own_effects / "torn.py").write_text("print(\n")
     before = (own_effects / "effects.py").read_text()
-    assert refused("new-effect", *words).startswith(text)
+    assert refused("new-effect", *words.split()).startswith(text)
     assert (own_effects / "effects.py").read_text() == before
 
 

@@ -79,10 +79,9 @@ def test_a_recording_without_a_drive_says_so():
 
 
 @pytest.fixture(scope="module")
-def reviewed(paper, driven, live):
-    rig, model = paper
-    lived = live(model, rig, driven(rig, 90, (20, 60), stroke=(0.0, 400.0)), seed=1)
-    return review(lived.recording, rig, model, table_mm=[10.0, 200.0, 390.0, *np.linspace(0, 400, 5)])
+def reviewed(rig, shipped, driven, live):
+    lived = live(shipped, rig, driven(rig, 90, (20, 60), stroke=(0.0, 400.0)), seed=1)
+    return review(lived.recording, rig, shipped, table_mm=[10.0, 200.0, 390.0, *np.linspace(0, 400, 5)])
 
 
 def test_compensated_is_the_truth_less_what_was_published_a_tick_before(reviewed):

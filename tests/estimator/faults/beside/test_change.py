@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from estimator.faults.beside import change as module
 from estimator.faults.beside.change import AS_IT_IS, SCALES, Unexplained, unexplained

@@ -114,12 +114,11 @@ def test_where_heat_is_missing_already_a_short_silence_is_enough(track, chips, p
     assert silent.fault[-1, ONE] == Fault.JUMPED
 
 
-def test_its_zero_is_what_it_was_and_live_says_so_as_well(track, chips, paper):
+def test_its_zero_is_what_it_was_and_live_says_so_as_well(track, chips, rig, shipped):
     """Before that the zero had taken what is heat now; from that tick on the estimate has it."""
-    rig, model = paper
     k = int(np.flatnonzero(track.may_drift_K[:, ONE])[-1]) + 1
     assert track.elongation_um[k] - track.elongation_um[k - 1] > 0.2
-    live = stepped(Filter(model, rig), chips[0].rows(slice(k + 20)))
+    live = stepped(Filter(shipped, rig), chips[0].rows(slice(k + 20)))
     for key in ("elongation_um", "sigma_um", "unsure_um", "lacks_K", "may_drift_K", "profile_sd_K", "innovation"):
         found, batch = getattr(live, key), getattr(track, key)[: k + 20]
         np.testing.assert_allclose(found, batch, rtol=1e-9, atol=1e-9, err_msg=key)

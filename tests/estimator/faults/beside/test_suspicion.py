@@ -28,10 +28,9 @@ def healthy(strokes):
 
 
 @pytest.fixture(scope="module")
-def usual(healthy, paper):
+def usual(healthy, rig, shipped):
     """What the filter makes of it."""
-    rig, model = paper
-    return replay(model, rig, healthy)
+    return replay(shipped, rig, healthy)
 
 
 def drifting(healthy, K_per_h, seconds=SECONDS):
@@ -42,14 +41,13 @@ def drifting(healthy, K_per_h, seconds=SECONDS):
 
 
 @pytest.fixture(scope="module")
-def found(healthy, paper):
+def found(healthy, rig, shipped):
     """found(K_per_h): the recording that drifts by so much to its end, and its replay; each asked once."""
-    rig, model = paper
 
     @cache
     def of(K_per_h):
         recording = drifting(healthy, K_per_h)
-        return recording, Replay(model, rig, recording, None, lambda _: None)
+        return recording, Replay(shipped, rig, recording, None, lambda _: None)
 
     return of
 
@@ -63,12 +61,11 @@ def test_of_healthy_thermometers_none_is_suspected(usual):
     assert not usual.may_drift_K.any()
 
 
-def test_of_healthy_thermometers_that_scatter_more_than_the_model_says_none_is_suspected(healthy, paper):
+def test_of_healthy_thermometers_that_scatter_more_than_the_model_says_none_is_suspected(healthy, rig, shipped):
     """Another machine's may be others; what they scatter by is seen, and no drift."""
-    rig, model = paper
     noise = np.random.default_rng(8).normal(0.0, 0.04, healthy.channels.shape)
     noisy = replace(healthy, channels=healthy.channels + np.where(rig.is_thermometer, noise, 0.0))
-    assert not replay(model, rig, noisy).may_drift_K.any()
+    assert not replay(shipped, rig, noisy).may_drift_K.any()
 
 
 def test_a_drift_is_suspected_and_used_before_it_is_accused(found):
@@ -101,10 +98,9 @@ def test_a_slow_drift_that_is_suspected_leads_the_estimate_no_further(found, usu
     assert 1.02 < before[-1] < 1.1
 
 
-def test_a_suspicion_passes_and_estimate_and_sd_are_as_they_were(healthy, usual, paper):
+def test_a_suspicion_passes_and_estimate_and_sd_are_as_they_were(healthy, usual, rig, shipped):
     """But for a zero that the model has to tell anew, as well as its process noise lets it: 3.5 % of the sd."""
-    rig, model = paper
-    track = replay(model, rig, drifting(healthy, 0.7, 200))
+    track = replay(shipped, rig, drifting(healthy, 0.7, 200))
     at = suspected(track)
     assert at[0] < AT + 200 < at[-1] < AT + 1200
     assert not track.fault.any()
@@ -113,14 +109,13 @@ def test_a_suspicion_passes_and_estimate_and_sd_are_as_they_were(healthy, usual,
     assert np.isnan(track.since_s[at[-1] + 1 :, ONE]).all()
 
 
-def test_where_strokes_heat_its_place_a_drift_is_suspected_within_minutes(paper, tmp_path):
+def test_where_strokes_heat_its_place_a_drift_is_suspected_within_minutes(rig, shipped, tmp_path):
     """The model alone changes T06 by 1 K beside its neighbours meanwhile: 5 % and 0.05 K of it may be wrong."""
-    rig, model = paper
     recording = read_recording(write(simulate("CS-10", seed=6, seconds=600), tmp_path / "short.log"), rig)
-    assert not replay(model, rig, recording).may_drift_K.any()
+    assert not replay(shipped, rig, recording).may_drift_K.any()
     readings, i = recording.channels.copy(), rig.index("T06")
     readings[:, i] += np.interp(np.arange(len(recording)), [250, 600], [0.0, 3.0 * 350 / 3600])
-    track = replay(model, rig, replace(recording, channels=readings))
+    track = replay(shipped, rig, replace(recording, channels=readings))
     at = np.flatnonzero(track.may_drift_K[:, i])
     assert 250 < at[0] < 250 + 270
     assert not np.delete(track.may_drift_K, i, axis=1).any()
@@ -161,26 +156,24 @@ def test_a_drift_leads_no_further_by_a_model_that_is_off_by_little(drifts_on_7):
     assert off_um.max() < 0.3
 
 
-def test_on_a_machine_that_is_not_the_models_zeros_stay(paper, tmp_path):
+def test_on_a_machine_that_is_not_the_models_zeros_stay(rig, shipped, tmp_path):
     """What the model misses is as likely heat: T14 is off by 0.15 K, and right."""
-    rig, model = paper
     log = write(simulate("CS-20", machine=128, seed=128, seconds=330), tmp_path / "b.log")
-    track = replay(model, rig, read_recording(log, rig))
+    track = replay(shipped, rig, read_recording(log, rig))
     first = np.flatnonzero(track.may_drift_K[:, 13])[0]
     assert track.off_share[first] > 0.1
     assert track.innovation[first : first + 4, 13].max() < -0.1
     assert not (track.fault > Fault.JUDGED).any()
 
 
-def test_live_suspects_and_widens_as_batch_does(healthy, paper):
+def test_live_suspects_and_widens_as_batch_does(healthy, rig, shipped):
     """Two that drift from soon after the stop on, one of them so slowly that it is not accused yet."""
-    rig, model = paper
     begun = healthy.rows(slice(0, 560))
     recording = replace(begun, channels=begun.channels.copy())
     recording.channels[360:363] = np.nan
     for i, K_per_h in ((ONE, 4.0), (ONE + 5, 14.0)):
         recording.channels[:, i] += np.maximum(recording.time_s - 300.0, 0.0) * K_per_h / 3600.0
-    live, batch = stepped(Filter(model, rig), recording), replay(model, rig, recording)
+    live, batch = stepped(Filter(shipped, rig), recording), replay(shipped, rig, recording)
     assert suspected(batch).size
     assert not batch.fault[:, ONE].any()
     assert batch.fault[-1, ONE + 5] == Fault.DRIFTING
@@ -188,10 +181,9 @@ def test_live_suspects_and_widens_as_batch_does(healthy, paper):
         np.testing.assert_allclose(getattr(live, key), getattr(batch, key), rtol=1e-9, atol=1e-9, err_msg=key)
 
 
-def test_after_the_fact_what_may_drift_is_not_heard(found, healthy, paper):
-    rig, model = paper
+def test_after_the_fact_what_may_drift_is_not_heard(found, healthy, rig, shipped):
     _, replayed = found(SLOW)
-    smoothed, usual = replayed.smoothed(), Replay(model, rig, healthy, None, lambda _: None).smoothed()
+    smoothed, usual = replayed.smoothed(), Replay(shipped, rig, healthy, None, lambda _: None).smoothed()
     assert smoothed.sigma_um[-1] == pytest.approx(replayed.track.sigma_um[-1], rel=0.02)
     after = suspected(replayed.track)[0] + 1
     assert (abs(smoothed.elongation_um - usual.elongation_um)[after:] < 0.1).all()
