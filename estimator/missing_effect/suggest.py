@@ -24,6 +24,7 @@ import numpy as np
 from estimator.accuracy.noise_floor import noise_floor
 from estimator.batch.trials import Trials, slow_trials_of
 from estimator.effect import Effect
+from estimator.hypotheses.candidates import kind_of
 from estimator.hypotheses.criterion import APART_SE, GOOD, alike, behind, clearly, most, nats, proven
 from estimator.hypotheses.ground import as_given, of_tables, seen
 from estimator.hypotheses.hypothesis import Hypothesis, refined
@@ -71,6 +72,7 @@ class Search:
     as_given, again  the model without any effect more: as it is, give or take what its fit left open; fitted again,
                      what it holds fixed too where that is worth its freedom
     others  the recordings made ready, where one more is left out already
+    believed  thermometers that jump in step with the drive: what the judge says of them is not asked
     """
 
     def __init__(
@@ -82,11 +84,14 @@ class Search:
         told: bool,
         others: Trials | None = None,
         taken: Collection[str] = (),
+        believed: Sequence[str] | None = None,
     ) -> None:
         self.model, self.runs, self.effects = model, runs, effects
         self._loose, self._told, self._alone, self._taken = loose, told, others is not None, taken
         runs.progress("reading the misfit", 0.0)
-        self.trials = others or slow_trials_of(model, runs)
+        judged = others or slow_trials_of(model, runs)
+        self.believed = in_step(judged.uses, runs.recordings, runs.rig) if believed is None else believed
+        self.trials = judged if others or not self.believed else slow_trials_of(model, runs, self.believed)
         self.as_given = refined(as_given(model, runs, loose), self.trials, [])
         runs.progress("fitting the model again", 0.05)
         free = of_tables(model)
@@ -100,7 +105,8 @@ class Search:
             return found
         self.runs.progress("looking for something unknown", 0.85)
         said = self._verdict(self._unexplained(self.side))
-        return self._in_step(said) if said.verdict == "nothing_missing" else said
+        said = self._in_step(said) if self.believed and said.verdict == "nothing_missing" else said
+        return replace(said, believed=tuple(self.believed))
 
     def _plains(self) -> list[Hypothesis]:
         """The model without effects on each ground that may hold.
@@ -163,7 +169,7 @@ class Search:
         ready = [trial for i, trial in enumerate(self.trials) if i != at]
         uses = tuple(use for i, use in enumerate(self.trials.uses) if i != at)
         others = Trials(ready, runs.workers, uses)
-        return Search(self.model, runs, self.effects, self._loose, self._told, others, self._taken)
+        return Search(self.model, runs, self.effects, self._loose, self._told, others, self._taken, self.believed)
 
     def _times(self, found: Mislabel | Begun) -> float:
         """How many of its kind there are: inputs of each run, or effects that may begin in any ten minutes."""
@@ -184,32 +190,33 @@ class Search:
         """What explains clearly more than any one effect, and is in no catalogue.
 
         Two effects may compose it: heat at a place while driving, and less there always, is heat at rest. Where the
-        model is far off all the same, something is missing: the question is not whether, but what it is like.
+        model is far off all the same, something is missing: the question is not whether, but what it is like. Where
+        little is left and readings seem to be wrong, they may be so by another law.
         """
-        if side.best.misfit <= GOOD and not side.pair:
+        little, rig = side.best.misfit <= GOOD and not side.pair, self.runs.rig
+        if little and not self._reads(side):
             return None
-        found = best_stand_in(side.ground, self.trials)
+        found = best_stand_in(side.ground, self.trials, ["", *rig.names] if little else ())
         if found is None:
             return None
         if side.pair and clearly(found.judged, side.pair.judged, side.tried):
             return None
         return found if proven(side.single, found.judged, self._chosen_from(found)) else None
 
+    def _reads(self, side: Side) -> bool:
+        """Whether what explains most is what readings make of the temperatures."""
+        first = next(iter(side.told), None)
+        return first is not None and all(kind_of(first.model, n, self.runs.rig) == "reading" for n in first.names)
+
     def _in_step(self, said: Suggestion) -> Suggestion:
-        """What a thermometer follows that was left out, for it jumps whenever the drive starts or stops."""
-        names = in_step(self.trials.uses, self.runs.recordings, self.runs.rig)
-        if not names:
+        """What thermometers follow that jump whenever the drive starts or stops: that there is something is told."""
+        plain, most_of_them = self.side.plain.judged, len(self.believed) > len(self.runs.rig.thermometers) / 2
+        one_of = ["", *self.believed] if most_of_them else self.believed  # "": all alike
+        found = best_stand_in(self.side.ground, self.trials, channels=one_of)
+        if found is None or behind(plain, found.judged) < APART_SE:
             return said
-        heard = slow_trials_of(self.model, self.runs, believed=names)
-        plain = refined(self.side.ground, heard, [])
-        found = best_stand_in(self.side.ground, heard, channels=names)
-        if (
-            found is None or behind(plain.judged, found.judged) < APART_SE
-        ):  # that there is something its jumps have told
-            return said
-        made = composed(found, plain.judged, heard, [*self.model.effects, *self._taken])
-        said = replace(said, verdict="nothing_in_catalogue", before=plain, unexplained=found, composed=made)
-        return replace(said, believed=tuple(names))
+        made = composed(found, plain, self.trials, [*self.model.effects, *self._taken])
+        return replace(said, verdict="nothing_in_catalogue", unexplained=found, composed=made)
 
     def _chosen_from(self, found: Unexplained) -> int:
         """How many stand-ins it must stand out from; none where something must be missing."""

@@ -200,3 +200,19 @@ def test_what_a_thermometer_follows_that_is_left_out_is_told(rig, full, live, dr
     assert (found.verdict, found.believed) == ("nothing_in_catalogue", ("T06",))
     assert (unknown.channel, unknown.follower) == ("T06", DRIVE)
     assert found.composed.hypothesis.own()["shift_of_t06.shift"].value == pytest.approx(0.5, abs=0.02)
+
+
+def test_what_all_thermometers_follow_is_told_though_the_judge_counts_them_from_another_zero(rig, full, live, driven):
+    """They jump together with each stop; and though a law of the catalogue explains a part of it."""
+    runs = []
+    for k, speed in enumerate((FAST, FAST / 2)):
+        run = live(full, rig, driven(rig, 2400, (300, 900), speed), seed=k).recording
+        since_s = run.time_s - 900.0
+        board = run.inputs["board"] + 3.0 * (1.0 - np.exp(-run.time_s / 2000.0))
+        shift = np.where(since_s > 0, 0.5 * np.exp(-since_s / 200.0), 0.0)
+        channels = run.channels + np.outer(shift, rig.is_thermometer)
+        runs.append(replace(run, channels=channels, name=f"run {k}", inputs={**run.inputs, "board": board}))
+    found = suggest(full, Runs(rig, runs), [CATALOGUE["board_drift"]], taken=())
+    unknown = unknown_of(found.unexplained.candidate, rig)
+    assert (found.verdict, {*found.believed} >= {"T05", "T06", "T07"}) == ("nothing_in_catalogue", True)
+    assert (unknown.channel, unknown.follower.name) in (("", "early_stop"), ("", "slow_stop"))
