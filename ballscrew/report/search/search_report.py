@@ -25,6 +25,7 @@ from estimator.rig import Rig
 from estimator.unknown.stand_ins import unknown_of
 
 SHOWN = 6  # effects in the ranking
+FEW = 3  # thermometers that are named one by one
 
 
 def print_verdict(terminal: Terminal, verdict: Verdict, rig: Rig) -> None:
@@ -43,6 +44,9 @@ def section_of(verdict: Verdict, rig: Rig) -> Section:
     once = "one recording: none left out" if verdict.suggestion.one_recording else "each recording left out once"
     once = f"without {verdict.suggestion.apart}, {once}" if verdict.suggestion.apart else once
     note = f"{once}; {'held out: never looked at; ' if verdict.held_out else ''}best first"
+    if heard := verdict.suggestion.believed:
+        who = ", ".join(heard) if len(heard) <= FEW else f"{len(heard)} thermometers"
+        note += f"; heard all the same: {who}, for a fault does not jump whenever the drive starts or stops"
     return Section(
         "What is missing",
         [sentence(verdict, rig), note],
@@ -125,7 +129,7 @@ def as_json(verdict: Verdict, rig: Rig, file: Path | None = None) -> dict[str, A
         "where": _unknown(suggestion, rig),
         "composed": composed_json(made, held_before, verdict.composed_held_out, file),
         "events": events_json(suggestion.events), "loosened": suggestion.loosened,
-        "pair": list(suggestion.pair),
+        "pair": list(suggestion.pair), "heard": list(suggestion.believed),
         "sentence": sentence(verdict, rig),
     }  # fmt: skip
 
