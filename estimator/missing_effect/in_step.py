@@ -1,13 +1,14 @@
 """Thermometers that jump whenever the drive starts or stops: no fault, which comes when it likes, but a law.
 
 What reads more while the screw turns is left out as one that has jumped; who looks for what is missing must hear it, or
-never finds the law.
+never finds the law. So it is with one that drifts in every run, and reads right again at the start of the next.
 """
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from estimator.faults.fault import Fault
 from estimator.faults.use import ChannelUse, Use
 from estimator.inputs.phase import phases
 from estimator.record import Array, Recording
@@ -21,6 +22,16 @@ def in_step(uses: Sequence[Use], recordings: Sequence[Recording], rig: Rig) -> l
     """Names of thermometers that have jumped at starts and stops of the drive, in two recordings or more, alone."""
     changes = [_changes(recording) for recording in recordings]
     return [name for name in rig.thermometers if _keeps_step(name, uses, changes)]
+
+
+def drifts_always(uses: Sequence[Use], rig: Rig) -> list[str]:
+    """Names of thermometers that were left out because they drift, in two recordings or more and in most of them.
+
+    What is broken stays so; what goes and comes back with every run may follow something.
+    """
+    drifts = [{one.channel for one in use.channels if Fault.DRIFTING in [s.fault for s in one.spells]} for use in uses]
+    often = {name: sum(name in some for some in drifts) for name in rig.thermometers}
+    return [name for name, times in often.items() if times >= RECORDINGS and times > len(uses) / 2]
 
 
 def _keeps_step(name: str, uses: Sequence[Use], changes: Sequence[Array]) -> bool:

@@ -30,7 +30,7 @@ from estimator.hypotheses.ground import as_given, of_tables, seen
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation
 from estimator.missing_effect.begun import Begun, begun
-from estimator.missing_effect.in_step import in_step
+from estimator.missing_effect.in_step import drifts_always, in_step
 from estimator.missing_effect.odd_run import odd_run
 from estimator.missing_effect.side import Side, each_once
 from estimator.missing_effect.suggestion import Suggestion
@@ -39,6 +39,7 @@ from estimator.missing_effect.wrong_input import Mislabel, mislabel, signals
 from estimator.model import Model
 from estimator.sensitivity.objective import GOOD_K, GOOD_UM
 from estimator.unknown.composed import Composed, composed
+from estimator.unknown.stand_ins import unknown_of
 from estimator.unknown.unexplained import Unexplained, best_stand_in
 from estimator.work import Runs, one_thread
 
@@ -105,8 +106,10 @@ class Search:
             return found
         self.runs.progress("looking for something unknown", 0.85)
         said = self._verdict(self._unexplained(self.side))
-        said = self._in_step(said) if self.believed and said.verdict == "nothing_missing" else said
-        return replace(said, believed=tuple(self.believed))
+        said = replace(said, believed=tuple(self.believed))
+        if self.believed:
+            return self._by_jumps(said) if said.verdict == "nothing_missing" else said
+        return said if self._alone else self._by_drifts(said)
 
     def _plains(self) -> list[Hypothesis]:
         """The model without effects on each ground that may hold.
@@ -156,7 +159,7 @@ class Search:
         if unexplained is not None and unexplained.judged.misfit < first.judged.misfit:
             return None
         said = replace(others.run(), uses=self.trials.uses)
-        return _set_apart(said, [first, *(one for one in rest if alike(one.judged, first.judged, 1))])
+        return said.set_apart([first, *(one for one in rest if alike(one.judged, first.judged, 1))])
 
     def _without(self, at: int) -> "Search":
         """The same search in the other recordings."""
@@ -169,7 +172,10 @@ class Search:
         ready = [trial for i, trial in enumerate(self.trials) if i != at]
         uses = tuple(use for i, use in enumerate(self.trials.uses) if i != at)
         others = Trials(ready, runs.workers, uses)
-        return Search(self.model, runs, self.effects, self._loose, self._told, others, self._taken, self.believed)
+        return self._search(runs, others, self.believed)
+
+    def _search(self, runs: Runs, others: Trials | None, believed: Sequence[str]) -> "Search":
+        return Search(self.model, runs, self.effects, self._loose, self._told, others, self._taken, believed)
 
     def _times(self, found: Mislabel | Begun) -> float:
         """How many of its kind there are: inputs of each run, or effects that may begin in any ten minutes."""
@@ -208,15 +214,27 @@ class Search:
         first = next(iter(side.told), None)
         return first is not None and all(kind_of(first.model, n, self.runs.rig) == "reading" for n in first.names)
 
-    def _in_step(self, said: Suggestion) -> Suggestion:
+    def _by_jumps(self, said: Suggestion) -> Suggestion:
         """What thermometers follow that jump whenever the drive starts or stops: that there is something is told."""
-        plain, most_of_them = self.side.plain.judged, len(self.believed) > len(self.runs.rig.thermometers) / 2
+        most_of_them = len(self.believed) > len(self.runs.rig.thermometers) / 2
         one_of = ["", *self.believed] if most_of_them else self.believed  # "": all alike
-        found = best_stand_in(self.side.ground, self.trials, channels=one_of)
+        plain, found = self.side.plain.judged, best_stand_in(self.side.ground, self.trials, channels=one_of)
         if found is None or behind(plain, found.judged) < APART_SE:
             return said
         made = composed(found, plain, self.trials, [*self.model.effects, *self._taken])
         return replace(said, verdict="nothing_in_catalogue", unexplained=found, composed=made)
+
+    def _by_drifts(self, said: Suggestion) -> Suggestion:
+        """What is said when thermometers are heard that drift in every run, where it is of a reading that they do."""
+        names = drifts_always(self.trials.uses, self.runs.rig)
+        if not names or not (said.verdict == "nothing_missing" or self._reads(self.side)):
+            return said
+        again = self._search(self.runs, None, names)
+        other = again.run()
+        law = (
+            other.unexplained is not None and unknown_of(other.unexplained.candidate, self.runs.rig).channel is not None
+        )
+        return other if law or again._reads(again.side) else said
 
     def _chosen_from(self, found: Unexplained) -> int:
         """How many stand-ins it must stand out from; none where something must be missing."""
@@ -277,15 +295,6 @@ class Search:
         floor = noise_floor(self.model, self.trials[0])
         heat, length = np.fmax(GOOD_K, floor.temperature_K), np.fmax(GOOD_UM, floor.elongation_um)
         return bool(judged.error.temperature_K > FAR * heat or judged.read_um > FAR * length)
-
-
-def _set_apart(said: Suggestion, found: Sequence[Mislabel | Begun]) -> Suggestion:
-    """What the other recordings say, with what may be wrong with the one, the likeliest first."""
-    by_others, wrong = said.verdict, isinstance(found[0], Mislabel)
-    verdict = "nothing_in_catalogue" if by_others == "nothing_missing" else by_others
-    for one in found:
-        said = replace(said, wrong_input=one) if isinstance(one, Mislabel) else replace(said, events=one.events)
-    return replace(said, verdict="input_error" if wrong else verdict, by_others=by_others)
 
 
 def _named(h: Hypothesis, found: Sequence[Hypothesis]) -> bool:

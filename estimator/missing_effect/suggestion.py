@@ -1,10 +1,12 @@
 """What a search for a missing effect found."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from estimator.events.event import Event
 from estimator.faults.use import Use
 from estimator.hypotheses.hypothesis import Hypothesis
+from estimator.missing_effect.begun import Begun
 from estimator.missing_effect.wrong_input import Mislabel
 from estimator.unknown.composed import Composed
 from estimator.unknown.unexplained import Unexplained
@@ -69,6 +71,14 @@ class Suggestion:
         if not self.by_others:
             return self
         return replace(self, verdict=self.by_others, by_others="", wrong_input=None, events=())
+
+    def set_apart(self, found: Sequence[Mislabel | Begun]) -> "Suggestion":
+        """What the other recordings say, with what may be wrong with the one, the likeliest first."""
+        by_others, wrong, said = self.verdict, isinstance(found[0], Mislabel), self
+        verdict = "nothing_in_catalogue" if by_others == "nothing_missing" else by_others
+        for one in found:
+            said = replace(said, wrong_input=one) if isinstance(one, Mislabel) else replace(said, events=one.events)
+        return replace(said, verdict="input_error" if wrong else verdict, by_others=by_others)
 
     def kept(self, runs: Runs) -> Runs:
         """The runs but for the one apart."""

@@ -8,7 +8,7 @@ import pytest
 from estimator.batch.trials import slow_trials_of
 from estimator.faults.fault import Fault, Spell
 from estimator.faults.use import ChannelUse, Jump, Use
-from estimator.missing_effect.in_step import in_step
+from estimator.missing_effect.in_step import drifts_always, in_step
 from estimator.work import Runs
 
 STARTS, STOPS = 200, 500
@@ -23,9 +23,9 @@ def drives(small, driven):
     return [replace(run, omega=omega, name=name) for name in ("one", "two")]
 
 
-def use(rig, spells=(), jumps=()) -> Use:
+def use(rig, spells=(), jumps=(), fault=Fault.JUMPED) -> Use:
     """What is said of a recording in which the second thermometer was broken from these times on, or jumped then."""
-    broken = tuple(Spell(Fault.JUMPED, at, NONE) for at in spells)
+    broken = tuple(Spell(fault, at, NONE) for at in spells)
     channels = [ChannelUse(name, 900, 900, {}, broken if i == 1 else (), ()) for i, name in enumerate(rig.thermometers)]
     sizes = {rig.thermometers[1]: 0.4}
     return Use("run", 0.0, False, tuple(channels), tuple(Jump(at, sizes) for at in jumps), {}, {}, (), ())
@@ -45,6 +45,15 @@ def use(rig, spells=(), jumps=()) -> Use:
 def test_what_jumps_with_the_drive_in_two_recordings_is_no_fault(small, drives, first, second, heard):
     uses = [use(small, *first), use(small, *second)]
     assert in_step(uses, drives, small) == ([small.thermometers[1]] if heard else [])
+
+
+@pytest.mark.parametrize(
+    ("drifts", "heard"), [([1, 1], True), ([1, 1, 0], True), ([1, 0], False), ([1, 1, 0, 0], False)]
+)
+def test_what_drifts_in_most_recordings_may_be_a_law(small, drifts, heard):
+    uses = [use(small, [300.0] * each, fault=Fault.DRIFTING) for each in drifts]
+    assert drifts_always(uses, small) == ([small.thermometers[1]] if heard else [])
+    assert drifts_always([use(small, [300.0])] * 2, small) == []  # that jumped
 
 
 def test_without_a_drive_nothing_keeps_step(small, driven):

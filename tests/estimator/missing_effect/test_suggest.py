@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.batch.trials import unjudged
+from estimator.batch.trials import Trials, slow_trials_of, unjudged
 from estimator.effect import Effect, Param
 from estimator.effects import CATALOGUE
+from estimator.faults.fault import Fault, Spell
 from estimator.hypotheses.criterion import GOOD
 from estimator.hypotheses.ground import as_given
 from estimator.inputs.follower import DRIVE, LOSS_DRIVE, REST, TEMPERATURE, followers
@@ -216,3 +217,33 @@ def test_what_all_thermometers_follow_is_told_though_the_judge_counts_them_from_
     unknown = unknown_of(found.unexplained.candidate, rig)
     assert (found.verdict, {*found.believed} >= {"T05", "T06", "T07"}) == ("nothing_in_catalogue", True)
     assert (unknown.channel, unknown.follower.name) in (("", "early_stop"), ("", "slow_stop"))
+
+
+@pytest.mark.parametrize("heard", [True, False])
+def test_what_a_thermometer_follows_that_drifts_in_every_run_is_told(rig, full, live, driven, monkeypatch, heard):
+    """It is left out as one that fails, but comes back with every run. The judge is one that hears less of it."""
+    at, runs, spell = rig.index("T06"), [], (Spell(Fault.DRIFTING, 1000.0, float("nan")),)
+    for k, speed in enumerate((FAST, FAST / 2)):
+        run = live(full, rig, driven(rig, 5400, (300, 900), speed), seed=k).recording
+        since_s, channels = run.time_s - 900.0, run.channels.copy()
+        channels[:, at] += np.where(since_s > 0, 0.6 * (1.0 - np.exp(-since_s / 1600.0)), 0.0)
+        runs.append(replace(run, channels=channels, name=f"run {k}"))
+
+    def judged(model, runs, believed=()):
+        trials = slow_trials_of(model, runs, believed)
+        if "T06" in believed:
+            return trials
+        for trial in trials:
+            trial.rest.channels[trial.rest.time_s > 1000.0, at] = np.nan
+        uses = [
+            replace(u, channels=tuple(replace(c, spells=spell * (c.channel == "T06")) for c in u.channels))
+            for u in trials.uses
+        ]
+        return Trials(list(trials), trials.workers, tuple(uses))
+
+    monkeypatch.setattr(search_, "slow_trials_of", judged)
+    if not heard:
+        monkeypatch.setattr(search_, "drifts_always", lambda uses, rig: [])
+    found = suggest(full, Runs(rig, runs), [], taken=())
+    assert (found.verdict, found.believed) == (("nothing_in_catalogue", ("T06",)) if heard else ("nothing_missing", ()))
+    assert not heard or unknown_of(found.unexplained.candidate, rig).channel == "T06"
