@@ -8,6 +8,8 @@ differ by is the sensors' own noise, and one that is broken does not move the me
 
 from __future__ import annotations
 
+from statistics import median
+
 import numpy as np
 
 from estimator.record import Array
@@ -32,7 +34,7 @@ class Scatter:
         """w^2, where readings should scatter by `variance` (m,)."""
         asked = self._which & (self._pairs > 0)
         mean = self._squares / np.maximum(self._pairs, 1.0) / variance
-        return max(1.0, float(np.median(mean[asked]))) if asked.any() else 1.0
+        return max(1.0, median(mean[asked].tolist())) if asked.any() else 1.0
 
     def fade(self, kept: float) -> None:
         """Forget a part of all that was heard."""
