@@ -63,13 +63,13 @@ class Layout:
 
         other  of the rows less those of this node, or, where that is the node itself, of each row less the next
         """
-        if (key := (node, other)) not in self._products:
+        key, alike = (node, other), np.shape(weights)[-1:] in ((), (1,))
+        kept = self._sums if alike else self._products  # a table of all cells takes megabytes
+        if key not in kept:
             rows = self.rows(node)
             rows = rows[:-1] - rows[1:] if node == other else rows - (self.rows(other) if other else 0.0)
-            self._products[key] = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
-            self._sums[key] = self._products[key].sum(axis=0)
-        alike = np.shape(weights)[-1:] in ((), (1,))
-        products = self._sums[key][None] if alike else self._products[key]
+            kept[key] = rows.T @ rows if alike else rows[:, :, None] * rows[:, None, :]
+        products = kept[key].reshape(-1, self.size**2)
         found = product(np.broadcast_to(weights, (regimes, len(products))), products)
         return found.reshape(regimes, self.size, self.size)
 
