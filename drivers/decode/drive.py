@@ -14,7 +14,7 @@ from drivers.frames import Array, Index, Tally
 from estimator.rig import AT_REST, Rig
 from estimator.screw import Screw
 
-AT_ONCE = 1024  # ticks, of which every sum over the cells takes 2 MB
+AT_ONCE = 256  # ticks, of which every sum over the cells takes half a megabyte: that stays close to the processor
 SOME, TOLD = 3, 0.7  # stretches of a tick that tell of a motion; of them those over which the position has moved
 SLIP_MM, SLIP = 5.0, 0.1  # least jump between two frames, beside the longest way near it, on which it may have stopped
 QUICK_S = 0.11  # from one frame to the next: in that no axis makes a stroke
@@ -185,48 +185,24 @@ def _covered(screw: Screw, length_mm: float, way: tuple[Array, Array], weight: A
     half = length_mm / 2 / cell
     total = np.bincount(row, weight, rows)
     share = np.divide(weight, total[row], out=np.zeros_like(weight), where=total[row] > 0)
-    sums = _Sums(rows, screw.cells)
     runs = high - low > _STANDS
-    for side, sign in ((-half, 1.0), (half, -1.0)):
-        slope = sign * share[runs] / (high - low)[runs]
-        sums.kink(low[runs] + side, slope, row[runs])
-        sums.kink(high[runs] + side, -slope, row[runs])
-        sums.jump((low + high)[~runs] / 2 + side, sign * share[~runs], row[~runs])
-    return sums.cells()
+    begin, end, slope = low[runs], high[runs], share[runs] / (high - low)[runs]
+    stood, whole = (low + high)[~runs] / 2, share[~runs]
+    at = np.concatenate([begin - half, end - half, begin + half, end + half, stood - half, stood + half])
+    kink = np.concatenate([slope, -slope, -slope, slope, np.zeros(2 * len(whole))])
+    jump = np.concatenate([np.zeros(4 * len(slope)), whole, -whole])
+    return _means(at, kink, jump, np.concatenate([np.tile(row[runs], 4), np.tile(row[~runs], 2)]), (rows, screw.cells))
 
 
-class _Sums:
-    """Sums of kinks (slope changes) and jumps of a profile, per row and cell; cells are 1 wide."""
+def _means(at: Array, kink: Array, jump: Array, row: Index, shape: tuple[int, int]) -> Array:
+    """Mean in each cell, `shape` (rows, cells), of profiles whose slope changes by `kink` and height by `jump`.
 
-    def __init__(self, rows: int, cells: int) -> None:
-        self.shape = (rows, cells + 2)  # one bin before the screw, one behind
-        self.slope = np.zeros(self.shape)
-        self.moment = np.zeros(self.shape)
-        self.step = np.zeros(self.shape)
-        self.inside = np.zeros(self.shape)
-
-    def kink(self, at: Array, slope: Array, row: Index) -> None:
-        """The profile's slope changes by `slope` at `at`."""
-        where, rest = self._bins(at, row)
-        self._add(self.slope, where, slope)
-        self._add(self.moment, where, slope * at)
-        self._add(self.inside, where, slope * rest**2 / 2)
-
-    def jump(self, at: Array, height: Array, row: Index) -> None:
-        """The profile changes by `height` at `at`."""
-        where, rest = self._bins(at, row)
-        self._add(self.step, where, height)
-        self._add(self.inside, where, height * rest)
-
-    def cells(self) -> Array:
-        """Mean of the profile in each cell, (rows, cells)."""
-        before = [np.cumsum(sums, axis=1)[:, :-2] for sums in (self.slope, self.moment, self.step)]
-        centre = np.arange(self.shape[1] - 2) + 0.5
-        return np.clip(before[0] * centre - before[1] + before[2] + self.inside[:, 1:-1], 0.0, 1.0)
-
-    def _bins(self, at: Array, row: Index) -> tuple[Index, Array]:
-        cell = np.clip(np.floor(at), -1, self.shape[1] - 2).astype(np.intp) + 1
-        return row * self.shape[1] + cell, cell - at
-
-    def _add(self, sums: Array, where: Index, what: Array) -> None:
-        sums += np.bincount(where, what, sums.size).reshape(self.shape)
+    at, kink, jump, row  (N,) of each change: where, in cells; 1 per cell; 0 ... 1; of which profile
+    """
+    rows, bins = shape[0], shape[1] + 2  # one before the screw, one behind
+    cell = np.clip(np.floor(at), -1, shape[1]).astype(np.intp) + 1
+    where, rest = row * bins + cell, cell - at
+    sums = (kink, jump - kink * at, (kink * rest / 2 + jump) * rest)
+    slope, level, inside = (np.bincount(where, each, rows * bins).reshape(rows, bins) for each in sums)
+    slope, level = (np.cumsum(each, axis=1)[:, :-2] for each in (slope, level))
+    return np.clip(slope * (np.arange(shape[1]) + 0.5) + level + inside[:, 1:-1], 0.0, 1.0)

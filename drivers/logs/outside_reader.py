@@ -28,6 +28,7 @@ class Sender:
         self.size = max(path.stat().st_size, 1)
         self.how = how
         self.buses: dict[str, int] = {}
+        self.numbers: dict[Any, int] = {}  # of the buses, by what python-can calls their channels
         self.rows: list[Any] = []  # packed frames, or tuples
         self.lock = threading.Lock()
         self.done = threading.Event()
@@ -50,10 +51,11 @@ class Sender:
         if reason := _unusable(message):
             self.tally.skip(reason)
             return
-        data, place = bytes(message.data), self.messages.place & 0xFFFFFFFF
-        about = message.timestamp, message.arbitration_id, message.is_extended_id
-        bus = min(self.buses.setdefault(self.messages.channel(message), len(self.buses)), 255)
-        self._keep(PACKED.pack(*about, len(data), data, place, bus))
+        if (bus := self.numbers.get(message.channel)) is None:
+            bus = min(self.buses.setdefault(self.messages.channel(message), len(self.buses)), 255)
+            self.numbers[message.channel] = bus
+        about, data, place = (message.timestamp, message.arbitration_id), message.data, self.messages.place & 0xFFFFFFFF
+        self._keep(PACKED.pack(*about, message.is_extended_id, len(data), data, place, bus))
 
     def _every(self, message: can.Message) -> None:
         if message.is_remote_frame or len(message.data) == message.dlc:

@@ -77,7 +77,7 @@ class Known:
         np.multiply(moved[..., q:], np.diagonal(self.root)[q:], out=doubt[..., q:p])
         if len(at):
             by = share.reshape(-1, *[1] * (moved.ndim - 1))
-            np.multiply(moved[..., at] * self.whole[at], by, out=doubt[..., p:])
+            np.multiply(np.take(moved, at, axis=-1), by * self.whole[at], out=doubt[..., p:])
         return doubt
 
     @cached_property

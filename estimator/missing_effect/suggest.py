@@ -273,7 +273,8 @@ class Search:
             verdict = "tie" if len(named) > 1 else "effect"
         else:
             verdict = "nothing_in_catalogue" if far else "nothing_missing"
-        rest = sorted((h for one in self.sides for h in one.fitted if not _named(h, found)), key=lambda h: h.misfit)
+        names = [h.names for h in found]
+        rest = sorted((h for one in self.sides for h in one.fitted if h.names not in names), key=lambda h: h.misfit)
         return Suggestion(
             verdict, (*found, *each_once(rest)), tuple(named) if verdict == "tie" else (), self.as_given, self.again,
             side.plain, self.trials.uses, changed, tuple(pair.names) if pair else (),
@@ -295,7 +296,3 @@ class Search:
         floor = noise_floor(self.model, self.trials[0])
         heat, length = np.fmax(GOOD_K, floor.temperature_K), np.fmax(GOOD_UM, floor.elongation_um)
         return bool(judged.error.temperature_K > FAR * heat or judged.read_um > FAR * length)
-
-
-def _named(h: Hypothesis, found: Sequence[Hypothesis]) -> bool:
-    return any(h.names == each.names for each in found)

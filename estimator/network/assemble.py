@@ -34,8 +34,8 @@ class Layout:
     inputs: tuple[str, ...]  # measured inputs that links end at
     shifts: tuple[Shift, ...] = ()  # of them; inputs and shifts together are the boundaries
     _spots: dict[float, Array] = field(default_factory=dict)
-    _products: dict[str, Array] = field(default_factory=dict)
-    _sums: dict[str, Array] = field(default_factory=dict)
+    _products: dict[tuple[str, str], Array] = field(default_factory=dict)
+    _sums: dict[tuple[str, str], Array] = field(default_factory=dict)
 
     @property
     def size(self) -> int:
@@ -56,14 +56,18 @@ class Layout:
         """What the states say of a node's cells, (cells, n), or of a body, (1, n)."""
         return self.shapes[self.nodes[node]]
 
-    def squares(self, node: str, weights: Any, regimes: int) -> Array:
-        """Sum over a node's cells k of weights[:, k] rows[k] rows[k]', (regimes, n, n)."""
-        if node not in self._products:
+    def squares(self, node: str, weights: Any, regimes: int, other: str = "") -> Array:
+        """Sum over a node's cells k of weights[:, k] rows[k] rows[k]', (regimes, n, n).
+
+        other  of the rows less those of this node, or, where that is the node itself, of each row less the next
+        """
+        key, alike = (node, other), np.shape(weights)[-1:] in ((), (1,))
+        kept = self._sums if alike else self._products  # a table of all cells takes megabytes
+        if key not in kept:
             rows = self.rows(node)
-            self._products[node] = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
-            self._sums[node] = self._products[node].sum(axis=0)
-        alike = np.shape(weights)[-1:] in ((), (1,))
-        products = self._sums[node][None] if alike else self._products[node]
+            rows = rows[:-1] - rows[1:] if node == other else rows - (self.rows(other) if other else 0.0)
+            kept[key] = rows.T @ rows if alike else rows[:, :, None] * rows[:, None, :]
+        products = kept[key].reshape(-1, self.size**2)
         found = product(np.broadcast_to(weights, (regimes, len(products))), products)
         return found.reshape(regimes, self.size, self.size)
 
@@ -168,8 +172,7 @@ def network_of(terms: Sequence[Term], place: Layout, regimes: int) -> Network:
             mass += place.squares(term.node, term.capacity, 1)[0]
             noise += place.squares(term.node, np.asarray(term.noise) ** 2, regimes)
         elif isinstance(term, Chain):
-            rows = place.rows(term.node)
-            conductance += _squares(rows[:-1] - rows[1:], term.g, regimes)
+            conductance += place.squares(term.node, term.g, regimes, term.node)
         elif isinstance(term, Link):
             _link(conductance, inflow, place, term)
         elif isinstance(term, Heat) and term.node in place.nodes:
@@ -198,26 +201,18 @@ def is_complex_value(value: object) -> bool:
     return isinstance(value, complex) or (isinstance(value, ByBalls) and value.is_complex)
 
 
-def _squares(rows: Array, weights: Any, regimes: int) -> Array:
-    """Sum over k of weights[:, k] rows[k] rows[k]', (regimes, n, n)."""
-    weights = np.broadcast_to(weights, (regimes, len(rows)))
-    if np.all(weights == weights[:, :1]):
-        return weights[:, :1, None] * (rows.T @ rows)
-    return (rows.T * weights[:, None, :]) @ rows
-
-
 def _link(conductance: Array, inflow: Array, place: Layout, term: Link) -> None:
     a, b = (term.a, term.b) if term.a in place.nodes else (term.b, term.a)
     regimes, rows = len(conductance), place.rows(a)
     if b in place.nodes:
-        conductance += _squares(rows - place.rows(b), np.multiply(term.g, term.over), regimes)
+        conductance += place.squares(a, np.multiply(term.g, term.over), regimes, b)
     else:
         g = np.broadcast_to(np.multiply(term.g, term.over), (regimes, len(rows)))
         conductance += place.squares(a, g, regimes)
-        inflow[:, :, place.inputs.index(b)] += g @ rows
+        inflow[:, :, place.inputs.index(b)] += product(g, rows)
         for k, shift in enumerate(place.shifts, start=len(place.inputs)):
             if shift.input == b and np.size(shift.over) in (1, len(rows)):
-                inflow[:, :, k] += (g * shift.over) @ rows
+                inflow[:, :, k] += product(g * shift.over, rows)
 
 
 def spread(q: Any, over: Any, rows: Array) -> Array:
@@ -227,7 +222,7 @@ def spread(q: Any, over: Any, rows: Array) -> Array:
         return over.carried(q, rows)
     if q.shape[1] == 1:
         return q * (over @ rows if np.shape(over)[-1:] == rows.shape[:1] else np.multiply(over, rows.sum(axis=0)))
-    return np.asarray((q * over) @ rows)
+    return product(q * over, rows)
 
 
 def heat(terms: Sequence[Term], place: Layout, ticks: int, projected: Projection = spread) -> Array:

@@ -49,7 +49,7 @@ class Modes:
         return Transition((S * np.exp(a * dt)) @ S.T @ self._mass, (S * _psi(a, dt)) @ S.T, (Q + Q.T) / 2)
 
     def along(self, mass: Array, conductance: Array) -> tuple[Array, Array]:
-        """How F and J move with mass and conductance, (n, n) each."""
+        """How F and J move with mass and conductance, (..., n, n) each."""
         S, (of_F, of_J) = self._shapes, self._slopes
         to_A, to_J = -(S.T @ conductance @ S), 0.0
         if mass.any():

@@ -59,19 +59,21 @@ def _side_by_side(posed: Posed, moved: Sequence[Tangent]) -> Iterator[NominalCol
 def pushed(posed: Posed, moved: Sequence[Tangent]) -> Array:
     """What each tick adds to how the states move, K, beside what is carried over from the tick before: (k, T, n)."""
     regime, forcing, before = posed.system.regime, posed.forcing, posed.run.z[:-1]
-    conducts = [bool(np.any(each.network.mass) or np.any(each.network.conductance)) for each in moved]
+    conducting = [k for k, each in enumerate(moved) if np.any(each.network.mass) or np.any(each.network.conductance)]
+    mass, conductance = ([getattr(moved[k].network, key) for k in conducting] for key in ("mass", "conductance"))
     shifts = [bool(np.any(each.network.inflow) or np.any(each.outside)) for each in moved]
     out = np.zeros((len(moved), *posed.heat.shape))
     for r in np.unique(regime):
         at = rows_of(regime, r)
         J, outside, given = forcing.transition(r).J, posed.outside[at], np.hstack([posed.heat[at], before[at]])
-        for b, each, conducted, shifted in zip(out, moved, conducts, shifts, strict=True):
+        for b, each, shifted in zip(out, moved, shifts, strict=True):
             put = each.heat[at]
             if shifted:
                 put = put + outside @ each.network.inflow[r].T + each.outside[at] @ forcing.inflow(r).T
             if shifted or put.any():
                 b[at] = put @ J.T
-            if conducted:
-                of_F, of_J = forcing.modes_of(r).along(each.network.mass, each.network.conductance[r])
-                b[at] += given @ np.hstack([of_J, of_F]).T
+        if conducting:
+            of_F, of_J = forcing.modes_of(r).along(np.array(mass), np.array([each[r] for each in conductance]))
+            for k, more in zip(conducting, given @ np.concatenate([of_J, of_F], axis=2).mT, strict=True):
+                out[k][at] += more
     return out

@@ -190,15 +190,15 @@ def regime_slopes(moved: Sequence[Moved], run: Run, regimes: Sequence[int]) -> l
     """How a tick of each of some regimes moves the states (n,) with each of q parameters, by states, heat and
     boundaries (n + n + boundaries,) of the tick: matrices (n + n + boundaries, n q)."""
     q, n, boundaries = len(moved), run.state.n, run.forcing.place.boundaries
-    found = np.zeros((len(regimes), 2 * n + boundaries, n, q))
-    for i, each in enumerate(moved) if regimes else ():
-        network = each.network(regimes)
-        for of, regime, inflow, conductance in zip(found, regimes, network.inflow, network.conductance, strict=True):
-            of[2 * n :, :, i] = inflow.T @ run.forcing.transition(regime).J.T
-            if np.any(network.mass) or np.any(conductance):
-                F, J = run.forcing.modes_of(regime).along(network.mass, conductance)
-                of[:n, :, i], of[n : 2 * n, :, i] = F.T, J.T
-    return [of.reshape(len(of), n * q) for of in found]
+    networks, found = [each.network(regimes) for each in moved] if regimes else [], []
+    for k, regime in enumerate(regimes):
+        mass = np.array([each.mass for each in networks]).reshape(q, n, n)
+        conductance = np.array([each.conductance[k] for each in networks]).reshape(q, n, n)
+        inflow = np.array([each.inflow[k] for each in networks]).reshape(q, n, boundaries)
+        by_states, by_heat = run.forcing.modes_of(regime).along(mass, conductance)
+        slopes = np.concatenate([by_states, by_heat, run.forcing.transition(regime).J @ inflow], axis=2)
+        found.append(slopes.transpose(2, 1, 0).reshape(2 * n + boundaries, n * q))
+    return found
 
 
 def shifting(model: Model, rig: Rig) -> Model | None:

@@ -6,6 +6,8 @@ What a model or an estimate is off by lasts: successive readings have it alike, 
 differ by is the sensors' own noise, and one that is broken does not move the median.
 """
 
+from statistics import median
+
 import numpy as np
 
 from estimator.record import Array
@@ -30,7 +32,7 @@ class Scatter:
         """w^2, where readings should scatter by `variance` (m,)."""
         asked = self._which & (self._pairs > 0)
         mean = self._squares / np.maximum(self._pairs, 1.0) / variance
-        return max(1.0, float(np.median(mean[asked]))) if asked.any() else 1.0
+        return max(1.0, median(mean[asked].tolist())) if asked.any() else 1.0
 
     def fade(self, kept: float) -> None:
         """Forget a part of all that was heard."""

@@ -41,8 +41,12 @@ def reduced(model, rig, drive):
     return np.array(out), int(max(ticks.regime)) + 1
 
 
-def by_cells(place, node, weights, regimes):
-    """Layout.squares where every cell is a state: no product of two is to be summed over cells."""
+def by_cells(place, node, weights, regimes, other=""):
+    """Layout.squares where every cell is a state: no product of two is to be summed over cells, but of those linked."""
+    if other:
+        rows = place.rows(node)
+        rows = rows[:-1] - rows[1:] if node == other else rows - place.rows(other)
+        return (rows.T * np.broadcast_to(weights, (regimes, len(rows)))[:, None, :]) @ rows
     (cells, states), found = np.nonzero(place.rows(node)), np.zeros((regimes, place.size, place.size))
     assert (place.rows(node)[cells, states] == 1.0).all()
     found[:, states, states] = weights
