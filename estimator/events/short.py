@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import solve_triangular
+import scipy
 
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials
@@ -56,7 +56,7 @@ def _finely(model: Model, trial: Trial) -> Signature:
 def without_outlying(seen: Signature, measured: Averages, sizes: Mapping[str, float]) -> Averages:
     """Averages of which those spans do not count that stand out, by their innovations in the order of time."""
     factor = np.linalg.cholesky(covariance(measured, sizes))
-    square = solve_triangular(factor, measured.y, lower=True) ** 2
+    square = scipy.linalg.solve_triangular(factor, measured.y, lower=True) ** 2
     usual = np.median(square[np.diag(measured.known) < UNHEARD_K2]) / MEDIAN
     outlying = np.isin(seen.span, seen.span[square > OUTLYING * usual])
     return replace(measured, known=measured.known + np.diag(UNHEARD_K2 * outlying))
