@@ -56,9 +56,7 @@ def events_of(model: Model, trials: Trials, runs: Runs, least: float = LEAST_GAI
 
 def _beside(event: Event, short: Sequence[Event]) -> bool:
     """Whether something seems to begin with what comes and goes."""
-    return any(
-        each.run == event.run and abs(each.since_s - event.since_s) <= TOGETHER_S for each in short
-    )  # fmt: skip
+    return any(each.run == event.run and abs(each.since_s - event.since_s) <= TOGETHER_S for each in short)
 
 
 def _shown_by(event: Event, loose: Collection[str], rig: Rig) -> bool:

@@ -15,10 +15,8 @@ MANY = 3.0  # times more, from which on a share is not told in %
 AIR = ("still_air", "rotating_convection", "radiation")  # of the screw
 HEATS = "something heats there since then: look for chips, a cover that rubs, what was switched on"
 COOLS = "something cools there since then: look for coolant or air that reaches the screw"
-HEATED, COOLED = (
-    "something heated there",
-    "something cooled there: look for a lid or a door that was open, a fan, coolant",
-)
+HEATED = "something heated there: look for what was switched on meanwhile"
+COOLED = "something cooled there: look for a lid or a door that was open, a fan, coolant"
 
 
 def told(onset: Onset, seen: Signature) -> Event:
@@ -61,7 +59,8 @@ def _heat(event: Event) -> str:
     heat = event.heat_W or 0.0
     place = f"in {event.name}" if event.name else f"at {((event.from_mm or 0.0) + (event.to_mm or 0.0)) / 2:.0f} mm"
     when = " while the screw turns" if event.kind == DRIVING else ""
-    amount = f"{abs(heat):.2g} W +- {event.sd_W:.1g} too {'little' if heat > 0 else 'much'} {place}{when}"
+    size, way = f"{_plain(abs(heat), 2)} W +- {_plain(event.sd_W or 0.0, 1)}", "little" if heat > 0 else "much"
+    amount = f"{size} too {way} {place}{when}"
     if event.until_s is None:
         return f"the model has {amount}, for the rest of the run; {HEATS if heat > 0 else COOLS}"
     return f"the model has {amount}, and no more after that; {HEATED if heat > 0 else COOLED}"
@@ -70,7 +69,7 @@ def _heat(event: Event) -> str:
 def _part(event: Event, loses: bool) -> str:
     share = event.share or 0.0
     more = "more" if share > 0 else "less"
-    percent = f"{abs(share):.2g} times" if share > MANY else f"{abs(100 * share):.0f} %"
+    percent = f"{_plain(abs(share), 2)} times" if share > MANY else f"{abs(100 * share):.0f} %"
     if event.name in AIR or loses:
         what = f"the screw loses {percent} {more} heat to the air ({event.name})"
         what = what if event.name in AIR else f"{event.name} takes {percent} {more} heat away"
@@ -87,3 +86,8 @@ def _reading(event: Event, seen: Signature) -> str:
     place, way = place_of(rig, rig.index(str(event.channel))), "high" if offset > 0 else "low"
     unit = "K" if event.channel in rig.thermometers else "um"
     return f"{place} reads {abs(offset):.2f} {unit} {way}, and no heat explains it: check how it sits"
+
+
+def _plain(value: float, digits: int) -> str:
+    """120, 5, 0.31: so many digits, and no powers of ten."""
+    return f"{float(f'{value:.{digits}g}'):g}"

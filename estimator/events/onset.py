@@ -28,7 +28,7 @@ LASTS_S = 600.0  # at least; and so far from a start or a stop what begins or en
 ENDS = 50.0  # by how much more likely an end makes it: as much as an onset has to add
 LEAST_SEEN, LEAST_SHARE = 1e-9, 1e-3  # curvature of what moves no reading; of a step's, of what begins and ends at once
 SHOWS = 2.0  # times what a good model leaves, by which an event moves readings: less is not worth a person's look
-SLACK = 1 / 6  # of the least that it lasts, sd of the sharpest onset: simulated ones were off by 70 s (rms), up to 280
+SLACK = 1 / 6  # of the least that it lasts, sd of the sharpest onset: simulated ones were off by 70 s (rms), of 600
 
 
 @dataclass(frozen=True)
