@@ -12,6 +12,7 @@ from benchmarks import paper_rig
 from benchmarks.measure import section
 from drivers.logs.truth import read_truth
 from drivers.recordings import find_recordings, read_recording
+from drivers.virtual_rig.protocol import EXPERIMENTS
 from estimator.accuracy.review import Review, overall, review
 from estimator.inputs.phase import COOLDOWN_S, stops
 from estimator.record import Recording
@@ -53,6 +54,8 @@ def mute_in(situation: str, recording: Recording, rig: Rig) -> Mute:
 def markdown() -> str:
     """The table over all twelve, and over the eight that the model was not fitted to."""
     paths = find_recordings([paper_rig.FOLDER])
+    if missing := {*EXPERIMENTS} - {path.stem for path in paths}:
+        raise SystemExit(f"{paper_rig.FOLDER}: no {', '.join(sorted(missing))}; make recordings")
     fitted = set(paper_rig.model().about["fitted_on"].values())
     rows = []
     with ProcessPoolExecutor(os.cpu_count()) as pool:
