@@ -104,7 +104,7 @@ def _ticks(name: str, frames: Frames, where: Callable[[int], str], rig: Rig, tal
     row, date = split(what, now, closes, ticks, budget.ticks, tally)
     told_step(date, rig.tick_s, tally)
     rows = decoder.whole(frames.take(slice(len(row))), now[: len(row)], row, date)
-    return replace(rows, frames=len(frames), began_s=date_of(frames.time))
+    return replace(rows, frames=len(frames), began_s=date_of(frames.time, now))
 
 
 def _on_the_rigs_clock(

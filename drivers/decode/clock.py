@@ -26,9 +26,14 @@ _UNCONFIRMED = 60.0  # ticks of silence that are believed of the last frames of 
 A_DATE = 1e8  # s: a log's clock that is so far on counts from 1970, and not from the start of the logger
 
 
-def date_of(time: Array) -> float | None:
-    """When stamps (n,) begin, s since 1970; None where they tell no date."""
-    return float(time[0]) if len(time) and time[0] > A_DATE else None
+def date_of(time: Array, now: Array) -> float | None:
+    """When the rig's clock `now` (n,) began by stamps (n,), s since 1970; None where they tell no date.
+
+    By most of them: a clock may have been set meanwhile, or have lost its date.
+    """
+    middle = len(time) // 2
+    began_s = float(np.partition(time - now, middle)[middle]) if len(time) else 0.0
+    return began_s if began_s > A_DATE else None
 
 
 class RigClock:

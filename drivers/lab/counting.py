@@ -19,12 +19,13 @@ SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.
 WORDS = {"ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds", "min": "minutes", "h": "hours", "d": "days"}
 _SHEET_DAYS = (20_000.0, 80_000.0)  # since 1900: from 1954 to 2119
 _SHEET_ZERO = 25_569.0  # 1970-01-01 in days of a spreadsheet
+_MATLAB = "days since the year 0, as Matlab has them"
 _ZEROS = {  # what 1970-01-01 is counted as, and s of one count
     "": (0.0, 1.0),
     "milliseconds since 1970": (0.0, 1e-3),
     "microseconds since 1970": (0.0, 1e-6),
     "nanoseconds since 1970": (0.0, 1e-9),
-    "days since the year 0, as Matlab has them": (719_529.0, DAY_S),
+    _MATLAB: (719_529.0, DAY_S),
     "100 ns since 1601, as Windows has them": (116_444_736e9, 1e-7),
     "100 ns since the year 1, as .NET has them": (621_355_968e9, 1e-7),
 }
@@ -41,6 +42,8 @@ def seconds(count: Array, tick_s: float, told: str | None, of_file: str | None, 
     of_file = of_file if of_file in SECONDS else None  # a column of something else may count as one of times
     if told or (of_file and of_file != "s"):
         unit = told or of_file or "s"
+        if unit == "d" and (days := _first_day(count)):
+            return (count - days[1]) * DAY_S, f"times in {days[0]}"
         return count * SECONDS[unit], "" if told else f"times in {WORDS[unit]}"
     known = count[np.isfinite(count)]
     step = usual_step(known)
@@ -62,6 +65,15 @@ def dated(low: float, high: float) -> Iterator[tuple[str, float, float]]:
     for said, (zero, size) in _ZEROS.items():
         if _DATES_S[0] <= (low - zero) * size and (high - zero) * size < _DATES_S[1]:
             yield said, zero, size
+
+
+def _first_day(count: Array) -> tuple[str, float] | None:
+    """Of days that are dates of this century, in words, and what 1970-01-01 is counted as; None of a run's own days."""
+    for said, zero in (("days of a spreadsheet", _SHEET_ZERO), (_MATLAB, _ZEROS[_MATLAB][0])):
+        since_s = (count[np.isfinite(count)] - zero) * DAY_S
+        if len(since_s) and since_s.min() >= _DATES_S[0] and since_s.max() < _DATES_S[1]:
+            return said, zero
+    return None
 
 
 def zoneless(said: str) -> bool:

@@ -195,7 +195,7 @@ def ticks_of(table: Table, budget: Budget) -> Recording:
     admit(path, rig, table.columns, table.never, readings)
     hot(rig, readings, tally)
     held = max(2, int(np.ceil(1.5 * step / rig.tick_s)))
-    began_s = date_of(table.time[kept])
+    began_s = date_of(table.time[kept], now)
     if began_s is not None and table.local:
         began_s = datetime.fromtimestamp(began_s, UTC).replace(tzinfo=None).timestamp()
     rows = replace(Condenser(rig, tally, held).whole(readings, date), began_s=began_s)

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from datetime import UTC, date, datetime
+from datetime import UTC, date, datetime, timedelta, timezone
 
 import numpy as np
 
@@ -26,6 +26,7 @@ _STAMP = re.compile(
 )  # letters as CEST: local time
 _WORDS = re.compile(r"(?=.*\d)(?=.*[A-Za-z]{3}).*|\d{8}[T _-]\d{4,}.*")  # a month in letters, or ISO without marks
 _MINUTES = re.compile(r"\d{1,3}:\d{2}[.,]\d{1,6}")  # 59:05.0, as Excel shows and saves times
+_LAST_CENTURY = 69  # years of two digits from that one on, as strptime has them
 _EPOCH = date(1970, 1, 1).toordinal()
 DAY_S, HOUR_S = 86400.0, 3600.0
 _ORDERS = {"ymd": "year first", "dmy": "day first", "mdy": "month first"}
@@ -46,7 +47,7 @@ def kind_of(cell: str) -> str:
     match = _matched(cell)
     if match and (match["date"] or match["hour"]):
         return "stamp" if match["date"] and match["hour"] else "date" if match["date"] else "clock"
-    return "stamp" if _WORDS.fullmatch(cell) and not np.isnan(_by_words(cell)) else ""
+    return "stamp" if _WORDS.fullmatch(cell) and _by_words(cell) else ""
 
 
 def stamps(cells: Sequence[str], time_format: str | None, tick_s: float, where: Callable[[int], str]) -> Stamps:
@@ -58,11 +59,11 @@ def stamps(cells: Sequence[str], time_format: str | None, tick_s: float, where: 
     days, order = _days(matches, cells, where)
     clock = np.array([np.nan if match is None else _clock(match) for match in matches])
     time = days * DAY_S + clock
-    for k, match in enumerate(matches):
-        if match is None and _WORDS.fullmatch(cells[k]):
-            time[k] = _by_words(cells[k])
+    words = {k: _by_words(cells[k]) for k, m in enumerate(matches) if m is None and _WORDS.fullmatch(cells[k])}
+    for k, said in words.items():
+        time[k] = np.nan if said is None else _seconds(said)
     shown = next((m[0] for m in matches if m), "")
-    zoned = any(match and match["zone"] for match in matches)
+    zoned = any(m and m["zone"] for m in matches) or any(said and said.tzinfo for said in words.values())
     if not order:
         short = any(matches) and not any(match and match["second"] for match in matches)
         known = np.isfinite(time)
@@ -111,15 +112,19 @@ def _seconds(time: datetime) -> float:
     return (time if time.tzinfo else time.replace(tzinfo=UTC)).timestamp()
 
 
-def _by_words(cell: str) -> float:
-    """Seconds of a time such as 1-Mar-2026 12:00:05 or 20260301T120005; NaN if it is none."""
+def _by_words(cell: str) -> datetime | None:
+    """A time such as 1-Mar-2026 12:00:05 or 20260301T120005; None if it is none. Of letters as CEST: local time."""
     from dateutil import parser  # late: only such cells need it
 
     with suppress(ValueError):
-        return _seconds(datetime.fromisoformat(cell))
+        return datetime.fromisoformat(cell)
     with suppress(ValueError, OverflowError):
-        return _seconds(parser.parse(cell, dayfirst=True, default=datetime(1970, 1, 1)))
-    return np.nan
+        return parser.parse(cell, dayfirst=True, default=datetime(1970, 1, 1), tzinfos=_zone)
+    return None
+
+
+def _zone(letters: str | None, ahead_s: int | None) -> timezone | None:
+    return None if ahead_s is None else timezone(timedelta(seconds=ahead_s))
 
 
 def _clock(match: re.Match[str]) -> float:
@@ -174,7 +179,9 @@ def _day(match: re.Match[str], order: str) -> int | None:
         return None
     if match["mark"] == "." and order == "mdy":
         return None
-    year = int(parts["y"]) + (2000 if len(parts["y"]) < 3 else 0)
+    year = int(parts["y"])
+    if len(parts["y"]) < 3:
+        year += 2000 if year < _LAST_CENTURY else 1900
     with suppress(ValueError):
         return date(year, int(parts["m"]), int(parts["d"])).toordinal() - _EPOCH
     return None

@@ -93,7 +93,8 @@ def _fitted(off: Array, column: Array) -> tuple[float, float]:
 def exchanged(read: AsRead) -> Iterator[Event]:
     """Pairs of thermometers of a recording."""
     rig, recording = read.rig, read.recording
-    for one, other in _pairs(read.off, read.alone, np.flatnonzero(rig.is_thermometer)):
+    heard = np.flatnonzero(rig.is_thermometer & np.isfinite(read.off).any(axis=0))
+    for one, other in _pairs(read.off, read.alone, heard):
         first, second = rig.names[one], rig.names[other]
         what = f"{first} and {second} show each other's temperature: exchange their plugs, or their signals in rig.toml"
         yield Event(

@@ -4,6 +4,8 @@ It lasts a few spans, which are finer than for what stays. Such spans would make
 with the model as large as themselves; it is sized without those that stand out of it:
 
     e = L^-1 y,    S = L L',    e^2 > 25 median(e^2) / 0.455
+
+What a model makes wrong of a heater that switches seldom stands out as well: it is taken into account, and not told.
 """
 
 from __future__ import annotations
@@ -16,13 +18,14 @@ import scipy
 
 from estimator.batch.trial import Trial
 from estimator.batch.trials import Trials
-from estimator.events.event import Event
+from estimator.events.event import PART, Event
 from estimator.events.kinds import told
 from estimator.events.onset import ENDS, Onset, Solver, steps, worth
 from estimator.events.pattern import pattern, sized
 from estimator.events.signature import Signature, signature
 from estimator.missing_heat.causes import Averages, covariance
 from estimator.model import Model
+from estimator.record import Array
 
 AVERAGES, TICKS = 640, 10  # of all channels together; and in a span at least
 FEWEST = 40  # averages, below which nothing is told
@@ -31,6 +34,8 @@ SPANS = 5.0  # that it lasts at most
 OUTLYING = 25.0  # squares of a standard deviation, as the median of all tells it
 MEDIAN = 0.455  # of the square of what is normal with sd 1
 ROUNDS = 2  # what stands out shows better when the worst of it is gone
+SELDOM = 5.0  # times the median change of the heat that a model puts in from span to span
+BEFORE, AFTER = 1.0, 2.0  # spans, within which of such a change what begins is the model's
 UNHEARD_K2 = 1e6  # variance of averages that are not to count
 
 
@@ -67,6 +72,7 @@ def _found(seen: Signature, sizes: Mapping[str, float], least: float) -> list[On
     heats = [step for step in steps(seen) if step.carrier is not None and step.acts.all()]
     span_s = float(np.median(np.diff(seen.spans.from_s)))
     found: list[Onset] = []
+    switched = _switched(seen)
     while heats and len(found) < MOST:
         solver = Solver(pattern(seen, [onset.column for onset in found]), sizes, (0.9 * span_s, (SPANS + 0.1) * span_s))
         best = max(heats, key=lambda step: float(solver.gains(seen, step)[1].max()))
@@ -74,4 +80,27 @@ def _found(seen: Signature, sizes: Mapping[str, float], least: float) -> list[On
         if onset.until_s is None or onset.gain <= least + ENDS or not worth(onset, seen):
             break
         found.append(onset)
-    return found
+    alone = [onset for i, onset in enumerate(found) if not any(_with(onset, other) for other in found[:i])]
+    return [onset for onset in alone if not _near(onset.since_s - switched, span_s)]
+
+
+def _with(onset: Onset, other: Onset) -> bool:
+    """Whether it only corrects one that is more likely: what is shorter than a span is not as it seems."""
+    first, second = ((each.since_s, each.until_s or 0.0) for each in (onset, other))
+    return onset.step is other.step and max(first[0], second[0]) < min(first[1], second[1])
+
+
+def _near(after_s: Array, span_s: float) -> bool:
+    return bool(((after_s > -BEFORE * span_s) & (after_s <= AFTER * span_s)).any())
+
+
+def _switched(seen: Signature) -> Array:
+    """When the heat that the model puts in jumps as it seldom does, (k,) s."""
+    puts = [carrier.push for carrier in seen.carriers if carrier.kind == PART and not carrier.loses]
+    if not puts:
+        return np.empty(0)
+    of_tick = seen.spans.of_tick
+    first = np.flatnonzero(np.diff(of_tick, prepend=-1))
+    mean = np.add.reduceat(np.hstack(puts), first) / np.bincount(of_tick)[:, None]
+    jump = np.abs(np.diff(mean, axis=0)).sum(axis=1)
+    return seen.spans.from_s[1:][jump > SELDOM * np.median(jump)]

@@ -5,6 +5,7 @@ never finds the law. So it is with one that drifts in every run, and reads right
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from estimator.faults.use import ChannelUse, Use
 from estimator.inputs.phase import phases
 from estimator.record import Array, Recording
 from estimator.rig import Rig
+from estimator.work import Runs
 
 NEAR_S = 60.0  # of a start or stop: within that a jump is seen; around four of them it is a fifteenth of two hours
 RECORDINGS = 2  # with jumps, and none elsewhere, that chance makes in one of two hundred
@@ -32,6 +34,16 @@ def drifts_always(uses: Sequence[Use], rig: Rig) -> list[str]:
     drifts = [{one.channel for one in use.channels if Fault.DRIFTING in [s.fault for s in one.spells]} for use in uses]
     often = {name: sum(name in some for some in drifts) for name in rig.thermometers}
     return [name for name, times in often.items() if times >= RECORDINGS and times > len(uses) / 2]
+
+
+def silenced(runs: Runs, names: Sequence[str]) -> Runs:
+    """The runs as if some thermometers had never been read; still told again as what a model was fitted to."""
+    kept = ~np.isin(runs.rig.names, list(names))
+    some = [
+        replace(each, channels=np.where(kept, each.channels, np.nan), part_of=each.fingerprint)
+        for each in runs.recordings
+    ]
+    return replace(runs, recordings=some)
 
 
 def _keeps_step(name: str, uses: Sequence[Use], changes: Sequence[Array]) -> bool:

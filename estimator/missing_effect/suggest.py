@@ -30,7 +30,7 @@ from estimator.hypotheses.ground import as_given, of_tables, seen
 from estimator.hypotheses.hypothesis import Hypothesis, refined
 from estimator.hypotheses.panel import Explanation
 from estimator.missing_effect.begun import Begun, begun
-from estimator.missing_effect.in_step import drifts_always, in_step
+from estimator.missing_effect.in_step import drifts_always, in_step, silenced
 from estimator.missing_effect.odd_run import odd_run
 from estimator.missing_effect.side import Side, each_once
 from estimator.missing_effect.suggestion import Suggestion
@@ -107,9 +107,9 @@ class Search:
         self.runs.progress("looking for something unknown", 0.85)
         said = self._verdict(self._unexplained(self.side))
         said = replace(said, believed=tuple(self.believed))
-        if self.believed:
-            return self._by_jumps(said) if said.verdict == "nothing_missing" else said
-        return said if self._alone else self._by_drifts(said)
+        if self.believed and said.verdict == "nothing_missing":
+            return self._by_jumps(said)
+        return said if self.believed or self._alone else self._by_drifts(said)
 
     def _plains(self) -> list[Hypothesis]:
         """The model without effects on each ground that may hold.
@@ -211,8 +211,7 @@ class Search:
 
     def _reads(self, side: Side) -> bool:
         """Whether what explains most is what readings make of the temperatures."""
-        first = next(iter(side.told), None)
-        return first is not None and all(kind_of(first.model, n, self.runs.rig) == "reading" for n in first.names)
+        return {kind_of(h.model, n, self.runs.rig) for h in side.told[:1] for n in h.names} == {"reading"}
 
     def _by_jumps(self, said: Suggestion) -> Suggestion:
         """What thermometers follow that jump whenever the drive starts or stops: that there is something is told."""
@@ -225,16 +224,19 @@ class Search:
         return replace(said, verdict="nothing_in_catalogue", unexplained=found, composed=made)
 
     def _by_drifts(self, said: Suggestion) -> Suggestion:
-        """What is said when thermometers are heard that drift in every run, where it is of a reading that they do."""
+        """What is said when thermometers that drift in every run are heard throughout, or never."""
         names = drifts_always(self.trials.uses, self.runs.rig)
+        unsaid = said.unexplained is None and self._far(self.side.single)
+        if names and (unsaid or self._channel(said) in names):  # what they read before they were left out hides it
+            other = self._search(silenced(self.runs, names), None, ()).run()
+            return said if other.verdict == "nothing_missing" else replace(other, uses=self.trials.uses)
         if not names or not (said.verdict == "nothing_missing" or self._reads(self.side)):
             return said
-        again = self._search(self.runs, None, names)
-        other = again.run()
-        law = (
-            other.unexplained is not None and unknown_of(other.unexplained.candidate, self.runs.rig).channel is not None
-        )
-        return other if law or again._reads(again.side) else said
+        other = (again := self._search(self.runs, None, names)).run()
+        return other if self._channel(other) is not None or again._reads(again.side) else said
+
+    def _channel(self, said: Suggestion) -> str | None:
+        return None if said.unexplained is None else unknown_of(said.unexplained.candidate, self.runs.rig).channel
 
     def _chosen_from(self, found: Unexplained) -> int:
         """How many stand-ins it must stand out from; none where something must be missing."""

@@ -73,6 +73,8 @@ def misfit(model: Model, trial: Trial) -> Misfit:
 def spikes(rest: Array, cell: Array, sd: Array) -> Array:
     """Readings far from the others of their bin, (T, m)."""
     known = np.isfinite(rest)
+    if not known.any():
+        return known
     middle, spread = np.full((2, cell.max() + 1), np.nan)
     order = np.argsort(cell[known], kind="stable")
     cells, first = np.unique(cell[known][order], return_index=True)

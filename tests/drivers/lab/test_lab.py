@@ -35,6 +35,10 @@ def zone(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Ite
         (lambda t: f"{t.replace(tzinfo=UTC).timestamp() * 1e9:.0f}", False),
         (lambda t: f"{(t - datetime(1899, 12, 30)) / timedelta(days=1):.8f}", True),
         (lambda t: f"{t:%H:%M:%S}", None),
+        (lambda t: f"{t:%d-%b-%Y %H:%M:%S}", True),
+        (lambda t: f"{t:%d-%b-%Y %H:%M:%S} EST", True),  # letters of a zone, of this machine's own too, are local time
+        (lambda t: f"{t:%d-%b-%Y %H:%M:%S} +0000", False),
+        (lambda t: f"{t:%Y%m%dT%H%M%S}Z", False),
     ],
 )
 def test_the_date_of_a_recording(tmp_path: Path, rod: Rig, zone: None, time, local: bool | None) -> None:
@@ -44,6 +48,37 @@ def test_the_date_of_a_recording(tmp_path: Path, rod: Rig, zone: None, time, loc
     (tmp_path / "a.csv").write_text("\n".join(["t,left,B,P/kW,ambient,remark", *cells, ""]))
     expected = (began if local else began.replace(tzinfo=UTC)).timestamp() if local is not None else None
     assert read_recording(tmp_path / "a.csv", rod).began_s == pytest.approx(expected, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("years", "other", "rows"), [(27, 3, 30), (-36, 3, 30), (20, 20, 30), (-20, 1, 30), (-20, 20, 40)]
+)
+def test_a_clock_that_was_set_or_lost_its_date_tells_it_by_most_rows(tmp_path: Path, rod: Rig, years, other, rows):
+    """The first `other` rows were stamped years off; of as many the clock was set, for it is seldom put wrong."""
+    began = datetime(2026, 3, 1, 12)
+    stamps = [began + timedelta(seconds=k) for k in range(rows)]
+    off = [stamp.replace(year=2026 + years) if k < other else stamp for k, stamp in enumerate(stamps)]
+    (tmp_path / "a.csv").write_text("\n".join(["t,left", *(f"{stamp}Z,{20 + k}" for k, stamp in enumerate(off)), ""]))
+    expected = off[0] if 2 * other > rows else began
+    told = read_recording(tmp_path / "a.csv", rod).began_s
+    assert told == pytest.approx(expected.replace(tzinfo=UTC).timestamp(), abs=1.5)
+
+
+@pytest.mark.parametrize(("year", "begins"), [("26", 2026), ("99", 1999), ("68", 2068)])
+def test_a_year_of_two_digits(tmp_path: Path, rod: Rig, year: str, begins: int) -> None:
+    rows = (f"14.03.{year} 12:00:{k:02d}Z,{20 + k}" for k in range(30))
+    (tmp_path / "a.csv").write_text("\n".join(["t,left", *rows, ""]))
+    assert read_recording(tmp_path / "a.csv", rod).began_s == datetime(begins, 3, 14, 12, tzinfo=UTC).timestamp()
+
+
+@pytest.mark.parametrize("zero", [datetime(1899, 12, 30), datetime(1, 1, 1)])
+def test_days_of_which_the_unit_is_told_are_dates_too(tmp_path: Path, zone: None, zero: datetime) -> None:
+    """Of a spreadsheet or of Matlab, and not since 1970."""
+    (tmp_path / "rig.toml").write_text(ROD.replace("[log]", '[log]\ncsv = { time_unit = "d" }'))
+    began, matlab = datetime(2026, 3, 1, 12), 367 * (zero.year == 1)
+    days = [(began - zero + timedelta(seconds=k)) / timedelta(days=1) + matlab for k in range(30)]
+    (tmp_path / "a.csv").write_text("\n".join(["t,left", *(f"{day:.8f},{20 + k}" for k, day in enumerate(days)), ""]))
+    assert read_recording(tmp_path / "a.csv", load_rig(tmp_path)).began_s == pytest.approx(began.timestamp(), abs=0.01)
 
 
 def table(path: Path, step: float, rows: int, iso: bool = False) -> Path:

@@ -247,3 +247,15 @@ def test_what_a_thermometer_follows_that_drifts_in_every_run_is_told(rig, full, 
     found = suggest(full, Runs(rig, runs), [], taken=())
     assert (found.verdict, found.believed) == (("nothing_in_catalogue", ("T06",)) if heard else ("nothing_missing", ()))
     assert not heard or unknown_of(found.unexplained.candidate, rig).channel == "T06"
+
+
+def test_a_thermometer_that_is_stuck_in_every_run_hides_no_effect(rig, full, live, driven):
+    """What it read before it was left out would need a law of its own."""
+    truth, at, runs = full + CATALOGUE["churning"], rig.index("T06"), []
+    for k, speed in enumerate((FAST, FAST / 2)):
+        run = live(truth, rig, driven(rig, 2400, (300, 1500), speed), seed=k).recording
+        channels = run.channels.copy()
+        channels[:, at] = channels[0, at]
+        runs.append(replace(run, channels=channels, name=f"run {k}"))
+    found = suggest(full, Runs(rig, runs), [CATALOGUE["churning"]], taken=())
+    assert (found.verdict, found.found[0].names) == ("effect", ("churning",))
