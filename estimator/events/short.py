@@ -36,6 +36,7 @@ MEDIAN = 0.455  # of the square of what is normal with sd 1
 ROUNDS = 2  # what stands out shows better when the worst of it is gone
 SELDOM = 5.0  # times the median change of the heat that a model puts in from span to span
 BEFORE, AFTER = 1.0, 2.0  # spans, within which of such a change what begins is the model's
+OFTEN = 0.25  # of such changes, from which on what begins with them goes with them
 UNHEARD_K2 = 1e6  # variance of averages that are not to count
 
 
@@ -81,6 +82,9 @@ def _found(seen: Signature, sizes: Mapping[str, float], least: float) -> list[On
             break
         found.append(onset)
     alone = [onset for i, onset in enumerate(found) if not any(_with(onset, other) for other in found[:i])]
+    near = [onset for onset in alone if _near(onset.since_s - switched, span_s)]
+    if len(found) < MOST and len(near) <= OFTEN * len(switched):
+        return alone  # a model that is wrong with its heat is so each time that it switches
     return [onset for onset in alone if not _near(onset.since_s - switched, span_s)]
 
 
