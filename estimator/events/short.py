@@ -36,7 +36,8 @@ MEDIAN = 0.455  # of the square of what is normal with sd 1
 ROUNDS = 2  # what stands out shows better when the worst of it is gone
 SELDOM = 5.0  # times the median change of the heat that a model puts in from span to span
 BEFORE, AFTER = 1.0, 2.0  # spans, within which of such a change what begins is the model's
-OFTEN = 0.25  # of such changes, from which on what begins with them goes with them
+OFTEN = 1 / 3  # of such changes, from which on what begins with them goes with them
+WEAK = 0.2  # of the largest gain: less, beside a switch, is what the largest leaves
 UNHEARD_K2 = 1e6  # variance of averages that are not to count
 
 
@@ -83,9 +84,11 @@ def _found(seen: Signature, sizes: Mapping[str, float], least: float) -> list[On
         found.append(onset)
     alone = [onset for i, onset in enumerate(found) if not any(_with(onset, other) for other in found[:i])]
     near = [onset for onset in alone if _near(onset.since_s - switched, span_s)]
-    if len(found) < MOST and len(near) <= OFTEN * len(switched):
-        return alone  # a model that is wrong with its heat is so each time that it switches
-    return [onset for onset in alone if not _near(onset.since_s - switched, span_s)]
+    times = 1 + np.count_nonzero(np.diff(switched) > AFTER * span_s)
+    # a model that is wrong with its heat is so most times that it switches
+    seldom = len(found) < MOST and len(near) <= OFTEN * times
+    strong = WEAK * max((onset.gain for onset in alone), default=0.0)
+    return [one for one in alone if not _near(one.since_s - switched, span_s) or (seldom and one.gain > strong)]
 
 
 def _with(onset: Onset, other: Onset) -> bool:
