@@ -51,9 +51,7 @@ class Table:
         self.columns: dict[str, Array] = {}
         self.never: dict[str, str] = {}
         for name in cells:
-            bare = (
-                name in signals and signals[name].unit in SWITCHED
-            )  # an "off" thermometer or heater in W says no number
+            bare = name in signals and signals[name].unit in SWITCHED  # an "off" heater in W says no number
             values = switched(cells[name]) if bare else None
             self.said += [f"{name} on and off as 1 and 0"] if values is not None else []
             values = self._measured(cells[name], name) if values is None else values

@@ -29,11 +29,13 @@ def in_step(uses: Sequence[Use], recordings: Sequence[Recording], rig: Rig) -> l
 def drifts_always(uses: Sequence[Use], rig: Rig) -> list[str]:
     """Names of thermometers that were left out because they drift, in two recordings or more and in most of them.
 
-    What is broken stays so; what goes and comes back with every run may follow something.
+    What is broken stays so; what goes and comes back with every run may follow something. None where half of them do:
+    then it is the model that drifts.
     """
     drifts = [{one.channel for one in use.channels if Fault.DRIFTING in [s.fault for s in one.spells]} for use in uses]
     often = {name: sum(name in some for some in drifts) for name in rig.thermometers}
-    return [name for name, times in often.items() if times >= RECORDINGS and times > len(uses) / 2]
+    found = [name for name, times in often.items() if times >= RECORDINGS and times > len(uses) / 2]
+    return found if len(found) < len(often) / 2 else []
 
 
 def silenced(runs: Runs, names: Sequence[str]) -> Runs:

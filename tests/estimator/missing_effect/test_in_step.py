@@ -54,6 +54,8 @@ def test_what_drifts_in_most_recordings_may_be_a_law(small, drifts, heard):
     uses = [use(small, [300.0] * each, fault=Fault.DRIFTING) for each in drifts]
     assert drifts_always(uses, small) == ([small.thermometers[1]] if heard else [])
     assert drifts_always([use(small, [300.0])] * 2, small) == []  # that jumped
+    all_drift = [replace(u, channels=tuple(replace(c, spells=u.channels[1].spells) for c in u.channels)) for u in uses]
+    assert drifts_always(all_drift, small) == []  # so does the model
 
 
 def test_without_a_drive_nothing_keeps_step(small, driven):
