@@ -28,6 +28,7 @@ HEAT: tuple[type[Effect], ...] = (
     bearings.AnchorHousing,
     bearings.FreeHousing,
     bearings.HousingShells,
+    friction.WarmGrease,
     friction.NutSpeedExponent,
     friction.BearingSpeedExponent,
     friction.FrictionThinning,

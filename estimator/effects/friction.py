@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from types import SimpleNamespace
+from typing import Any
 
 from estimator.effect import Effect, Param, needed
 from estimator.effects.bearings import BEARINGS, SEATS, seat_of, under_bearing
@@ -9,6 +10,8 @@ from estimator.effects.nut import per_cell, under_nut
 from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, START, Heat, Link, Term
+
+THINNED = ("nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing", *SEATS)
 
 
 class NutSpeedExponent(Effect):
@@ -55,35 +58,61 @@ class FrictionThinning(Effect):
     reference  T_ref, at which the powers are what they are
     """
 
-    scales = (
-        "nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing", *SEATS
-    )  # fmt: skip
+    scales = THINNED
     trace = "The curve bends early: less heat the warmer it is, whatever the time; worse for short strokes."
     rate = Param(0.03, "1/K", lo=0.0, hi=0.08, null=0.0, source="3.1 - 3.5 %/K, Vogel-Cameron for VG100 - VG220")
     ratio = Param(1.35, "1", lo=0.0, hi=3.0, fixed=True, source="bearings 4.2 %/K, Palmgren, against 3.1")
     reference = Param(22.0, "degC", lo=-50.0, hi=100.0, fixed=True, source="a workshop")
 
     def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
-        w, colder = rig.the_screw().relative_speed(u.omega), p.reference - u[START]
-        nut = needed(p, "nut_friction")
-        turn = p.rate * w**nut.n
-        # by the whole nut: in single cells the balls' share may be below 0, and a link would conduct backwards
-        yield Link(SCREW, START, turn * nut.power * per_cell(rig), over=u.coverage)
-        yield Heat(SCREW, turn * nut.power * per_cell(rig) * colder, over=u.coverage)
-        if p.nut_body is not None:
-            yield Link("nut", START, turn * nut.power_nut)
-            yield Heat("nut", turn * nut.power_nut * colder)
-        for support in BEARINGS:
-            bearing = getattr(p, f"{support}_friction")
-            if bearing is None:
-                continue
-            turn = p.rate * p.ratio * w**bearing.n
-            seat = under_bearing(rig, support, seat_of(p, support))
-            yield Link(SCREW, START, turn * bearing.power * seat)
-            yield Heat(SCREW, turn * bearing.power * colder, over=seat)
-            if getattr(p, f"{support}_housing") is not None:
-                yield Link(f"{support}_housing", START, turn * bearing.power_housing)
-                yield Heat(f"{support}_housing", turn * bearing.power_housing * colder)
+        yield from _thinned(p, u, rig, p.rate, p.rate * p.ratio)
+
+
+class WarmGrease(Effect):
+    """Grease is a little thinner the warmer it is: friction of nut and bearings is as told at one temperature.
+
+    q = -nut P |omega / omega_ref|^n (T - T_ref), P and n of nut_friction;   `bearings` instead of `nut` at these
+
+    reference  T_ref, at which the powers are what they are
+
+    Beside friction_thinning, which is all of a grease's viscosity: of a preloaded nut's torque a part is load, and does
+    not thin. Fitted, and never searched for: no parameter has a null
+    """
+
+    scales = THINNED
+    trace = "The first minutes of a drive too cold and the last too warm, and more heat on a colder day."
+    nut = Param(0.004, "1/K", lo=0.0, hi=0.03, sd=0.004, source="0 where load brakes, 0.5 - 1.5 %/K of greased screws")
+    bearings = Param(
+        0.004, "1/K", lo=0.0, hi=0.03, sd=0.004, source="M1 does not thin, M0 by 2/3 of 4 %/K: 0 - 1.5 %/K"
+    )
+    reference = Param(22.0, "degC", lo=-50.0, hi=100.0, fixed=True, source="a workshop")
+
+    def terms(self, p: SimpleNamespace, u: Inputs, rig: Rig) -> Iterator[Term]:
+        yield from _thinned(p, u, rig, p.nut, p.bearings)
+
+
+def _thinned(p: SimpleNamespace, u: Inputs, rig: Rig, nut_rate: Any, bearing_rate: Any) -> Iterator[Term]:
+    """What friction that falls by these rates, 1/K, takes from its heats at T_ref."""
+    w, colder = rig.the_screw().relative_speed(u.omega), p.reference - u[START]
+    nut = needed(p, "nut_friction")
+    turn = nut_rate * w**nut.n
+    # by the whole nut: in single cells the balls' share may be below 0, and a link would conduct backwards
+    yield Link(SCREW, START, turn * nut.power * per_cell(rig), over=u.coverage)
+    yield Heat(SCREW, turn * nut.power * per_cell(rig) * colder, over=u.coverage)
+    if p.nut_body is not None:
+        yield Link("nut", START, turn * nut.power_nut)
+        yield Heat("nut", turn * nut.power_nut * colder)
+    for support in BEARINGS:
+        bearing = getattr(p, f"{support}_friction")
+        if bearing is None:
+            continue
+        turn = bearing_rate * w**bearing.n
+        seat = under_bearing(rig, support, seat_of(p, support))
+        yield Link(SCREW, START, turn * bearing.power * seat)
+        yield Heat(SCREW, turn * bearing.power * colder, over=seat)
+        if getattr(p, f"{support}_housing") is not None:
+            yield Link(f"{support}_housing", START, turn * bearing.power_housing)
+            yield Heat(f"{support}_housing", turn * bearing.power_housing * colder)
 
 
 class Churning(Effect):

@@ -178,7 +178,7 @@ def test_a_leaking_link_is_found(full, rig, monkeypatch):
 
 def test_the_model_may_have_the_effect_and_what_scales_it(every, rig):
     assert set(every.effects) - set(without(every, "nut_friction", rig).effects) == {
-        "nut_friction", "nut_speed_exponent", "friction_thinning", "churning",
+        "nut_friction", "nut_speed_exponent", "friction_thinning", "warm_grease", "churning",
     }  # fmt: skip
     assert all(finding.ok for finding in battery(CATALOGUE["nut_friction"], every, rig))
 

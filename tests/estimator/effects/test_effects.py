@@ -24,6 +24,7 @@ from tests.conftest import terms_of
 EFFECTS = list(CATALOGUE.values())
 WITHOUT_NULL = {  # never searched for
     "conduction", "displacement", "held_ends", "nut_balls", "nut_flange", "housing_shells", "free_convection",
+    "warm_grease",
 }  # fmt: skip
 ALWAYS = {"local_heat", "free_convection"}  # heats at rest, too
 

@@ -96,6 +96,19 @@ def test_thinning_takes_heat_in_proportion_to_the_warmth(rig, u):
     np.testing.assert_allclose(body[:, 0], 0.02 * friction["nut"]["power_nut"].value * u.omega[:, 0] / REFERENCE)
 
 
+def test_warm_grease_thins_at_nut_and_bearings_by_rates_of_their_own(rig, u):
+    """With the rates of friction_thinning its terms are those."""
+    same = {"nut": 0.02, "bearings": 0.03}
+    for mine, strong in zip(
+        terms_of("warm_grease", rig, u, **same),
+        terms_of("friction_thinning", rig, u, rate=0.02, ratio=1.5),
+        strict=True,
+    ):
+        assert type(mine) is type(strong)
+        for key in ("g",) if isinstance(mine, Link) else ("q",):
+            np.testing.assert_allclose(getattr(mine, key), getattr(strong, key), rtol=1e-12)
+
+
 def test_on_a_colder_day_friction_is_higher_from_the_start(rig, u):
     """By as much as it falls while that is made up for: rate P w^n (T_ref - T_start)."""
     cold = replace(u, values={**u.values, START: np.full_like(u.omega, 17.0)})
@@ -147,6 +160,7 @@ def test_what_scales_an_effect_moves_with_it(every):
         "nut_friction",
         "nut_speed_exponent",
         "friction_thinning",
+        "warm_grease",
         "churning",
     }
     assert set(every.moved_by("still_air")) == {"still_air", "free_convection"}
