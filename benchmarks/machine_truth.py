@@ -5,6 +5,7 @@ A parameter has a true value where the law of the machine is the model's; where 
 """
 
 import hashlib
+import math
 import pickle
 from functools import cache
 from pathlib import Path
@@ -15,21 +16,21 @@ import drivers.virtual_rig
 from drivers.virtual_rig import Run, simulate
 from drivers.virtual_rig.machine.geometry import OMEGA_20
 from drivers.virtual_rig.machine.screw import AREA_M2, BORE_SHARE, mean_above_bore
-from drivers.virtual_rig.population.constants import PAPER, Anchor, Machine
+from drivers.virtual_rig.population.constants import PAPER, Anchor, Machine, Nut
+from estimator.effects.friction import WarmGrease
 
 USUAL_K = 4.0  # at which the model's still air is what it is
+WARMTH_C = WarmGrease.params["reference"].value  # at which the model's friction is
 KEPT = Path(__file__).parent / "machines"
 FIRST_SEED = 500  # machine N has the sensors and the weather of seed 500 + N
 UNLIKE = {  # laws of a machine with which an effect, or one of its parameters, has no counterpart
-    "nut_friction": ("thinning_friction", "churning_grease"),
+    "nut_friction": ("churning_grease",),
     "nut_body": ("growing_contact",),
     "still_air": ("radiating_surface",),
     "free_convection": ("radiating_surface",),
     "rotating_convection": ("late_rotation",),
-    "anchor_friction": ("thinning_friction",),
     "anchor_friction.power_housing": ("two_lump_housings",),
     "anchor_housing": ("two_lump_housings",),
-    "free_friction": ("thinning_friction",),
     "free_friction.power_housing": ("two_lump_housings",),
     "free_housing": ("two_lump_housings",),
 }
@@ -64,7 +65,7 @@ def _unlike(path: str) -> set[str]:
 
 def _counterparts(one: Machine) -> dict[str, float]:
     nut, sensors = one.nut, one.sensors
-    friction = nut.drag_torque * OMEGA_20
+    friction = nut.drag_torque * OMEGA_20 * _thinned(nut)
     return {
         "conduction.scale": one.screw.conductivity / PAPER.screw.conductivity,
         "conduction.capacity": one.screw.volumetric_heat / PAPER.screw.volumetric_heat,
@@ -75,6 +76,8 @@ def _counterparts(one: Machine) -> dict[str, float]:
         "nut_friction.power": nut.into_screw * friction,
         "nut_friction.power_nut": (1.0 - nut.into_screw) * friction,
         "nut_friction.n": 1.0 + nut.speed_exponent,
+        "warm_grease.nut": nut.thinning,
+        "warm_grease.bearings": (one.anchor.thinning + one.free.thinning) / 2.0,
         "nut_body.capacity": nut.capacity,
         "nut_body.g": nut.contact,
         "nut_body.g_air": nut.to_table,
@@ -90,7 +93,7 @@ def _counterparts(one: Machine) -> dict[str, float]:
 
 def _support(name: str, bearing: Anchor) -> dict[str, float]:
     """An exponent only where friction is one power of the speed; no way to the base, which has the air beside it."""
-    friction = (bearing.load_torque + bearing.viscous_torque) * OMEGA_20
+    friction = (bearing.load_torque + bearing.viscous_torque) * OMEGA_20 * _thinned(bearing)
     return {
         f"{name}_friction.power": bearing.into_screw * friction,
         f"{name}_friction.power_housing": (1.0 - bearing.into_screw) * friction,
@@ -98,6 +101,11 @@ def _support(name: str, bearing: Anchor) -> dict[str, float]:
         f"{name}_housing.capacity": bearing.capacity,
         f"{name}_housing.g": bearing.contact,
     }
+
+
+def _thinned(part: Nut | Anchor) -> float:
+    """Friction at the temperature at which the model's is as told, against that at the grease's own."""
+    return math.exp(-part.thinning * (WARMTH_C - part.grease))
 
 
 def bore_delay_s(one: Machine) -> float:

@@ -64,6 +64,11 @@ def _exponent(bearing: Anchor) -> float:
     return 1.0 + float(powers @ torques / torques.sum())
 
 
+def _of_both(one: Machine, what: str) -> float:
+    """The mean of the bearings: the model has one rate for them."""
+    return float(np.mean([getattr(bearing, what) for bearing in (one.anchor, one.free)]))
+
+
 def _expansion(one: Machine) -> Values:
     share = one.screw.expansion / PAPER.screw.expansion
     return share - 1.0, EXPANSION_ERROR * share
@@ -74,6 +79,10 @@ OWN: Mapping[str, Mapping[str, Callable[[Machine], Values]]] = {
     "bearing_speed_exponent": {
         "anchor_friction.n": lambda one: (_exponent(one.anchor), OF_BEARINGS),
         "free_friction.n": lambda one: (_exponent(one.free), OF_BEARINGS),
+    },
+    "friction_thinning": {
+        "warm_grease.nut": lambda one: (one.nut.thinning, one.nut.planted_thinning),
+        "warm_grease.bearings": lambda one: (_of_both(one, "thinning"), _of_both(one, "planted_thinning")),
     },
     "radiation": {
         "still_air.h": lambda one: (one.air.still + RADIATION * one.air.emissivity, RADIATION * EMISSIVITY),

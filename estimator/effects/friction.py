@@ -73,7 +73,7 @@ class WarmGrease(Effect):
 
     q = -nut P |omega / omega_ref|^n (T - T_ref), P and n of nut_friction;   `bearings` instead of `nut` at these
 
-    reference  T_ref, at which the powers are what they are
+    reference  T_ref, at which the powers are what they are;   a rate is below 0 where warmth adds to the preload
 
     Beside friction_thinning, which is all of a grease's viscosity: of a preloaded nut's torque a part is load, and does
     not thin. Fitted, and never searched for: no parameter has a null
@@ -81,9 +81,11 @@ class WarmGrease(Effect):
 
     scales = THINNED
     trace = "The first minutes of a drive too cold and the last too warm, and more heat on a colder day."
-    nut = Param(0.004, "1/K", lo=0.0, hi=0.03, sd=0.004, source="0 where load brakes, 0.5 - 1.5 %/K of greased screws")
+    nut = Param(
+        0.004, "1/K", lo=-0.01, hi=0.08, sd=0.004, source="0 where load brakes, 0.5 - 1.5 %/K of greased screws"
+    )
     bearings = Param(
-        0.004, "1/K", lo=0.0, hi=0.03, sd=0.004, source="M1 does not thin, M0 by 2/3 of 4 %/K: 0 - 1.5 %/K"
+        0.004, "1/K", lo=-0.01, hi=0.08, sd=0.004, source="M1 does not thin, M0 by 2/3 of 4 %/K: 0 - 1.5 %/K"
     )
     reference = Param(22.0, "degC", lo=-50.0, hi=100.0, fixed=True, source="a workshop")
 
