@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+
 from estimator.effect import Effect, Param, needed
 from estimator.effects.bearings import BEARINGS, SEATS, seat_of, under_bearing
 from estimator.effects.nut import per_cell, under_nut
@@ -11,6 +13,7 @@ from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, START, Heat, Link, Term
 
+WORKING_K = 10.0  # by how much what rubs is warmer than T_ref on the whole: from there on the law is straight
 THINNED = ("nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing", *SEATS)
 
 
@@ -53,9 +56,9 @@ class BearingSpeedExponent(Effect):
 class FrictionThinning(Effect):
     """Friction of nut and bearings falls as the grease warms, and is higher on a colder day.
 
-    q = -rate P |omega / omega_ref|^n (T - T_ref), P and n of nut_friction;   ratio times that rate at the bearings
+    q = P |omega / omega_ref|^n (e^(-rate (T - T_ref)) - 1), P and n of nut_friction, its tangent 10 K above T_ref
 
-    reference  T_ref, at which the powers are what they are
+    ratio  times that rate at the bearings;   reference  T_ref, at which the powers are what they are
     """
 
     scales = THINNED
@@ -71,7 +74,8 @@ class FrictionThinning(Effect):
 class WarmGrease(Effect):
     """Grease is a little thinner the warmer it is: friction of nut and bearings is as told at one temperature.
 
-    q = -nut P |omega / omega_ref|^n (T - T_ref), P and n of nut_friction;   `bearings` instead of `nut` at these
+    q = P |omega / omega_ref|^n (e^(-nut (T - T_ref)) - 1), P and n of nut_friction, its tangent 10 K above T_ref;
+    `bearings` instead of `nut` at these
 
     reference  T_ref, at which the powers are what they are;   a rate is below 0 where warmth adds to the preload
 
@@ -97,24 +101,30 @@ def _thinned(p: SimpleNamespace, u: Inputs, rig: Rig, nut_rate: Any, bearing_rat
     """What friction that falls by these rates, 1/K, takes from its heats at T_ref."""
     w, colder = rig.the_screw().relative_speed(u.omega), p.reference - u[START]
     nut = needed(p, "nut_friction")
-    turn = nut_rate * w**nut.n
+    slope, more = _tangent(nut_rate, w**nut.n, colder)
     # by the whole nut: in single cells the balls' share may be below 0, and a link would conduct backwards
-    yield Link(SCREW, START, turn * nut.power * per_cell(rig), over=u.coverage)
-    yield Heat(SCREW, turn * nut.power * per_cell(rig) * colder, over=u.coverage)
+    yield Link(SCREW, START, slope * nut.power * per_cell(rig), over=u.coverage)
+    yield Heat(SCREW, more * nut.power * per_cell(rig), over=u.coverage)
     if p.nut_body is not None:
-        yield Link("nut", START, turn * nut.power_nut)
-        yield Heat("nut", turn * nut.power_nut * colder)
+        yield Link("nut", START, slope * nut.power_nut)
+        yield Heat("nut", more * nut.power_nut)
     for support in BEARINGS:
         bearing = getattr(p, f"{support}_friction")
         if bearing is None:
             continue
-        turn = bearing_rate * w**bearing.n
+        slope, more = _tangent(bearing_rate, w**bearing.n, colder)
         seat = under_bearing(rig, support, seat_of(p, support))
-        yield Link(SCREW, START, turn * bearing.power * seat)
-        yield Heat(SCREW, turn * bearing.power * colder, over=seat)
+        yield Link(SCREW, START, slope * bearing.power * seat)
+        yield Heat(SCREW, more * bearing.power, over=seat)
         if getattr(p, f"{support}_housing") is not None:
-            yield Link(f"{support}_housing", START, turn * bearing.power_housing)
-            yield Heat(f"{support}_housing", turn * bearing.power_housing * colder)
+            yield Link(f"{support}_housing", START, slope * bearing.power_housing)
+            yield Heat(f"{support}_housing", more * bearing.power_housing)
+
+
+def _tangent(rate: Any, speed: Any, colder: Any) -> tuple[Any, Any]:
+    """Of speed (e^(-rate (T - T_ref)) - 1): how much it falls per K, and what it is where the screw started."""
+    steep = np.exp(-rate * WORKING_K)
+    return speed * rate * steep, speed * (steep * (1.0 + rate * (WORKING_K + colder)) - 1.0)
 
 
 class Churning(Effect):

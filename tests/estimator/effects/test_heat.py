@@ -78,7 +78,7 @@ def _at(term: Heat, node: str, place: str, rig) -> bool:
 
 
 def test_thinning_takes_heat_in_proportion_to_the_warmth(rig, u):
-    """Under the nut rate P w^n (T - T_start) less; at a bearing ratio times that rate."""
+    """Under the nut P w^n times the slope of e^(-rate (T - T_ref)) at T_ref + 10 K; at a bearing by ratio times it."""
     terms = terms_of("friction_thinning", rig, u, rate=0.02, ratio=1.5)
     links = [term for term in terms if isinstance(term, Link)]
     assert {(link.a, link.b) for link in links} == {
@@ -90,10 +90,11 @@ def test_thinning_takes_heat_in_proportion_to_the_warmth(rig, u):
     )
     for w, tick in ((0.0, 0), (1 / 3, 1), (1.0, 2)):
         for k, (name, rate) in enumerate((("nut", 0.02), ("anchor", 0.03), ("free", 0.03))):
-            less = rate * friction[name]["power"].value * w ** friction[name]["n"].value
+            less = rate * np.exp(-10.0 * rate) * friction[name]["power"].value * w ** friction[name]["n"].value
             assert total[k, tick] == pytest.approx(less, rel=1e-9)
     (body,) = (link.g for link in links if link.a == "nut")
-    np.testing.assert_allclose(body[:, 0], 0.02 * friction["nut"]["power_nut"].value * u.omega[:, 0] / REFERENCE)
+    less = 0.02 * np.exp(-0.2) * friction["nut"]["power_nut"].value
+    np.testing.assert_allclose(body[:, 0], less * u.omega[:, 0] / REFERENCE)
 
 
 def test_warm_grease_thins_at_nut_and_bearings_by_rates_of_their_own(rig, u):
@@ -109,14 +110,14 @@ def test_warm_grease_thins_at_nut_and_bearings_by_rates_of_their_own(rig, u):
             np.testing.assert_allclose(getattr(mine, key), getattr(strong, key), rtol=1e-12)
 
 
-def test_on_a_colder_day_friction_is_higher_from_the_start(rig, u):
-    """By as much as it falls while that is made up for: rate P w^n (T_ref - T_start)."""
-    cold = replace(u, values={**u.values, START: np.full_like(u.omega, 17.0)})
-    terms = terms_of("friction_thinning", rig, cold, rate=0.02, ratio=1.5, reference=20.0)
-    for node in ("screw", "nut", "anchor_housing", "free_housing"):
-        taken = sum(np.sum(t.g * t.over + 0.0 * u.coverage, axis=1) if node == "screw" else (t.g * t.over)[:, 0]
-                    for t in terms if isinstance(t, Link) and t.a == node)  # fmt: skip
-        np.testing.assert_allclose(watts(terms, node, 3), 3.0 * taken, rtol=1e-9)
+@pytest.mark.parametrize(("start", "within"), [(30.0, 1e-9), (20.0, 0.04), (40.0, 0.07)])
+def test_friction_is_that_of_an_exponential_where_machines_work(start, within, rig, u):
+    """Of the nut's body, where it starts: what is left of P w^n, e^(-rate (T - T_ref)) of it, exactly 10 K above."""
+    there = replace(u, values={**u.values, START: np.full_like(u.omega, start)})
+    terms = terms_of("friction_thinning", rig, there, rate=0.03, reference=20.0)
+    friction = CATALOGUE["nut_friction"].params["power_nut"].value * u.omega[:, 0] / REFERENCE
+    left = friction + watts(terms, "nut", 3)
+    np.testing.assert_allclose(left, friction * np.exp(-0.03 * (start - 20.0)), rtol=within)
 
 
 def test_thinning_serves_a_model_without_bearings_and_bodies(full, rig, u):
