@@ -58,7 +58,7 @@ class FrictionThinning(Effect):
 
     q = P |omega / omega_ref|^n (e^(-rate (T - T_ref)) - 1), P and n of nut_friction, its tangent 10 K above T_ref
 
-    ratio  times that rate at the bearings;   reference  T_ref, at which the powers are what they are
+    reference  T_ref, at which the powers are what they are;   ratio: of the bearings' rate to that of the nut
     """
 
     scales = THINNED

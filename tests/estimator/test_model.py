@@ -268,7 +268,7 @@ def test_an_own_effect_that_fails_is_named_with_its_file(tmp_path, small, driven
 def test_the_model_that_ships_is_readable():
     model = load_model(Path(__file__).parents[2] / "recordings" / "model.toml")
     assert {effect.name for effect in STRUCTURE} <= set(model.effects) <= set(CATALOGUE)
-    assert len(model.effects) == 18
+    assert len(model.effects) == 19
     assert set(model.about["fitted_on"]) == {"FS-20.blf", "FS-5.blf", "CS-10.blf", "ES-2.5.blf"}
     for path, value in model.values.items():
         assert model.param(path).lo <= value.value <= model.param(path).hi

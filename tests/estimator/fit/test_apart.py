@@ -51,6 +51,12 @@ def free(model, *paths: str):
 
 
 @pytest.fixture(scope="module")
+def full(full):
+    """Without what takes its share of the nut's power, and none of another heat's."""
+    return full - "warm_grease"
+
+
+@pytest.fixture(scope="module")
 def slow(rig, full, driven, live):
     """Driven at one speed, half of the reference."""
     return live(full.with_values(TRUE), rig, driven(rig, 400, (20, 240), 87.3), seed=5).recording
