@@ -13,6 +13,7 @@ from estimator.inputs.inputs import Inputs
 from estimator.rig import Rig
 from estimator.terms import SCREW, START, Heat, Link, Term
 
+TINY = 1e-12  # (W/K)^2
 WORKING_K = 10.0  # by how much what rubs is warmer than T_ref on the whole: from there on the law is straight
 THINNED = ("nut_friction", "nut_body", "anchor_friction", "anchor_housing", "free_friction", "free_housing", *SEATS)
 
@@ -101,24 +102,45 @@ def _thinned(p: SimpleNamespace, u: Inputs, rig: Rig, nut_rate: Any, bearing_rat
     """What friction that falls by these rates, 1/K, takes from its heats at T_ref."""
     w, colder = rig.the_screw().relative_speed(u.omega), p.reference - u[START]
     nut = needed(p, "nut_friction")
-    slope, more = _tangent(nut_rate, w**nut.n, colder)
     # by the whole nut: in single cells the balls' share may be below 0, and a link would conduct backwards
-    yield Link(SCREW, START, slope * nut.power * per_cell(rig), over=u.coverage)
-    yield Heat(SCREW, more * nut.power * per_cell(rig), over=u.coverage)
+    law, under = _tangent(nut_rate, w**nut.n, colder), (per_cell(rig), u.coverage)
+    yield from _falling(law, nut.power, under)
     if p.nut_body is not None:
-        yield Link("nut", START, slope * nut.power_nut)
-        yield Heat("nut", more * nut.power_nut)
+        yield from _beside("nut", p.nut_body.g, law, (nut.power, nut.power_nut), under)
     for support in BEARINGS:
-        bearing = getattr(p, f"{support}_friction")
+        bearing, housing = getattr(p, f"{support}_friction"), getattr(p, f"{support}_housing")
         if bearing is None:
             continue
-        slope, more = _tangent(bearing_rate, w**bearing.n, colder)
-        seat = under_bearing(rig, support, seat_of(p, support))
-        yield Link(SCREW, START, slope * bearing.power * seat)
-        yield Heat(SCREW, more * bearing.power, over=seat)
-        if getattr(p, f"{support}_housing") is not None:
-            yield Link(f"{support}_housing", START, slope * bearing.power_housing)
-            yield Heat(f"{support}_housing", more * bearing.power_housing)
+        law, under = (
+            _tangent(bearing_rate, w**bearing.n, colder),
+            (1.0, under_bearing(rig, support, seat_of(p, support))),
+        )
+        yield from _falling(law, bearing.power, under)
+        if housing is not None:
+            powers = (bearing.power, bearing.power_housing)
+            yield from _beside(f"{support}_housing", housing.g, law, powers, under)
+
+
+def _falling(law: tuple[Any, Any], power: Any, under: tuple[float, Any]) -> Iterator[Term]:
+    """Of the power that goes into the screw."""
+    (slope, more), (share, over) = law, under
+    yield Link(SCREW, START, slope * power * share, over=over)
+    yield Heat(SCREW, more * power * share, over=over)
+
+
+def _beside(
+    body: str, g: Any, law: tuple[Any, Any], powers: tuple[Any, Any], under: tuple[float, Any]
+) -> Iterator[Term]:
+    """Of the power that goes into the body beside the screw; what rubs is as warm as both on the mean.
+
+    So each feels the other with half its own slope: a link -s, half the mean of both, here -s g^2 / (g^2 + s^2),
+    which is that while s is little beside the g between them, and takes half of g at most
+    """
+    (slope, more), (share, over) = law, under
+    yield Link(body, START, slope * powers[1])
+    yield Heat(body, more * powers[1])
+    less = slope * sum(powers) / 4.0
+    yield Link(SCREW, body, -less * g**2 / (g**2 + less**2 + TINY) * share, over=over)
 
 
 def _tangent(rate: Any, speed: Any, colder: Any) -> tuple[Any, Any]:

@@ -81,12 +81,17 @@ def test_thinning_takes_heat_in_proportion_to_the_warmth(rig, u):
     """Under the nut P w^n times the slope of e^(-rate (T - T_ref)) at T_ref + 10 K; at a bearing by ratio times it."""
     terms = terms_of("friction_thinning", rig, u, rate=0.02, ratio=1.5)
     links = [term for term in terms if isinstance(term, Link)]
+    bodies = ("nut", "anchor_housing", "free_housing")
     assert {(link.a, link.b) for link in links} == {
-        (node, START) for node in ("screw", "nut", "anchor_housing", "free_housing")
-    }
+        *((node, START) for node in ("screw", *bodies)), *(("screw", body) for body in bodies)
+    }  # fmt: skip
     friction = {name: CATALOGUE[f"{name}_friction"].params for name in ("nut", "anchor", "free")}
     total = np.array(
-        [np.broadcast_to(link.g * link.over, (3, rig.screw.cells)).sum(axis=1) for link in links if link.a == "screw"]
+        [
+            np.broadcast_to(link.g * link.over, (3, rig.screw.cells)).sum(axis=1)
+            for link in links
+            if link.b == START and link.a == "screw"
+        ]
     )
     for w, tick in ((0.0, 0), (1 / 3, 1), (1.0, 2)):
         for k, (name, rate) in enumerate((("nut", 0.02), ("anchor", 0.03), ("free", 0.03))):
@@ -95,6 +100,23 @@ def test_thinning_takes_heat_in_proportion_to_the_warmth(rig, u):
     (body,) = (link.g for link in links if link.a == "nut")
     less = 0.02 * np.exp(-0.2) * friction["nut"]["power_nut"].value
     np.testing.assert_allclose(body[:, 0], less * u.omega[:, 0] / REFERENCE)
+
+
+@pytest.mark.parametrize(("rate", "g", "share"), [(0.01, 3.0, 0.99), (0.08, 3.0, 0.89), (0.03, 0.0, 0.0)])
+def test_what_rubs_is_as_warm_as_both_sides(rate, g, share, full, rig, u):
+    """Friction of equal powers falls by slope (T_screw + T_nut) / 2 on either side; a link never conducts backwards."""
+    model = full + CATALOGUE["friction_thinning"]
+    values = {
+        "nut_body.g": g,
+        "nut_friction.power": 60.0,
+        "nut_friction.power_nut": 60.0,
+        "friction_thinning.rate": rate,
+    }
+    terms = model.with_values(values).terms_of("friction_thinning", u, rig)
+    linked = sum(np.sum(term.g * term.over, axis=1) for term in terms if isinstance(term, Link) and term.b == "nut")
+    half = 0.5 * 60.0 * rate * np.exp(-10.0 * rate) * u.omega[:, 0] / REFERENCE
+    assert np.all((-g / 2 <= linked) & (linked <= 0.0))
+    np.testing.assert_allclose(linked[2], -half[2] * share, rtol=0.02)
 
 
 def test_warm_grease_thins_at_nut_and_bearings_by_rates_of_their_own(rig, u):
