@@ -111,10 +111,8 @@ def _thinned(p: SimpleNamespace, u: Inputs, rig: Rig, nut_rate: Any, bearing_rat
         bearing, housing = getattr(p, f"{support}_friction"), getattr(p, f"{support}_housing")
         if bearing is None:
             continue
-        law, under = (
-            _tangent(bearing_rate, w**bearing.n, colder),
-            (1.0, under_bearing(rig, support, seat_of(p, support))),
-        )
+        law = _tangent(bearing_rate, w**bearing.n, colder)
+        under = (1.0, under_bearing(rig, support, seat_of(p, support)))
         yield from _falling(law, bearing.power, under)
         if housing is not None:
             powers = (bearing.power, bearing.power_housing)
