@@ -16,6 +16,7 @@ from estimator.errors import BallscrewError
 from estimator.model import Model
 from estimator.network import assemble
 from estimator.network.check import checked_terms
+from estimator.network.layout import layout
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.terms import Heat, Term
@@ -105,7 +106,7 @@ def seen(bench: Bench) -> Iterator[str]:
     for key, off in places.items():
         if _apart(bench.reads(bench.at(**{**bench.nulls, key: off})), bench.at_null) <= SEEN:
             unseen.append(key)
-    nodes = assemble.layout(list(bench.model.terms(bench.u, bench.rig)), bench.rig).nodes
+    nodes = layout(list(bench.model.terms(bench.u, bench.rig)), bench.rig).nodes
     spared = any(isinstance(term, Heat) and term.node not in nodes for term in bench.terms())
     for key in unseen:
         excused = params[key].fixed or (spared and len(unseen) < len(places))
@@ -138,7 +139,7 @@ def _skeleton(term: Term) -> object:
 
 def derivative(bench: Bench) -> Iterator[str]:
     """By complex step it is that of central differences, in all that the effect says and all that is made of it."""
-    place = assemble.layout(list(bench.model.terms(bench.u, bench.rig)), bench.rig)
+    place = layout(list(bench.model.terms(bench.u, bench.rig)), bench.rig)
     for key, param in bench.effect.params.items():
         value = param.value or 0.01
         step = 1e-4 * (min(abs(value), LENGTH_MM) if param.unit == "mm" else abs(value))
@@ -171,7 +172,7 @@ def order(bench: Bench) -> Iterator[str]:
 
 def conserving(bench: Bench) -> Iterator[str]:
     """What its links take out of the nodes goes to inputs, and nowhere else; no link conducts backwards."""
-    place = assemble.layout(list(bench.model.terms(bench.u, bench.rig)), bench.rig, reduced=False)
+    place = layout(list(bench.model.terms(bench.u, bench.rig)), bench.rig, reduced=False)
     own = assemble.network_of(bench.terms(), place, len(bench.u))
     outside = own.inflow[:, :, : len(place.inputs)].sum(axis=2)
     for axis in (1, 2):

@@ -13,8 +13,8 @@ from estimator.errors import SetupError
 from estimator.inputs.inputs import Inputs, nothing
 from estimator.model import Model
 from estimator.network import assemble
-from estimator.network.assemble import Layout
 from estimator.network.forcing import Drive, Forcing
+from estimator.network.layout import Layout
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.terms import Spot, Term

@@ -96,11 +96,12 @@ def _whole(screw: Screw, nut: Nut) -> tuple[Array, Array, Array]:
 
 def product(a: Array, b: Array) -> Array:
     """The product of two matrices, of which one may be complex: as one with the other's zero parts it takes four times
-    as long, and parts that do not lie in one piece take twenty times."""
+    as long, and parts that do not lie in one piece take twenty times. Of few rows both parts are read off one product,
+    which reads the other matrix once."""
     if np.iscomplexobj(a) == np.iscomplexobj(b):
         return np.asarray(a @ b)
     if np.iscomplexobj(a):
-        real, imag = (np.ascontiguousarray(part) @ np.asarray(b) for part in (a.real, a.imag))
+        real, imag = np.split(np.concatenate([a.real, a.imag]) @ np.asarray(b), 2)
     else:
         real, imag = (np.asarray(a) @ np.ascontiguousarray(part) for part in (b.real, b.imag))
     return np.asarray(real + 1j * imag)

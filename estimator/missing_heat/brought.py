@@ -10,7 +10,7 @@ import numpy as np
 from estimator.batch.trial import Posed, Trial
 from estimator.inputs.inputs import Inputs
 from estimator.missing_heat.zones import Zone
-from estimator.network.assemble import Layout
+from estimator.network.layout import Layout
 from estimator.record import Array
 from estimator.terms import SCREW, Heat, Link, Term
 

@@ -5,7 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from estimator.network.assemble import Layout, spread
+from estimator.network.assemble import spread
+from estimator.network.layout import Layout
 from estimator.record import Array
 from estimator.rig import Rig
 from estimator.terms import SCREW

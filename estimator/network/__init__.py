@@ -1,2 +1,2 @@
-"""Terms into a thermal network, and one tick: mesh, growth, sound, check, assemble, discretise, regime,
+"""Terms into a thermal network, and one tick: mesh, growth, sound, check, layout, assemble, discretise, regime,
 unknown, forcing."""

@@ -21,6 +21,7 @@ from estimator.model import Model
 from estimator.network import assemble
 from estimator.network.check import checked_terms
 from estimator.network.discretise import Modes, Transition
+from estimator.network.layout import Layout, layout
 from estimator.network.regime import Regimes
 from estimator.network.sound import Sound
 from estimator.network.unknown import unknown_heat
@@ -131,7 +132,7 @@ class Forcing:
         else:
             self.terms = checked_terms(model, self.nothing, rig, self._sound)
         same = checked and like is not None and not like.place.shifts
-        self.place: assemble.Layout = like.place if like and same else assemble.layout(self.terms, rig, reduced)
+        self.place: Layout = like.place if like and same else layout(self.terms, rig, reduced)
         self.readings = assemble.readings(self.terms, rig, self.place)
 
     def with_model(self, model: Model) -> "Forcing":

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from estimator.network.assemble import Layout
+from estimator.network.layout import Layout
 from estimator.record import Array
 
 LEVEL, ALONG, BODY = 0.2, 0.5, 0.5  # K/sqrt(s): a drive at 20 m/min warms the screw by 5 K in 4 min, its ends by 15 K

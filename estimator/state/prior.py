@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from estimator.inputs.start import Start
-from estimator.network.assemble import Layout
+from estimator.network.layout import Layout
 from estimator.record import Array
 from estimator.terms import Store, Term
 

@@ -12,8 +12,9 @@ from estimator.faults.machine import Known
 from estimator.inputs.gate import believable
 from estimator.inputs.start import Start, read_start
 from estimator.model import Model
-from estimator.network.assemble import Layout, Readings
+from estimator.network.assemble import Readings
 from estimator.network.forcing import Forcing
+from estimator.network.layout import Layout
 from estimator.record import Array, Recording, Sample
 from estimator.rig import Rig
 from estimator.state.gate import Innovation, Mute, first_faults

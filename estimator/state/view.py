@@ -6,9 +6,10 @@ import numpy as np
 
 from estimator.faults.fault import Fault
 from estimator.network import mesh
-from estimator.network.assemble import Layout, span_growth
+from estimator.network.assemble import span_growth
 from estimator.network.forcing import Forcing
 from estimator.network.growth import Growth
+from estimator.network.layout import Layout
 from estimator.record import Array, Recording
 from estimator.rig import Rig
 from estimator.terms import SCREW, Hold, Term

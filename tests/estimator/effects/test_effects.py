@@ -16,6 +16,7 @@ from estimator.inputs.start import Start
 from estimator.model import Model, model_of
 from estimator.network import assemble
 from estimator.network.forcing import Forcing
+from estimator.network.layout import Layout, layout
 from estimator.record import Array
 from estimator.state.view import View
 from estimator.terms import Expand, Heat, Lag, Read, Spot, Store
@@ -175,9 +176,9 @@ def test_friction_heats_the_body_beside_the_screw_where_there_is_one(friction, k
     full -= "warm_grease"  # takes its share of these heats
     fast = replace(u, omega=np.full((3, 1), 1667 * 2 * np.pi / 60))
 
-    def heat(model: Model) -> tuple[Array, assemble.Layout]:
+    def heat(model: Model) -> tuple[Array, Layout]:
         terms = list(model.terms(fast, rig))
-        place = assemble.layout(terms, rig)
+        place = layout(terms, rig)
         return assemble.heat(terms, place, 3), place
 
     other = {f"{friction}.{key}": 20.0}

@@ -13,6 +13,7 @@ from estimator.errors import SetupError
 from estimator.inputs.inputs import Inputs, no_inputs
 from estimator.inputs.motion import MotionReader
 from estimator.network import assemble
+from estimator.network.layout import layout
 from estimator.terms import START, Heat, Link, Shift
 from tests.conftest import FAST, terms_of
 
@@ -266,7 +267,7 @@ def test_a_gradient_warms_one_end_as_it_cools_the_other(rig, u):
     """A bare bar that only loses heat to the air: what a gradient gives sums up to nothing about its middle."""
     u = replace(u, coverage=np.zeros_like(u.coverage), seats=0.0)
     terms = [*terms_of("still_air", rig, u), *terms_of("ambient_gradient", rig, u), *terms_of("conduction", rig, u)]
-    place = assemble.layout(terms, rig, reduced=False)
+    place = layout(terms, rig, reduced=False)
     network = assemble.network_of(terms, place, 3)
     outside = np.zeros((3, place.boundaries))
     outside[:, len(place.inputs) :] = assemble.outside(terms, u, place)[:, len(place.inputs) :]
@@ -286,7 +287,7 @@ def test_a_shift_is_felt_by_what_links_to_its_input_only(rig, u):
     stores = terms_of("nut_body", rig, u)[:1]
     for shift, felt in ((Shift("ambient", 1.5), 2.0), (Shift("ambient", 1.5, over=rig.screw.x_mm), 0.0)):
         terms = [*stores, *links, shift]
-        place = assemble.layout(terms, rig)
+        place = layout(terms, rig)
         inflow = assemble.network_of(terms, place, 3).inflow
         np.testing.assert_allclose(inflow[:, 0, len(place.inputs)], felt)
         np.testing.assert_allclose(assemble.outside(terms, u, place)[:, -1], 1.5)

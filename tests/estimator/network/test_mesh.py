@@ -12,6 +12,7 @@ from estimator.filter import Filter
 from estimator.inputs.start import Start
 from estimator.network import assemble, mesh, regime
 from estimator.network.forcing import Forcing
+from estimator.network.layout import Layout
 from estimator.rig import Channel, Rig, Signal
 from estimator.rig_folder.model_toml import load_model
 from estimator.screw import Nut, Screw
@@ -53,7 +54,7 @@ def by_cells(place, node, weights, regimes, other=""):
     return found
 
 
-@mock.patch.object(assemble.Layout, "squares", by_cells)
+@mock.patch.object(Layout, "squares", by_cells)
 def fine(model, rig, drive):
     """The same on every cell: the network of each regime, solved implicitly (trapezoids, 20 steps a tick)."""
     forcing = Forcing(model, rig, start(rig), reduced=False)

@@ -15,6 +15,7 @@ from estimator.network import assemble
 from estimator.network.check import checked_terms
 from estimator.network.discretise import Modes, transition
 from estimator.network.forcing import Forcing
+from estimator.network.layout import layout
 from estimator.terms import ELONGATION, Chain, Heat, Link, Read, Spot, Store
 
 
@@ -47,7 +48,7 @@ def two_regimes(rig) -> Inputs:
 
 def assembled(rig, *effects, reduced: bool = True):
     model, u = model_of(effects), two_regimes(rig)
-    place = assemble.layout(list(model.terms(u, rig)), rig, reduced)
+    place = layout(list(model.terms(u, rig)), rig, reduced)
     return place, assemble.network_of(list(model.terms(u, rig)), place, len(u))
 
 
@@ -145,7 +146,7 @@ def test_noise_of_a_heat_is_in_step_over_all_cells(small):
 def test_all_heat_arrives_on_the_reduced_mesh(small):
     u, model = two_regimes(small), model_of([Insulated])
     terms = list(model.terms(u, small))
-    place = assemble.layout(terms, small)
+    place = layout(terms, small)
     np.testing.assert_allclose(assemble.heat(terms, place, 2).sum(axis=1), [0, 100 * 5.0])
 
 
@@ -224,7 +225,7 @@ def test_several_reads_of_a_channel_add(small):
     u = two_regimes(small)
     u = replace(u, rises={**u.rises, "probe": np.array([[0.0], [1.5]])})
     terms = checked_terms(model_of([Insulated, Probe, Holder]), u, small)
-    place = assemble.layout(terms, small)
+    place = layout(terms, small)
     found = assemble.readings(terms, small, place)
     growth = small.screw.growth(10.0, 190.0) @ place.shapes[:20]
     expected = 1.5 * growth
