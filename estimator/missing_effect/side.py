@@ -84,10 +84,13 @@ class Side:
 
     @property
     def _likely(self) -> list[Hypothesis]:
-        """Effects that are worth having, the best first; a wrong input where it is most of what is wrong: set right,
-        recordings are well."""
+        """Effects that are worth having, the best first; a wrong input where, set right, recordings are well."""
         plain, both = self.plain.judged, sorted([*self.fitted, *self.own], key=lambda h: h.misfit)
-        return [h for h in both if worth(h, plain) and (most(plain, h.judged) or not inputs_in(h.names))]
+        return [h for h in both if worth(h, plain) and self._sets_right(h)]
+
+    def _sets_right(self, h: Hypothesis) -> bool:
+        """Whether a wrong input, where one is in it, is most of what is wrong."""
+        return most(self.plain.judged, h.judged) or not inputs_in(h.names)
 
     @cached_property
     def told(self) -> list[Hypothesis]:
@@ -111,7 +114,7 @@ class Side:
         both = self._pairs([one.candidate for one in self._few(2 * REFINED)])
         best, tried = (self.single, self.tried) if self.missing else (self.plain.judged, math.comb(self.tried, 2))
         fitted = [refined(self.ground, self.trials, two) for two in self._to_fit(both, best, tried)]
-        found = [h for h in fitted if material(h, best, tried) and not too_small(h)]
+        found = [h for h in fitted if material(h, best, tried) and self._sets_right(h) and not too_small(h)]
         return min(found, key=lambda h: h.misfit, default=None)
 
     def _to_fit(

@@ -56,3 +56,16 @@ def test_beside_a_parameter_of_another_value_no_effect_is_named_that_is_not_prov
 @pytest.mark.parametrize(("left", "named"), [(1.4, ["speed_scale"]), (1.6, [])])
 def test_an_input_is_wrong_where_setting_it_right_takes_most_of_the_misfit_off(side, left, named):
     assert [h.names[0] for h in side(told("speed_scale", left)).told] == named
+
+
+@pytest.mark.parametrize(("left", "found"), [(1.4, True), (1.6, False)])
+def test_so_it_is_beside_an_effect(side, left, found, monkeypatch):
+    both = Told(("churning", "speed_scale"), explanation(left, 0.8 * left, 2))
+    for name, answer in (("_few", []), ("_pairs", []), ("_to_fit", [both])):
+        monkeypatch.setattr(Side, name, lambda *_, answer=answer: answer)
+    for name, answer in (("material", True), ("too_small", False)):
+        monkeypatch.setattr(f"{Side.__module__}.{name}", lambda *_, answer=answer: answer)
+    monkeypatch.setattr(f"{Side.__module__}.refined", lambda ground, trials, two: two)
+    made = side(told("churning", 2.5))
+    made.ground = made.trials = None
+    assert (made.pair is both) == found
