@@ -68,7 +68,7 @@ bench-engine: $(PEERS) $(FITTED:%=recordings/%.blf)
 study-fit: $(READY)
 	$(BIN)/python -m benchmarks recovery
 
-# a model fitted to each of twenty machines: eighty minutes on two cores; goes on where it was stopped
+# a model fitted to each of twenty machines: forty minutes on two cores; goes on where it was stopped
 # WORDS="101-104 runs" does a part of it, see benchmarks/machines.py
 study-machines: $(READY)
 	$(BIN)/python -m benchmarks machines $(WORDS)
