@@ -83,17 +83,11 @@ def test_thinning_takes_heat_in_proportion_to_the_warmth(rig, u):
     terms = terms_of("friction_thinning", rig, u, rate=0.02, ratio=1.5)
     links = [term for term in terms if isinstance(term, Link)]
     bodies = ("nut", "anchor_housing", "free_housing")
-    assert {(link.a, link.b) for link in links} == {
-        *((node, START) for node in ("screw", *bodies)), *(("screw", body) for body in bodies)
-    }  # fmt: skip
+    ends = {*((node, START) for node in ("screw", *bodies)), *(("screw", body) for body in bodies)}
+    assert {(link.a, link.b) for link in links} == ends
     friction = {name: CATALOGUE[f"{name}_friction"].params for name in ("nut", "anchor", "free")}
-    total = np.array(
-        [
-            np.broadcast_to(link.g * link.over, (3, rig.screw.cells)).sum(axis=1)
-            for link in links
-            if link.b == START and link.a == "screw"
-        ]
-    )
+    into = [link for link in links if (link.a, link.b) == ("screw", START)]
+    total = np.array([np.sum(link.g * link.over + 0.0 * u.coverage, axis=1) for link in into])
     for w, tick in ((0.0, 0), (1 / 3, 1), (1.0, 2)):
         for k, (name, rate) in enumerate((("nut", 0.02), ("anchor", 0.03), ("free", 0.03))):
             less = rate * np.exp(-10.0 * rate) * friction[name]["power"].value * w ** friction[name]["n"].value
@@ -107,13 +101,10 @@ def test_thinning_takes_heat_in_proportion_to_the_warmth(rig, u):
 def test_what_rubs_is_as_warm_as_both_sides(rate, g, share, full, rig, u):
     """Friction of equal powers falls by slope (T_screw + T_nut) / 2 on either side; a link never conducts backwards."""
     model = full + CATALOGUE["friction_thinning"]
-    values = {
-        "nut_body.g": g,
-        "nut_friction.power": 60.0,
-        "nut_friction.power_nut": 60.0,
-        "friction_thinning.rate": rate,
-    }
-    terms = model.with_values(values).terms_of("friction_thinning", u, rig)
+    powers = {"nut_friction.power": 60.0, "nut_friction.power_nut": 60.0}
+    terms = model.with_values({**powers, "nut_body.g": g, "friction_thinning.rate": rate}).terms_of(
+        "friction_thinning", u, rig
+    )
     linked = sum(np.sum(term.g * term.over, axis=1) for term in terms if isinstance(term, Link) and term.b == "nut")
     half = 0.5 * 60.0 * rate * np.exp(-10.0 * rate) * u.omega[:, 0] / REFERENCE
     assert np.all((-g / 2 <= linked) & (linked <= 0.0))
@@ -122,15 +113,10 @@ def test_what_rubs_is_as_warm_as_both_sides(rate, g, share, full, rig, u):
 
 def test_warm_grease_thins_at_nut_and_bearings_by_rates_of_their_own(rig, u):
     """With the rates of friction_thinning its terms are those."""
-    same = {"nut": 0.02, "bearings": 0.03}
-    for mine, strong in zip(
-        terms_of("warm_grease", rig, u, **same),
-        terms_of("friction_thinning", rig, u, rate=0.02, ratio=1.5),
-        strict=True,
-    ):
+    little = terms_of("warm_grease", rig, u, nut=0.02, bearings=0.03)
+    for mine, strong in zip(little, terms_of("friction_thinning", rig, u, rate=0.02, ratio=1.5), strict=True):
         assert type(mine) is type(strong)
-        for key in ("g",) if isinstance(mine, Link) else ("q",):
-            np.testing.assert_allclose(getattr(mine, key), getattr(strong, key), rtol=1e-12)
+        np.testing.assert_allclose(*(t.g if isinstance(t, Link) else t.q for t in (mine, strong)), rtol=1e-12)
 
 
 @pytest.mark.parametrize(("start", "within"), [(30.0, 1e-9), (20.0, 0.04), (40.0, 0.07)])
